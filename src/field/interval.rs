@@ -1,0 +1,87 @@
+//! Intervals of values and boxes of positions.
+
+use glam::DVec3;
+
+/// A closed interval of values, rounded outward where it was computed. NaN never appears: an operation that may
+/// be undefined returns [`Interval::ALL`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Interval {
+    /// The least value.
+    pub lo: f64,
+    /// The greatest value.
+    pub hi: f64,
+}
+
+impl Interval {
+    /// Every value.
+    pub const ALL: Self = Self { lo: f64::NEG_INFINITY, hi: f64::INFINITY };
+
+    /// The interval from `lo` to `hi`.
+    pub const fn new(lo: f64, hi: f64) -> Self {
+        Self { lo, hi }
+    }
+
+    /// Whether a value lies in the interval.
+    pub fn contains(self, value: f64) -> bool {
+        self.lo <= value && value <= self.hi
+    }
+}
+
+/// An axis-aligned box of world positions.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Aabb {
+    /// The least corner.
+    pub min: DVec3,
+    /// The greatest corner.
+    pub max: DVec3,
+}
+
+impl Aabb {
+    /// The box between two corners, `min ≤ max` on each axis.
+    pub const fn new(min: DVec3, max: DVec3) -> Self {
+        Self { min, max }
+    }
+
+    /// The box grown by a margin on every side.
+    pub fn grown(self, margin: f64) -> Self {
+        Self { min: self.min - margin, max: self.max + margin }
+    }
+
+    /// The least box around both.
+    pub fn union(self, other: Self) -> Self {
+        Self { min: self.min.min(other.min), max: self.max.max(other.max) }
+    }
+
+    /// The box in both, or `None` where they do not meet.
+    pub fn intersection(self, other: Self) -> Option<Self> {
+        let both = Self { min: self.min.max(other.min), max: self.max.min(other.max) };
+        both.min.cmple(both.max).all().then_some(both)
+    }
+
+    /// Whether a position lies in the box, its faces included.
+    pub fn contains(self, position: DVec3) -> bool {
+        position.cmpge(self.min).all() && position.cmple(self.max).all()
+    }
+
+    /// The middle.
+    pub fn centre(self) -> DVec3 {
+        (self.min + self.max) * 0.5
+    }
+
+    /// The lengths of the edges.
+    pub fn size(self) -> DVec3 {
+        self.max - self.min
+    }
+
+    /// The eight corners, x slowest.
+    pub fn corners(self) -> [DVec3; 8] {
+        std::array::from_fn(|i| {
+            let pick = |bit: usize, lo: f64, hi: f64| if i & bit == 0 { lo } else { hi };
+            DVec3::new(
+                pick(4, self.min.x, self.max.x),
+                pick(2, self.min.y, self.max.y),
+                pick(1, self.min.z, self.max.z),
+            )
+        })
+    }
+}

@@ -1,0 +1,80 @@
+//! Function representation: anything that answers F at any point, positive inside.
+//!
+//! [`Field`] is what the rest of the crate builds on: batches of up to 512 points, bounds over boxes that prune,
+//! gradients, and the smooth branches that meet at creases. Expressions implement it here; distance objects,
+//! meshes and morphs implement it in their own rooms.
+
+mod batch;
+mod interval;
+
+pub use batch::{BATCH, Gradients, Points};
+pub use interval::{Aabb, Interval};
+
+use glam::DVec3;
+
+/// What a field's value says about the distance to its surface.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Slope {
+    /// The value is the signed distance, outside and inside as flagged; |∇F| = 1 and |F| never exceeds the
+    /// distance on the side that is not exact.
+    Exact {
+        /// Exact where F < 0.
+        outside: bool,
+        /// Exact where F > 0.
+        inside: bool,
+    },
+    /// |F(p) − F(q)| ≤ L·|p − q|.
+    Lipschitz(f64),
+    /// Nothing is declared.
+    Unknown,
+}
+
+/// A scalar function of space, positive inside the solid, in world units.
+pub trait Field: Send + Sync {
+    /// A box outside of which F < 0, or `None` where the solid may reach to infinity.
+    fn bounding_box(&self) -> Option<Aabb>;
+
+    /// What the value says about distance.
+    fn slope(&self) -> Slope {
+        Slope::Unknown
+    }
+
+    /// F in plain `f64` arithmetic: slow, obvious, the judge of every faster way.
+    fn reference(&self, position: DVec3) -> f64;
+
+    /// An evaluator for one thread, with its own scratch memory. Make one a task, not one a block.
+    fn evaluator(&self) -> Box<dyn Evaluator + '_>;
+}
+
+/// Evaluates one field on one thread. Regions nest: everything evaluated between [`Evaluator::enter`] and the
+/// matching [`Evaluator::leave`] must lie in the region entered.
+pub trait Evaluator {
+    /// Bounds of F over the region, rounded outward, and pruning for all calls until the matching `leave`.
+    ///
+    /// Pruning keeps the zero set, the sign, and value and gradient *on* the zero set; F away from the surface
+    /// may change (an operand that cannot matter for the sign is dropped). The bounds returned are of the
+    /// unpruned F or tighter in sign; they never miss a zero.
+    fn enter(&mut self, region: &Aabb) -> Interval;
+
+    /// Leaves the innermost region.
+    fn leave(&mut self);
+
+    /// F at each point. Entries of `out` past `points.len` are unspecified.
+    fn values(&mut self, points: &Points, out: &mut [f32; BATCH]);
+
+    /// F and its gradient at each point. Where F has no gradient (a crease) one of the sides' is given.
+    fn gradients(&mut self, points: &Points, out: &mut Gradients);
+
+    /// The number of smooth branches that remain in the region: the operands, below all set operations, whose
+    /// zero sets together contain the zero set of F. At least 1; 1 means that F is itself smooth here (or is
+    /// to be treated so).
+    fn branches(&self) -> usize {
+        1
+    }
+
+    /// Value and gradient of one branch (0 ≤ `branch` < [`Evaluator::branches`]).
+    fn branch(&mut self, branch: usize, points: &Points, out: &mut Gradients) {
+        debug_assert_eq!(branch, 0);
+        self.gradients(points, out);
+    }
+}

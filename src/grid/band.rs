@@ -1,0 +1,54 @@
+//! The band: all leaf blocks around F = 0 with their distances, and what is solid behind them.
+
+use glam::IVec3;
+
+use super::{BLOCK_VOXELS, BlockMask, Lattice};
+
+/// A cube of voxels that lies wholly inside the solid and holds no leaf blocks.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct InsideTile {
+    /// Its least corner, a multiple of `edge`.
+    pub origin: IVec3,
+    /// Its edge in voxels: 8, 128 or 4096, the sizes of a tile in OpenVDB's tree.
+    pub edge: i32,
+}
+
+/// A narrow-band distance field in leaf blocks, positive inside.
+#[derive(Clone, Debug)]
+pub struct Band {
+    /// Where the voxels stand.
+    pub lattice: Lattice,
+    /// Half the band's width in voxels; the background is this times the voxel size.
+    pub half_width: f32,
+    /// The blocks' least corners, sorted by [`super::block_order`].
+    pub origins: Vec<IVec3>,
+    /// Signed distances in world units, one array a block, **positive inside**, clamped to ± the background.
+    pub distances: Vec<[f32; BLOCK_VOXELS]>,
+    /// Voxels nearer to the surface than the background.
+    pub active: Vec<BlockMask>,
+    /// Solid beyond the blocks, sorted by [`super::block_order`] of the origins.
+    pub inside_tiles: Vec<InsideTile>,
+}
+
+impl Band {
+    /// The distance at which the band ends, in world units.
+    pub fn background(&self) -> f32 {
+        (f64::from(self.half_width) * self.lattice.voxel_size.get()) as f32
+    }
+
+    /// The number of active voxels.
+    pub fn active_voxels(&self) -> u64 {
+        self.active.iter().flatten().map(|word| u64::from(word.count_ones())).sum()
+    }
+}
+
+/// A named attribute over the same blocks (and, for level-set bands, the same active voxels) as a [`Band`].
+#[derive(Clone, Debug)]
+pub struct Channel<T> {
+    /// The grid's name in the file, such as `Cd`.
+    pub name: String,
+    /// One array a block, in the band's order of blocks.
+    pub values: Vec<[T; BLOCK_VOXELS]>,
+    /// The value away from all blocks.
+    pub background: T,
+}

@@ -1,0 +1,16 @@
+//! Sparse voxel storage: the lattice, 8³ leaf blocks, the band around a surface.
+//!
+//! Knows no fields, no files and no OpenVDB; [`crate::distance`] fills what is here and [`crate::vdb`] stores it.
+
+mod band;
+mod lattice;
+
+pub use band::{Band, Channel, InsideTile};
+pub use lattice::{Lattice, VoxelSize, block_order, block_origin, voxel_offset};
+
+/// Voxels along one edge of a leaf block.
+pub const BLOCK_EDGE: i32 = 8;
+/// Voxels in a leaf block; a voxel's place is `x·64 + y·8 + z` of its offsets in the block ([`voxel_offset`]).
+pub const BLOCK_VOXELS: usize = 512;
+/// Active flags of a block: word `x`, bit `y·8 + z`.
+pub type BlockMask = [u64; 8];

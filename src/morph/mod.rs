@@ -1,0 +1,1 @@
+//! Space-time blending of shapes and space-time transfinite interpolation of attributes.

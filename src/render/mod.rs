@@ -1,0 +1,1 @@
+//! Pictures: ray casting, contact sheets, PNG.
