@@ -20,3 +20,5 @@ pub trait ColourSampler {
     /// The colour at each point, scene-linear Rec.709.
     fn sample(&mut self, points: &Points, out: &mut [LinearRgb; BATCH]);
 }
+mod colour_space;
+pub use colour_space::ColourSpace;
