@@ -22,3 +22,4 @@ pub trait ColourSampler {
 }
 mod colour_space;
 pub use colour_space::ColourSpace;
+mod constant; pub use constant::Constant;

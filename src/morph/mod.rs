@@ -14,6 +14,11 @@ mod settings;
 mod stb;
 mod volume;
 
+#[cfg(test)]
+mod exact;
+#[cfg(test)]
+mod tests;
+
 pub use coarse::CoarseGrid;
 pub use motion::{Motion, Moved, Similarity};
 pub use pace::Curve;
