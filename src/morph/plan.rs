@@ -12,7 +12,7 @@ use super::pace::{Curve, Even, even};
 use super::section::Section;
 use super::settings::{Error, Mode, Pace, Settings, Side};
 use super::stb::Stb;
-use super::volume::{Volume, difference, object_fractions, total};
+use super::volume::{Enclosing, Volume, difference, object_fractions, total};
 use crate::attribute::Colour;
 use crate::distance::Distance;
 use crate::field::{Aabb, Field};
@@ -153,14 +153,23 @@ impl Morph {
 
     /// What the morph shows at scene time τ.
     pub fn stage(&self, time: f64) -> Stage {
-        let progress = self.progress(time);
-        if progress <= 0.0 {
+        let t = self.time_at(time);
+        if t <= 0.0 {
             return Stage::From;
         }
-        if progress >= 1.0 {
+        if t >= 1.0 {
             return Stage::To;
         }
-        self.stage_at(time, self.plan.pace.at(self.pace_argument(progress)))
+        match &self.settings.mode {
+            Mode::Paper(paper) => Stage::Between(paper.section(t)),
+            Mode::Flow(flow) => {
+                let a0 = match &self.still {
+                    Some(measured) => self.enclosing(measured, t).a0,
+                    None => self.enclosing(&self.measure(time), t).a0,
+                };
+                Stage::Between(Section { a0, ..flow.section(t) })
+            }
+        }
     }
 
     /// The frame's field in world units, at scene time τ. At the ends it is the object's own.
@@ -199,16 +208,22 @@ impl Morph {
     fn frame_report(&self, time: f64) -> (FrameReport, Vec<f32>) {
         let fresh = if self.still.is_none() { Some(self.measure(time)) } else { None };
         let measured = fresh.as_ref().or(self.still.as_ref()).expect("one of both is there");
-        let stage = self.stage(time);
-        let fractions = self.fractions(measured, stage);
+        let t = self.time_at(time);
+        let Enclosing { a0, fractions } = self.enclosing(measured, t);
         let cell = self.plan.grid.cell_volume();
         let target = match &self.settings.mode {
-            Mode::Flow(_) => Some(self.target(measured, stage.t()) * cell),
+            Mode::Flow(_) => Some(self.target(measured, t) * cell),
             Mode::Paper(_) => None,
         };
-        let a0 = if let Stage::Between(section) = stage { section.a0 } else { 0.0 };
         let volume = total(&fractions) * cell;
-        (FrameReport { time, t: stage.t(), a0, target, volume, change: 0.0 }, fractions)
+        (FrameReport { time, t, a0, target, volume, change: 0.0 }, fractions)
+    }
+
+    /// STB's t at scene time τ, in \[0, 1\].
+    fn time_at(&self, time: f64) -> f64 {
+        let progress = self.progress(time).clamp(0.0, 1.0);
+        // Even pace has its ease in its curve.
+        self.plan.pace.at(if self.paced() { progress } else { self.settings.ease.at(progress) })
     }
 
     /// How far the change of shape is along its span, without ease or pace.
@@ -222,35 +237,29 @@ impl Morph {
         start + progress * (end - start)
     }
 
-    /// Even pace has its ease in its curve.
-    fn pace_argument(&self, progress: f64) -> f64 {
-        if self.paced() { progress } else { self.settings.ease.at(progress) }
-    }
-
     fn paced(&self) -> bool {
         matches!(&self.settings.mode, Mode::Flow(flow) if flow.pace == Pace::Even)
     }
 
-    fn stage_at(&self, time: f64, t: f64) -> Stage {
+    /// The blend's amount at t and what it encloses; at the ends, 0 and the object.
+    fn enclosing(&self, measured: &Measured, t: f64) -> Enclosing {
+        let grid = &self.plan.grid;
+        let own = |distances: &[f32]| Enclosing { a0: 0.0, fractions: object_fractions(grid, distances, self.plan.unit) };
         if t <= 0.0 {
-            return Stage::From;
+            return own(&measured.first);
         }
         if t >= 1.0 {
-            return Stage::To;
+            return own(&measured.second);
         }
-        match &self.still {
-            Some(measured) => self.section(measured, t),
-            None => self.section(&self.measure(time), t),
-        }
-    }
-
-    fn section(&self, measured: &Measured, t: f64) -> Stage {
         match &self.settings.mode {
-            Mode::Paper(paper) => Stage::Between(paper.section(t)),
+            Mode::Paper(paper) => {
+                let section = paper.section(t);
+                let volume = Volume::new(grid, measured, self.plan.unit, section);
+                Enclosing { a0: section.a0, fractions: volume.fractions() }
+            }
             Mode::Flow(flow) => {
-                let section = flow.section(t);
-                let volume = Volume::new(&self.plan.grid, measured, self.plan.unit, section);
-                Stage::Between(Section { a0: volume.amount_for(self.target(measured, t)), ..section })
+                let volume = Volume::new(grid, measured, self.plan.unit, flow.section(t));
+                volume.enclosing(self.target(measured, t))
             }
         }
     }
@@ -264,16 +273,6 @@ impl Morph {
             Mode::Paper(_) => 1.0,
         };
         ((1.0 - t) * first + t * second) * factor
-    }
-
-    fn fractions(&self, measured: &Measured, stage: Stage) -> Vec<f32> {
-        match stage {
-            Stage::From => object_fractions(&self.plan.grid, &measured.first, self.plan.unit),
-            Stage::To => object_fractions(&self.plan.grid, &measured.second, self.plan.unit),
-            Stage::Between(section) => {
-                Volume::new(&self.plan.grid, measured, self.plan.unit, section).fractions()
-            }
-        }
     }
 
     fn measure(&self, time: f64) -> Measured {
@@ -298,18 +297,12 @@ impl Morph {
         };
         let progress: Vec<f64> = shares.iter().map(|share| self.settings.ease.at(*share)).collect();
         let at = |step: usize| self.still.as_ref().unwrap_or_else(|| &samples[step]);
-        if total(&self.fractions(at(0), Stage::From)) + total(&self.fractions(at(STEPS), Stage::To)) <= 0.0 {
+        let ends = [self.enclosing(at(0), 0.0), self.enclosing(at(STEPS), 1.0)];
+        if ends.iter().all(|end| total(&end.fractions) <= 0.0) {
             return Err(Error::Empty);
         }
         let all = |times: &[f64]| -> Vec<Vec<f32>> {
-            let step = |step: usize| {
-                let stage = match times[step] {
-                    t if t <= 0.0 => Stage::From,
-                    t if t >= 1.0 => Stage::To,
-                    t => self.section(at(step), t),
-                };
-                self.fractions(at(step), stage)
-            };
+            let step = |step: usize| self.enclosing(at(step), times[step]).fractions;
             (0..=STEPS).into_par_iter().map(step).collect()
         };
         let changes = |fractions: &[Vec<f32>]| -> Vec<f64> {

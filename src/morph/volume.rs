@@ -25,8 +25,18 @@ pub(super) struct Volume<'a> {
     half_edge: f64,
 }
 
+/// A blend's amount and what it encloses.
+pub(super) struct Enclosing {
+    pub a0: f64,
+    /// The fraction inside of each cell.
+    pub fractions: Vec<f32>,
+}
+
 /// A cell that the surface may cross.
 struct Crossed {
+    /// φ, or F_b, over the segment.
+    range: [f64; 2],
+    /// The distances at the segment's ends.
     first: [f64; 2],
     second: [f64; 2],
 }
@@ -36,28 +46,31 @@ impl<'a> Volume<'a> {
         Self { measured, section, half_edge: 0.5 * grid.edge() / unit }
     }
 
-    /// The a₀ whose section holds `target` cells, at a rising section whose own a₀ does not matter.
-    pub(super) fn amount_for(&self, target: f64) -> f64 {
+    /// The a₀ whose section holds `target` cells, at a rising section whose own a₀ does not matter, and the fraction
+    /// inside of each cell.
+    pub(super) fn enclosing(&self, target: f64) -> Enclosing {
         let kernel = Kernel::<f32>::new(&Section { a0: 1.0, ..self.section });
         let cells = self.measured.first.len();
         let (mut least, mut most) = (vec![0.0; cells], vec![0.0; cells]);
         let mut along = vec![Along::default(); cells];
         level_ranges(&kernel, self.half_edge as f32, self.measured, &mut least, &mut most, &mut along);
         let rank = |rank: f64| (rank.max(0.0) as usize).min(cells - 1);
-        let low = f64::from(nth(&least, rank(target.floor())));
-        let high = f64::from(nth(&most, rank(target.ceil() - 1.0)));
-        if low >= high {
-            return high.max(0.0);
-        }
-        let inside = most.iter().filter(|&&level| f64::from(level) <= low).count() as f64;
-        let crossed: Vec<Crossed> = (0..cells)
-            .filter(|&i| f64::from(least[i]) < high && f64::from(most[i]) > low)
-            .map(|i| self.crossed(i, along[i]))
-            .collect();
-        solve(low.max(0.0), high, target * 1e-9, |a0| {
-            let kernel = Kernel::<f64>::new(&Section { a0, ..self.section });
-            inside + crossed.iter().map(|cell| fraction_inside(&kernel, cell)).sum::<f64>() - target
-        })
+        let low = nth(&least, rank(target.floor()));
+        let high = nth(&most, rank(target.ceil() - 1.0)).max(low);
+        let crossed = (0..cells).filter(|&i| least[i] < high && most[i] > low);
+        let mut search = Search {
+            volume: self,
+            inside: most.iter().filter(|level| **level <= low).count() as f64 - target,
+            crossed: crossed.map(|i| self.crossed(i, along[i], [least[i], most[i]])).collect(),
+        };
+        let a0 = search.run([f64::from(low), f64::from(high)], target * 1e-7);
+        let kernel = Kernel::<f64>::new(&Section { a0, ..self.section });
+        let fraction = |i: usize| match (f64::from(least[i]) >= a0, f64::from(most[i]) <= a0) {
+            (_, true) => 1.0,
+            (true, _) => 0.0,
+            _ => fraction_inside(&kernel, &self.crossed(i, along[i], [least[i], most[i]])) as f32,
+        };
+        Enclosing { a0, fractions: (0..cells).map(fraction).collect() }
     }
 
     /// The fraction inside of each cell.
@@ -72,17 +85,18 @@ impl<'a> Volume<'a> {
             .map(|i| match (least[i] >= 0.0, most[i] < 0.0) {
                 (true, _) => 1.0,
                 (_, true) => 0.0,
-                _ => fraction_inside(&exact, &self.crossed(i, along[i])) as f32,
+                _ => fraction_inside(&exact, &self.crossed(i, along[i], [least[i], most[i]])) as f32,
             })
             .collect()
     }
 
-    fn crossed(&self, cell: usize, along: Along) -> Crossed {
+    fn crossed(&self, cell: usize, along: Along, range: [f32; 2]) -> Crossed {
         let ends = |middle: f32, slope: f32| {
             let reach = f64::from(slope) * self.half_edge;
             [f64::from(middle) - reach, f64::from(middle) + reach]
         };
         Crossed {
+            range: range.map(f64::from),
             first: ends(self.measured.first[cell], along.first),
             second: ends(self.measured.second[cell], along.second),
         }
@@ -195,7 +209,7 @@ fn fraction_inside(kernel: &Kernel<f64>, cell: &Crossed) -> f64 {
             at_high *= if stayed == Some(true) { 0.5 } else { 1.0 };
             stayed = Some(true);
         }
-        if step < 1e-7 {
+        if step < 1e-5 {
             break;
         }
     }
@@ -203,28 +217,54 @@ fn fraction_inside(kernel: &Kernel<f64>, cell: &Crossed) -> f64 {
     if rising { 1.0 - root } else { root }
 }
 
-/// The zero of a rising function between two ends, to `tolerance` in its value: two steps of regula falsi,
-/// then one of bisection, in turn.
-fn solve(mut low: f64, mut high: f64, tolerance: f64, excess: impl Fn(f64) -> f64) -> f64 {
-    let (mut at_low, mut at_high) = (excess(low), excess(high));
-    if at_low >= 0.0 {
-        return low;
-    }
-    if at_high <= 0.0 {
-        return high;
-    }
-    for step in 0..100 {
-        let bisect = step % 3 == 2;
-        let middle = if bisect { 0.5 * (low + high) } else { (low * at_high - high * at_low) / (at_high - at_low) };
-        let value = excess(middle);
-        if value.abs() <= tolerance || high - low <= 1e-12 * high {
-            return middle;
+/// The search for a₀ among the cells that it decides on.
+struct Search<'a> {
+    volume: &'a Volume<'a>,
+    /// Cells inside whatever a₀ is, less those to be enclosed.
+    inside: f64,
+    crossed: Vec<Crossed>,
+}
+
+impl Search<'_> {
+    /// Two steps of regula falsi, then one of bisection, in turn, until the volume is within `tolerance` cells.
+    fn run(&mut self, [mut low, mut high]: [f64; 2], tolerance: f64) -> f64 {
+        let (mut at_low, mut at_high) = (self.excess(low), self.excess(high));
+        if at_low >= 0.0 {
+            return low;
         }
-        if value < 0.0 {
-            (low, at_low) = (middle, value);
-        } else {
-            (high, at_high) = (middle, value);
+        if at_high <= 0.0 {
+            return high;
         }
+        for step in 0..60 {
+            let bisect = step % 3 == 2;
+            let middle = if bisect { 0.5 * (low + high) } else { (low * at_high - high * at_low) / (at_high - at_low) };
+            let value = self.excess(middle);
+            if value.abs() <= tolerance || high - low <= 1e-12 * high {
+                return middle;
+            }
+            if value < 0.0 {
+                (low, at_low) = (middle, value);
+            } else {
+                (high, at_high) = (middle, value);
+            }
+            self.narrow(low, high);
+        }
+        0.5 * (low + high)
     }
-    0.5 * (low + high)
+
+    fn excess(&self, a0: f64) -> f64 {
+        let kernel = Kernel::<f64>::new(&Section { a0, ..self.volume.section });
+        self.inside + self.crossed.iter().map(|cell| fraction_inside(&kernel, cell)).sum::<f64>()
+    }
+
+    /// Drops the cells that are wholly in or out for every a₀ left.
+    fn narrow(&mut self, low: f64, high: f64) {
+        let mut inside = 0.0;
+        self.crossed.retain(|cell| {
+            let within = cell.range[1] <= low;
+            inside += f64::from(u8::from(within));
+            !within && cell.range[0] < high
+        });
+        self.inside += inside;
+    }
 }
