@@ -29,7 +29,11 @@ fn unknown_key_names_the_nearest() {
 
 #[test]
 fn name_that_points_nowhere() {
-    scene_fails("[shape.ball]\nsphere = 1\n[shape.u]\nunion = [\"ball\", \"bal\"]\n", 1, &["bad.toml:4", "bal", "ball"]);
+    scene_fails(
+        "[shape.ball]\nsphere = 1\n[shape.u]\nunion = [\"ball\", \"bal\"]\n",
+        1,
+        &["bad.toml:4", "bal", "ball"],
+    );
 }
 
 #[test]
@@ -39,12 +43,20 @@ fn cycle_shows_its_way() {
 
 #[test]
 fn several_errors_come_together() {
-    scene_fails("[shape.a]\nsphere = -1\ncolr = 3\n[shape.b]\nbox = \"wide\"\n", 1, &["bad.toml:2", "bad.toml:3", "bad.toml:5"]);
+    scene_fails(
+        "[shape.a]\nsphere = -1\ncolr = 3\n[shape.b]\nbox = \"wide\"\n",
+        1,
+        &["bad.toml:2", "bad.toml:3", "bad.toml:5"],
+    );
 }
 
 #[test]
 fn nan_from_a_formula() {
-    scene_fails("[shape.a]\nformula = \"sqrt(x) - 0.2 - y^2 - z^2\"\nbounds = [[-1,-1,-1],[1,1,1]]\n", 1, &["bad.toml", "NaN"]);
+    scene_fails(
+        "[shape.a]\nformula = \"sqrt(x) - 0.2 - y^2 - z^2\"\nbounds = [[-1,-1,-1],[1,1,1]]\n",
+        1,
+        &["bad.toml", "NaN"],
+    );
 }
 
 #[test]
