@@ -31,14 +31,8 @@ pub fn voxels(origin: IVec3) -> impl Iterator<Item = IVec3> {
 
 pub fn ball() -> Band {
     let lattice = Lattice { voxel_size: VoxelSize::new(VOXEL_SIZE).unwrap() };
-    let mut band = Band {
-        lattice,
-        half_width: 3.0,
-        origins: vec![],
-        distances: vec![],
-        active: vec![],
-        inside_tiles: vec![],
-    };
+    let mut band =
+        Band { lattice, half_width: 3.0, origins: vec![], distances: vec![], active: vec![], inside_tiles: vec![] };
     let background = band.background();
     let mut corners: Vec<IVec3> = voxels(IVec3::ZERO).map(|step| step * 8 + IVec3::splat(LOW)).collect();
     corners.retain(|corner| corner.max_element() <= HIGH);

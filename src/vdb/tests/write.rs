@@ -44,7 +44,7 @@ fn another_reader_finds_every_voxel_as_it_was_given() {
     );
     let (surface, cd) = (&seen["grids"][0], &seen["grids"][1]);
     for grid in [surface, cd] {
-        assert_eq!(grid["voxel_size"], json!([VOXEL_SIZE; 3]));
+        assert_eq!(grid["voxel_size"], json!([VOXEL_SIZE, VOXEL_SIZE, VOXEL_SIZE]));
         assert_eq!(grid["origin"], json!([0.0, 0.0, 0.0]));
         assert_eq!(grid["active"], json!(band.active_voxels()));
         assert_eq!(grid["leaves"], json!(band.origins.len()));
@@ -109,10 +109,8 @@ fn floats_and_velocities_with_active_tiles() {
     let density = Channel { name: "density".into(), values: vec![[0.5; 512]; band.origins.len()], background: 0.0 };
     let mut fog = Values::over(&band, &density);
     fog.tiles = Some((&band.inside_tiles, 1.0));
-    let motion = Content::Vectors {
-        values: Values::over(&band, &channel),
-        vector_type: VectorType::ContravariantRelative,
-    };
+    let motion =
+        Content::Vectors { values: Values::over(&band, &channel), vector_type: VectorType::ContravariantRelative };
     let frame = Frame {
         grids: vec![
             Grid::new("density", Content::Floats { values: fog, class: Class::FogVolume }),
@@ -129,7 +127,13 @@ fn floats_and_velocities_with_active_tiles() {
         let (values, active) = dumped(folder.path(), "density");
         for (place, voxel) in box_voxels().enumerate() {
             let inside = band.inside_tiles.iter().any(|tile| tile.origin == block_origin(voxel));
-            let expected = if inside { 1.0 } else if active[place] { 0.5 } else { 0.0 };
+            let expected = if inside {
+                1.0
+            } else if active[place] {
+                0.5
+            } else {
+                0.0
+            };
             assert_eq!(values[place], expected, "{voxel}");
         }
     }
@@ -158,7 +162,11 @@ fn what_makes_no_grid_is_refused_by_name() {
     let path = folder.path().join("bad.vdb");
     let band = ball();
     let refusal = |band: &Band| {
-        let error = write(&path, &Frame { grids: vec![Grid::level_set("surface", band)], ..Default::default() }, &WriteOptions::default());
+        let error = write(
+            &path,
+            &Frame { grids: vec![Grid::level_set("surface", band)], ..Default::default() },
+            &WriteOptions::default(),
+        );
         let text = error.expect_err("refused").to_string();
         assert!(text.starts_with("grid 'surface': "), "{text}");
         text
@@ -214,7 +222,8 @@ fn an_error_of_the_system_names_the_file_and_the_way_out() {
     let folder = tempfile::tempdir().unwrap();
     let band = ball();
     let frame = Frame { grids: vec![Grid::level_set("surface", &band)], ..Default::default() };
-    let attempt = |path: &std::path::Path| write(path, &frame, &WriteOptions::default()).expect_err("fails").to_string();
+    let attempt =
+        |path: &std::path::Path| write(path, &frame, &WriteOptions::default()).expect_err("fails").to_string();
     let text = attempt(&folder.path().join("missing/ball.vdb"));
     assert!(text.contains("missing") && text.contains("make its folder first"), "{text}");
     let text = attempt(folder.path());
