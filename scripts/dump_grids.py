@@ -3,7 +3,7 @@
 
     dump_grids.py FILE FOLDER [X0,Y0,Z0,X1,Y1,Z1]
 
-stdout: JSON of the file's metadata and of each grid's class, background, transform, counts and metadata. With a box
+stdout: JSON of the file's metadata and of each grid's class (by name), background, transform, counts and metadata. With a box
 (its last voxel included), FOLDER gets NAME.values and NAME.active: the grid's voxels in the box, z fastest, as
 little-endian 32-bit floats and as bytes of 0 and 1. FOLDER also gets again.vdb, the same grids as OpenVDB's own
 writer stores them.
@@ -59,7 +59,7 @@ def main():
     # The statistics are the writer's to make, also the second time.
     copies = [grid.deepCopy() for grid in grids]
     vdb.write(os.path.join(folder, "again.vdb"), grids=copies, metadata=metadata)
-    print(json.dumps({"metadata": metadata, "grids": [describe(grid) for grid in grids]}))
+    print(json.dumps({"metadata": metadata, "grids": {grid.name: describe(grid) for grid in grids}}))
 
 
 if __name__ == "__main__":

@@ -42,7 +42,7 @@ fn another_reader_finds_every_voxel_as_it_was_given() {
         seen["metadata"],
         json!({"creator": "hfvdb test", "frame": 17, "big": 1_i64 << 40, "ratio": 0.5, "fps": 23.976, "looped": true})
     );
-    let (surface, cd) = (&seen["grids"][0], &seen["grids"][1]);
+    let (surface, cd) = (&seen["grids"]["surface"], &seen["grids"]["Cd"]);
     for grid in [surface, cd] {
         assert_eq!(grid["voxel_size"], json!([VOXEL_SIZE, VOXEL_SIZE, VOXEL_SIZE]));
         assert_eq!(grid["origin"], json!([0.0, 0.0, 0.0]));
@@ -80,6 +80,7 @@ fn the_bytes_are_those_of_the_librarys_own_writer() {
     let channel = ball_colour(&band, "Cd");
     for half in [false, true] {
         let mut frame = frame(&band, &channel);
+        frame.grids.reverse(); // the judge reads grids in the order of their names
         frame.grids.iter_mut().for_each(|grid| grid.half = half);
         write(&path, &frame, &WriteOptions { overwrite: true, ..Default::default() }).unwrap();
         judge(&path, folder.path());
@@ -121,9 +122,12 @@ fn floats_and_velocities_with_active_tiles() {
     for compression in [Compression::Blosc, Compression::Zip, Compression::None] {
         write(&path, &frame, &WriteOptions { compression, overwrite: true }).unwrap();
         let seen = judge(&path, folder.path());
-        assert_eq!(seen["grids"][0]["class"], json!("fog volume"));
-        assert_eq!(seen["grids"][0]["active"], json!(band.active_voxels() + 512 * band.inside_tiles.len() as u64));
-        assert_eq!(seen["grids"][1]["vector_type"], json!("contravariant relative"));
+        assert_eq!(seen["grids"]["density"]["class"], json!("fog volume"));
+        assert_eq!(
+            seen["grids"]["density"]["active"],
+            json!(band.active_voxels() + 512 * band.inside_tiles.len() as u64)
+        );
+        assert_eq!(seen["grids"]["vel"]["vector_type"], json!("contravariant relative"));
         let (values, active) = dumped(folder.path(), "density");
         for (place, voxel) in box_voxels().enumerate() {
             let inside = band.inside_tiles.iter().any(|tile| tile.origin == block_origin(voxel));
@@ -148,7 +152,7 @@ fn another_reader_in_rust_agrees() {
     let channel = ball_colour(&band, "Cd");
     for compression in [Compression::Blosc, Compression::Zip, Compression::None] {
         write(&path, &frame(&band, &channel), &WriteOptions { compression, overwrite: true }).unwrap();
-        let (_, grids) = ::vdb::io::read_file(&path).expect("the other reader reads it");
+        let (_, grids) = OpenVDB_rs::io::read_file(&path).expect("the other reader reads it");
         assert_eq!(grids.len(), 2);
         for grid in &grids {
             assert_eq!(grid.active_voxel_count(), band.active_voxels());
@@ -178,7 +182,7 @@ fn what_makes_no_grid_is_refused_by_name() {
     };
     assert!(changed(|band| band.origins.swap(0, 1)).contains("sort them"));
     assert!(changed(|band| band.origins[0].x += 1).contains("multiple of 8"));
-    assert!(changed(|band| drop(band.distances.pop())).contains("do not fit together"));
+    assert!(changed(|band| band.distances.truncate(1)).contains("do not fit together"));
     assert!(changed(|band| band.half_width = f32::NAN).contains("half-width"));
     assert!(changed(|band| band.inside_tiles[0].edge = 16).contains("no tile of 16"));
     assert!(changed(|band| band.inside_tiles[0].origin = band.origins[3]).contains("tiles where it has blocks"));
@@ -231,7 +235,7 @@ fn an_error_of_the_system_names_the_file_and_the_way_out() {
     fs::write(folder.path().join("file"), "").unwrap();
     let text = attempt(&folder.path().join("file/ball.vdb"));
     assert!(text.contains("choose another folder"), "{text}");
-    // The one disk that is always full.
+    // A file system that nobody may write to.
     let text = attempt(std::path::Path::new("/proc/ball.vdb"));
     assert!(text.starts_with("/proc/ball.vdb: cannot "), "{text}");
 }
