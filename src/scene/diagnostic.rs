@@ -13,12 +13,14 @@ const MOST_SHOWN: usize = 10;
 const MOST_BYTES: usize = 2048;
 
 /// Whether the scene can be used all the same.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Severity {
     /// The scene cannot be used.
     Error,
     /// The scene is used as the message says.
     Warning,
+    /// Good to know.
+    Note,
 }
 
 /// One thing to say about a scene.
@@ -134,6 +136,11 @@ impl Diagnostics {
         Self { list, sources }
     }
 
+    /// Leaves out what is only good to know: it is not, beside errors.
+    pub fn drop_notes(&mut self) {
+        self.list.retain(|diagnostic| diagnostic.severity != Severity::Note);
+    }
+
     /// All messages.
     pub fn list(&self) -> &[Diagnostic] {
         &self.list
@@ -158,7 +165,7 @@ impl Diagnostics {
     /// terminal's colours.
     pub fn render(&self, styled: bool) -> String {
         let mut order: Vec<&Diagnostic> = self.list.iter().collect();
-        order.sort_by_key(|diagnostic| diagnostic.severity == Severity::Warning);
+        order.sort_by_key(|diagnostic| diagnostic.severity);
         let briefs: Vec<String> = order.iter().map(|diagnostic| self.brief(diagnostic)).collect();
         let (mut report, mut bytes, mut shown) = (String::new(), 0, 0);
         const ROOM_FOR_COUNT: usize = 32;
@@ -189,6 +196,7 @@ impl Diagnostics {
         let kind = match diagnostic.severity {
             Severity::Error => "error",
             Severity::Warning => "warning",
+            Severity::Note => "note",
         };
         let help = if diagnostic.help.is_empty() { String::new() } else { format!("; {}", diagnostic.help) };
         match self.place(diagnostic) {
@@ -204,6 +212,7 @@ impl Diagnostics {
         let level = match diagnostic.severity {
             Severity::Error => Level::ERROR,
             Severity::Warning => Level::WARNING,
+            Severity::Note => Level::NOTE,
         };
         let mut group = Group::with_title(level.primary_title(diagnostic.message.as_str()));
         if let Some(span) = diagnostic.span {

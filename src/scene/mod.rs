@@ -9,6 +9,7 @@ mod diagnostic;
 mod files;
 mod formula;
 mod frames;
+mod hash;
 pub mod keys;
 mod load;
 mod model;

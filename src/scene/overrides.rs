@@ -1,13 +1,14 @@
 //! Variants and `--set`: other values for dotted keys.
 
 use super::diagnostic::{Diagnostic, clip};
+use super::keys::{Kind, SCENE};
 use super::source::{Sources, Span};
 use super::value::{Data, Entry, Origin, Table, Value, parse_toml};
 
 /// What the command line changes in a scene.
 #[derive(Clone, Debug, Default)]
 pub struct Overrides {
-    /// `--set name=value`: a parameter's name, or a dotted key.
+    /// `--set name=value`: a parameter's name, a key at the top of a scene, or a dotted key.
     pub set: Vec<String>,
     /// `--variant NAME`.
     pub variant: Option<String>,
@@ -56,7 +57,12 @@ fn apply_set(root: &mut Table, text: &str, sources: &mut Sources) -> Result<(), 
     let set = match set.0.first() {
         Some(only) if !matches!(only.value.data, Data::Table(_)) || is_inline(&only.value, sources) => {
             let known = root.get("param").and_then(|entry| entry.value.table());
-            if known.is_none_or(|known| known.get(&only.key).is_none()) {
+            let is_parameter = known.is_some_and(|known| known.get(&only.key).is_some());
+            if !is_parameter && SCENE.iter().any(|key| key.kind != Kind::Table && key.is_called(&only.key)) {
+                merge(root, set, sources, 0);
+                return Ok(());
+            }
+            if !is_parameter {
                 let names = known.map(|known| known.0.iter().map(|entry| entry.key.as_str())).into_iter().flatten();
                 return Err(Diagnostic::error(only.key_span, format!("there is no parameter `{}`", clip(&only.key)))
                     .suggest(&only.key, names));

@@ -1,7 +1,6 @@
 //! Reading tables by their known keys: types, limits, defaults, and everything that can be wrong with them.
 
 use std::cell::RefCell;
-use std::sync::Arc;
 
 use super::diagnostic::{Diagnostic, clip, listed, nearest};
 use super::formula::{Formula, Names};
@@ -490,6 +489,3 @@ impl FormulaProblem {
         Diagnostic::error(span, self.message).help(self.help)
     }
 }
-
-/// The names of parameters, shared.
-pub type ParameterNames = Arc<[String]>;

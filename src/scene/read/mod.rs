@@ -8,7 +8,7 @@ mod shapes;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use super::diagnostic::{Diagnostic, Diagnostics, clip};
+use super::diagnostic::{Diagnostic, Diagnostics, Severity, clip};
 use super::files::{Base, Variables};
 use super::formula::{Names, RESERVED};
 use super::frames::{FrameRange, Shot};
@@ -55,8 +55,11 @@ pub fn read(
     earlier.into_iter().for_each(|diagnostic| reader.say(diagnostic));
     let parts = Parts::read(root, surroundings, &reader);
     let (said, settings) = reader.into_parts();
-    let diagnostics = Diagnostics::new(said, Arc::clone(&sources));
-    let Some(parts) = parts.filter(|_| !diagnostics.has_errors()) else { return Err(diagnostics) };
+    let mut diagnostics = Diagnostics::new(said, Arc::clone(&sources));
+    let Some(parts) = parts.filter(|_| !diagnostics.has_errors()) else {
+        diagnostics.drop_notes();
+        return Err(diagnostics);
+    };
     let mut canonical = String::new();
     Value { data: Data::Table(root.clone()), span: Span::default(), origin: Origin::Scene }.canonical(&mut canonical);
     Ok(Model {
@@ -94,7 +97,10 @@ impl Parts {
     /// `None` only where an error was said.
     fn read(root: &Table, surroundings: &Surroundings, reader: &Reader<'_>) -> Option<Self> {
         let top = Fields::new(reader, "", "scene", Span::default(), root, keys::SCENE.iter().collect());
-        top.whole("hfvdb");
+        if top.whole("hfvdb").is_some() && top.entry("hfvdb").is_none() {
+            let note = Diagnostic::without_place("the scene does not say `hfvdb = 1`: it is read as format 1");
+            reader.say(Diagnostic { severity: Severity::Note, ..note });
+        }
         let shot = shot(&top);
         let unit = top.choice("unit").unwrap_or("m");
         let up = top.choice("up").unwrap_or("z");

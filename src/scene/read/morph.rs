@@ -134,6 +134,9 @@ impl<'r, 'a> Building<'r, 'a> {
         match (free.next(), free.next()) {
             (Some((_, id)), None) => Some(Content::Shape(*id)),
             (None, _) if self.shape_ids.is_empty() => {
+                if self.root.get("shape").is_some_and(|entry| entry.value.table().is_none()) {
+                    return None;
+                }
                 self.reader
                     .say(Diagnostic::without_place("the scene has no shape").help("[shape.ball] with sphere = 1"));
                 None
