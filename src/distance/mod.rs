@@ -7,6 +7,7 @@ pub mod descent;
 mod exchange;
 pub mod extent;
 pub mod polish;
+mod staged;
 
 #[cfg(test)]
 mod testing;
