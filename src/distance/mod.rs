@@ -5,6 +5,7 @@ pub mod band;
 mod block;
 pub mod descent;
 mod exchange;
+pub mod extent;
 pub mod polish;
 
 #[cfg(test)]
