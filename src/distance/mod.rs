@@ -1,6 +1,9 @@
 //! Signed distances measured from a field's zero set: the band of a frame with closest points, and distance
 //! objects that answer everywhere (HFRep: `papers: Hybrid Function Representation with Distance Properties`).
 
+pub mod nearest;
+pub mod octree;
+
 use glam::DVec3;
 
 use crate::field::Field;
