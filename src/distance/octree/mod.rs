@@ -15,6 +15,7 @@ mod beyond;
 mod bounds;
 mod corners;
 mod evaluate;
+mod feet;
 mod kernel;
 mod patch;
 mod refine;
@@ -365,29 +366,7 @@ impl Field for DistanceObject {
 }
 
 impl Distance for DistanceObject {
-    /// The point of the spline's own zero set that its gradient leads to. Across the medial axis, where the spline
-    /// is rounded, that is a surface point near the closest ones, not always the closest.
     fn foot(&self, position: DVec3) -> Foot {
-        let mut point = position;
-        let (value, mut normal) = self.value_and_gradient(position);
-        let mut rest = value;
-        for _ in 0..8 {
-            let squared = normal.length_squared();
-            if squared < 1e-12 || rest.abs() <= 1e-6 * self.step {
-                break;
-            }
-            // A rounded slope is short: no step is longer than twice the distance left.
-            point -= normal * (rest / squared.max(0.25));
-            (rest, normal) = self.value_and_gradient(point);
-        }
-        let away = position - point;
-        let length = away.length();
-        let sign = if value < 0.0 { -1.0 } else { 1.0 };
-        let gradient = if length > 1e-6 * self.step { away * (sign / length) } else { normal.normalize_or(DVec3::X) };
-        let root = self.root_box();
-        let (place, t) = self.find(point.clamp(root.min, root.max));
-        let corner: usize = (0..3).map(|axis| if t[axis] > 0.5 { patch::AXIS_BIT[axis] } else { 0 }).sum();
-        let leaf = &self.leaves[(self.nodes[place.node as usize] & !LEAF) as usize];
-        Foot { point, distance: sign * length, gradient, part: self.parts[leaf[corner] as usize] }
+        feet::foot(self, position)
     }
 }

@@ -268,14 +268,14 @@ fn linear_functions_are_kept() {
     assert!(object.report().cells < 5000, "a plane needs few cells: {:?}", object.report());
 }
 
-/// Errors are in voxels, with cells of one voxel. Creases are rounded at that size.
+/// Errors are in voxels. Creases are rounded by a sixth of the smallest cell.
 #[test]
 fn near_the_surface_distances_hold() {
     for (name, oracle) in oracles() {
         let object = build(&*oracle, 1.5, VOXEL);
         let creased = name == "box";
-        let errors = near_errors(&object, &*oracle, VOXEL, 3.0, if creased { 0.15 } else { 0.05 });
-        let (mean, max) = if creased { (0.004, 0.16) } else { (0.004, 0.02) };
+        let errors = near_errors(&object, &*oracle, VOXEL, 0.3, if creased { 0.17 } else { 0.05 });
+        let (mean, max) = if creased { (0.02, 0.17) } else { (0.003, 0.015) };
         assert!(errors.mean < mean && errors.max < max, "{name}: mean {}, max {}", errors.mean, errors.max);
         assert_eq!(errors.wrong_signs, 0, "{name}");
     }
@@ -284,9 +284,9 @@ fn near_the_surface_distances_hold() {
 #[test]
 fn finer_cells_round_creases_less() {
     let cuboid = Cuboid(DVec3::new(0.913, 0.7, 0.5));
-    let object = build(&cuboid, 1.2, VOXEL / 3.0);
-    let errors = near_errors(&object, &cuboid, VOXEL, 3.0, 0.05);
-    assert!(errors.mean < 0.001 && errors.max < 0.05, "mean {}, max {}", errors.mean, errors.max);
+    let object = build(&cuboid, 1.2, VOXEL / 2.0);
+    let errors = near_errors(&object, &cuboid, VOXEL, 0.3, 0.1);
+    assert!(errors.mean < 0.007 && errors.max < 0.1, "mean {}, max {}", errors.mean, errors.max);
     assert_eq!(errors.wrong_signs, 0);
 }
 
@@ -359,6 +359,7 @@ fn bounds_hold_and_are_tight() {
         let mut random = Random(13);
         let half = object.root_box().size().x / 2.0;
         let mut evaluator = object.evaluator();
+        let mut width = 0.0;
         for i in 0..400 {
             let centre = random.point(if i % 4 == 0 { 2.0 * half } else { 1.2 });
             let size = DVec3::splat(VOXEL) * [0.5, 8.0, 30.0, 200.0][i % 4] * (0.5 + random.unit());
@@ -383,10 +384,12 @@ fn bounds_hold_and_are_tight() {
             }
             if i % 4 == 1 {
                 let wide = (value.hi - value.lo) / (met.hi - met.lo);
-                assert!(wide < 1.6, "{name}: bounds {wide} times as wide as what was met in {region:?}");
+                assert!(wide < 3.0, "{name}: bounds {wide} times as wide as what was met in {region:?}");
+                width += wide / 100.0;
             }
             evaluator.leave();
         }
+        assert!(width < 1.3, "{name}: bounds of blocks are {width} times as wide as what was met");
     }
 }
 
