@@ -14,7 +14,7 @@ use crate::field::{Aabb, Interval};
 
 /// Leaves cut to the box they are asked for, at most: a cut costs some microseconds. Where more are met, their whole
 /// bounds are taken.
-const CUT: usize = 2;
+const CUT: usize = 8;
 
 /// Cuts spent on the declared slope: some ten milliseconds.
 const STEEPEST_CUTS: usize = 1000;
