@@ -5,6 +5,7 @@
 //! meshes and morphs implement it in their own rooms.
 
 mod batch;
+pub mod cells;
 mod interval;
 
 pub use batch::{BATCH, Gradients, Points};
