@@ -7,6 +7,7 @@
 mod batch;
 mod bounds;
 mod branch;
+pub mod cells;
 mod combine;
 mod expression;
 mod extent;
