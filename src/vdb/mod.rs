@@ -17,6 +17,7 @@ mod error;
 mod frame;
 mod metadata;
 mod temporary;
+pub mod walk;
 mod write;
 
 pub use error::Error;
