@@ -2,6 +2,7 @@
 //! evaluator is held against the one slow reference, and that against the closures.
 
 mod external;
+mod formulas;
 mod properties;
 mod recipe;
 
