@@ -24,3 +24,6 @@ pub trait ColourSampler {
     /// The colour at each point, scene-linear Rec.709.
     fn sample(&mut self, points: &Points, out: &mut [LinearRgb; BATCH]);
 }
+mod colour_space;
+pub use colour_space::ColourSpace;
+mod constant; pub use constant::Constant;

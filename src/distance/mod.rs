@@ -6,6 +6,8 @@ mod block;
 pub mod descent;
 mod exchange;
 pub mod extent;
+pub mod nearest;
+pub mod octree;
 pub mod polish;
 mod staged;
 

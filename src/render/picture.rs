@@ -284,21 +284,20 @@ mod tests {
     use super::*;
     use crate::{
         field::Aabb,
-        grid::BLOCK_VOXELS,
-        render::{
-            View,
-            trace::tests::{band_of, sphere},
+        grid::{
+            BLOCK_VOXELS,
+            testing::{band_of, sphere, voxel_of},
         },
+        render::View,
     };
 
     const RED: [f32; 3] = [0.6, 0.05, 0.1];
     const BLUE: [f32; 3] = [0.05, 0.2, 0.7];
 
     fn painted(band: &Band, colour: impl Fn(DVec3) -> [f32; 3]) -> Channel<[f32; 3]> {
-        let voxel = |origin: IVec3, at: usize| {
-            band.lattice.centre(origin + IVec3::new((at / 64) as i32, (at / 8 % 8) as i32, (at % 8) as i32))
+        let block = |&origin: &IVec3| {
+            std::array::from_fn::<_, BLOCK_VOXELS, _>(|at| colour(band.lattice.centre(voxel_of(origin, at))))
         };
-        let block = |&origin: &IVec3| std::array::from_fn::<_, BLOCK_VOXELS, _>(|at| colour(voxel(origin, at)));
         Channel { name: "Cd".into(), values: band.origins.iter().map(block).collect(), background: [0.0; 3] }
     }
 

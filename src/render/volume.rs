@@ -319,10 +319,7 @@ fn open<'t>(tables: &'t mut Vec<Vec<u32>>, code: &mut u32, across: usize) -> &'t
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{
-        grid::{InsideTile, Lattice, VoxelSize},
-        render::trace::tests::sphere,
-    };
+    use crate::grid::{InsideTile, Lattice, VoxelSize, testing::sphere};
 
     #[test]
     fn interpolation_gives_back_a_linear_function() {

@@ -245,19 +245,19 @@ pub const MAKERS: &[Maker] = &[
         .limit(Limit::Positive)
         .unit("units"),
         parameters: &[],
-        formula: "signed distance to the box",
+        formula: "the signed distance to it",
     },
     Maker {
         key: Key::new("ellipsoid", Kind::Vector, Required, "An ellipsoid around the origin: its half axes.")
             .limit(Limit::Positive)
             .unit("units"),
         parameters: &[],
-        formula: "1 − (x/a)² − (y/b)² − (z/c)²",
+        formula: "(1 − |(x/a, y/b, z/c)|)·min(a, b, c)",
     },
     Maker {
         key: Key::length("cylinder", Required, "A cylinder along z around the origin: its radius."),
         parameters: &[Key::length("height", Number(2.0), "From its bottom to its top.")],
-        formula: "signed distance to the cylinder",
+        formula: "the signed distance to it",
     },
     Maker {
         key: Key::length("torus", Required, "A ring around the z axis: the radius of its middle line."),
@@ -301,7 +301,7 @@ pub const MAKERS: &[Maker] = &[
             "A heart around the origin, upright along z, front towards −y: its width along x.",
         ),
         parameters: &[],
-        formula: "x²z³ + 9/80·y²z³ − (x² + 9/4·y² + z² − 1)³, scaled",
+        formula: "z·∛(x² + 9/80·y²) − (x² + 9/4·y² + z² − 1), scaled: the cube roots of the well-known sextic",
     },
     Maker {
         key: Key::new(
@@ -321,7 +321,7 @@ pub const MAKERS: &[Maker] = &[
             "A closed mesh: OBJ, PLY. Its vertex colours are its colour where `color` is left out.",
         ),
         parameters: &[],
-        formula: "signed distance to the mesh",
+        formula: "the signed distance to it",
     },
     Maker {
         key: Key::new(
@@ -578,5 +578,6 @@ pub const LATER: &[(&str, &[&str])] = &[
     ),
     ("morph", &["delay", "keep", "weight"]),
     ("color", &["texture", "sample", "grid", "noise", "wood", "marble"]),
-    ("output", &["density", "vel", "adaptive"]),
+    ("output", &["adaptive"]),
+    ("grid", &["vel", "density"]),
 ];

@@ -17,6 +17,7 @@ mod number;
 mod overrides;
 mod read;
 mod reader;
+mod reference;
 mod source;
 mod value;
 
@@ -33,5 +34,6 @@ pub use model::*;
 pub use number::{BadNumber, Ease, Keys, Moment, Number, NumberValue};
 pub use overrides::Overrides;
 pub use reader::Setting;
+pub use reference::reference;
 pub use source::{Place, Span};
 pub use value::Origin;
