@@ -1,5 +1,9 @@
 //! Colour and other attributes at points in space: sources, colour spaces, rules for set operations.
 
+mod mesh_colour;
+
+pub use mesh_colour::VertexColours;
+
 use crate::field::{Aabb, BATCH, Points};
 
 /// Scene-linear Rec.709 red, green, blue.

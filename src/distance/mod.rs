@@ -1,8 +1,16 @@
 //! Signed distances measured from a field's zero set: the band of a frame with closest points, and distance
 //! objects that answer everywhere (HFRep: `papers: Hybrid Function Representation with Distance Properties`).
 
+pub mod band;
+mod block;
+pub mod descent;
+mod exchange;
 pub mod nearest;
 pub mod octree;
+pub mod polish;
+
+#[cfg(test)]
+mod testing;
 
 use glam::DVec3;
 

@@ -1,1 +1,42 @@
 //! The OpenVDB border: the one room that knows OpenVDB exists, and the one place that flips the sign.
+//!
+//! Everywhere else a field is positive inside; a level set in a file is negative inside. Grids made here from a
+//! [`crate::grid::Band`] are flipped on their way out, and level sets that are read are flipped on their way in.
+//!
+//! * [`write()`] makes one file of a [`Frame`]: built and encoded on all threads, written under a temporary name,
+//!   checked, synced to the disk and renamed, so that a file with a final name is always whole.
+//! * [`prepare`] and [`Prepared::write`] are its two halves, for whoever computes the next frame meanwhile.
+//!
+//! Files are of format 224, with OpenVDB's statistics. Two writes of one frame differ only in bytes 21 to 56, where
+//! OpenVDB keeps a random identifier.
+//!
+//! No field, no scene and no picture is known here.
+
+mod bridge;
+mod error;
+mod frame;
+mod metadata;
+mod temporary;
+mod write;
+
+pub use error::Error;
+pub use frame::{Blocks, Class, Content, Frame, Grid, Values, VectorType};
+pub use metadata::{Metadata, MetadataValue};
+pub use temporary::remove_temporaries;
+pub use write::{Compression, Prepared, WriteOptions, Written, prepare, write};
+
+/// The version of the OpenVDB library in use, such as `10.0.1`.
+pub fn library_version() -> String {
+    bridge::ffi::library_version()
+}
+
+/// Lets OpenVDB work on at most so many threads (at least one) in this process, from now on.
+///
+/// # Errors
+/// When its thread pool refuses.
+pub fn set_threads(threads: usize) -> Result<(), Error> {
+    bridge::ffi::set_thread_limit(threads.max(1)).map_err(|error| Error::Library { message: error.what().into() })
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,35 @@
+// What stands behind the types of border.h. Only the C++ side includes this.
+#pragma once
+
+#include "border.h"
+#include "hfvdb/src/vdb/bridge.rs.h"
+
+#include <openvdb/openvdb.h>
+
+#include <string>
+#include <vector>
+
+namespace hfvdb {
+
+struct Grid::Parts {
+    openvdb::GridBase::ConstPtr grid;
+};
+
+struct Frame::Parts {
+    openvdb::GridCPtrVec grids;
+    openvdb::MetaMap metadata;
+};
+
+// Registers OpenVDB's types; cheap after the first call.
+void start_library();
+
+// Copies items into a metadata map.
+void insert_metadata(openvdb::MetaMap& map, rust::Slice<const Meta> items);
+
+// F is positive inside everywhere else, an OpenVDB level set is negative inside. A zero becomes +0.
+inline float flip_sign(float value)
+{
+    return 0.0f - value;
+}
+
+} // namespace hfvdb

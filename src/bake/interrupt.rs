@@ -1,0 +1,68 @@
+//! SIGINT and SIGTERM: an orderly end where the work allows it, an end within two seconds in any case, and
+//! nothing half-written either way.
+
+use std::io;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicI32, Ordering};
+use std::thread;
+use std::time::Duration;
+
+use signal_hook::consts::{SIGINT, SIGTERM};
+use signal_hook::iterator::Signals;
+
+/// How long the work may take to notice the flag; past it the process ends by force. Shorter would cut frames off
+/// that are about to be whole, longer would break the promise of two seconds.
+const PATIENCE: Duration = Duration::from_millis(1500);
+
+/// The flag that long work looks at, raised by a signal.
+#[derive(Clone, Debug, Default)]
+pub struct Interrupt {
+    flag: Arc<AtomicBool>,
+    signal: Arc<AtomicI32>,
+}
+
+impl Interrupt {
+    /// Starts to listen for SIGINT and SIGTERM, once in a process.
+    pub fn listen() -> io::Result<Self> {
+        let interrupt = Self::default();
+        let mut signals = Signals::new([SIGINT, SIGTERM])?;
+        let shared = interrupt.clone();
+        thread::Builder::new().name("signals".into()).spawn(move || {
+            for signal in signals.forever() {
+                if shared.flag.swap(true, Ordering::SeqCst) {
+                    end_now(signal);
+                }
+                shared.signal.store(signal, Ordering::SeqCst);
+                thread::spawn(move || {
+                    thread::sleep(PATIENCE);
+                    end_now(signal);
+                });
+            }
+        })?;
+        Ok(interrupt)
+    }
+
+    /// The flag itself.
+    pub fn flag(&self) -> &AtomicBool {
+        &self.flag
+    }
+
+    /// Whether a signal came.
+    pub fn is_raised(&self) -> bool {
+        self.flag.load(Ordering::Relaxed)
+    }
+
+    /// The exit code that goes with the signal that came: 130 or 143.
+    pub fn exit_code(&self) -> u8 {
+        exit_code(self.signal.load(Ordering::SeqCst))
+    }
+}
+
+fn exit_code(signal: i32) -> u8 {
+    if signal == SIGTERM { 143 } else { 130 }
+}
+
+/// Removes what is half-written and ends the process without running destructors: other threads are at work still.
+fn end_now(signal: i32) -> ! {
+    signal_hook::low_level::exit(exit_code(signal).into())
+}

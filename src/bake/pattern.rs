@@ -1,0 +1,178 @@
+//! The name of a frame's file: a path with at most one frame token, `####`, `%04d` or `$F4`.
+
+use std::fmt;
+use std::path::{Path, PathBuf};
+
+/// A path that becomes one file for each frame.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct FramePattern {
+    folder: PathBuf,
+    before: String,
+    /// Least number of digits, or `None` where the name has no frame token.
+    digits: Option<usize>,
+    after: String,
+}
+
+/// Why a path is no frame pattern. Each is a wrong command line.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum PatternError {
+    /// The path ends in no file name, or in one that is not UTF-8.
+    NoName(PathBuf),
+    /// The name does not end in the extension asked for.
+    Extension(PathBuf, &'static str),
+    /// More than one frame token.
+    TwoTokens(PathBuf),
+    /// A frame token in a folder's name.
+    TokenInFolder(PathBuf),
+    /// Several frames, but no token to tell them apart.
+    NoToken(PathBuf, usize),
+}
+
+impl fmt::Display for PatternError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::NoName(path) => {
+                write!(f, "{}: this is no file name; write one such as out/name.####.vdb", path.display())
+            }
+            Self::Extension(path, extension) => {
+                write!(f, "{}: the name must end in .{extension}, as in name.####.{extension}", path.display())
+            }
+            Self::TwoTokens(path) => {
+                write!(f, "{}: the name has more than one frame token; leave one of ####, %04d, $F4", path.display())
+            }
+            Self::TokenInFolder(path) => {
+                write!(f, "{}: a frame token may stand in the file's name only, not in a folder's", path.display())
+            }
+            Self::NoToken(path, frames) => write!(
+                f,
+                "{}: {frames} frames would go into one file; put a frame token into the name, as in name.####.vdb \
+                 (the shell may have eaten $F4: quote it)",
+                path.display()
+            ),
+        }
+    }
+}
+
+impl std::error::Error for PatternError {}
+
+impl FramePattern {
+    /// Reads a path whose name must end in `.extension`.
+    pub fn new(path: &Path, extension: &'static str) -> Result<Self, PatternError> {
+        let name = path.file_name().and_then(|name| name.to_str()).ok_or_else(|| PatternError::NoName(path.into()))?;
+        let folder = path.parent().unwrap_or(Path::new("")).to_path_buf();
+        if folder.to_str().is_some_and(|folder| find_token(folder).is_some()) {
+            return Err(PatternError::TokenInFolder(path.into()));
+        }
+        let long_enough = name.len() > extension.len() + 1;
+        let ends = Path::new(name).extension().is_some_and(|end| end.eq_ignore_ascii_case(extension));
+        if !(ends && long_enough) {
+            return Err(PatternError::Extension(path.into(), extension));
+        }
+        let Some((start, end, digits)) = find_token(name) else {
+            return Ok(Self { folder, before: name.into(), digits: None, after: String::new() });
+        };
+        let (before, after) = (&name[..start], &name[end..]);
+        if find_token(after).is_some() {
+            return Err(PatternError::TwoTokens(path.into()));
+        }
+        Ok(Self { folder, before: before.into(), digits: Some(digits), after: after.into() })
+    }
+
+    /// The folder the files go to; empty for the current one.
+    pub fn folder(&self) -> &Path {
+        &self.folder
+    }
+
+    /// An error where several frames would go into one file.
+    pub fn holds(&self, frames: usize) -> Result<(), PatternError> {
+        if frames > 1 && self.digits.is_none() {
+            return Err(PatternError::NoToken(self.folder.join(&self.before), frames));
+        }
+        Ok(())
+    }
+
+    /// The file of one frame.
+    pub fn file(&self, frame: i64) -> PathBuf {
+        match self.digits {
+            Some(digits) => self.folder.join(format!("{}{frame:0digits$}{}", self.before, self.after)),
+            None => self.folder.join(&self.before),
+        }
+    }
+
+    /// Whether Blender and others will see a sequence: they read the last run of digits before the extension.
+    pub fn number_is_last(&self) -> bool {
+        self.digits.is_none() || !self.after.trim_end_matches(".vdb").contains(|c: char| c.is_alphanumeric())
+    }
+}
+
+/// The first frame token: where it starts and ends, and its least number of digits.
+fn find_token(text: &str) -> Option<(usize, usize, usize)> {
+    let bytes = text.as_bytes();
+    for start in 0..bytes.len() {
+        let rest = &text.get(start..).unwrap_or("");
+        let run = |from: usize, f: fn(u8) -> bool| rest.bytes().skip(from).take_while(|&b| f(b)).count();
+        match bytes[start] {
+            b'#' => {
+                let hashes = run(0, |b| b == b'#');
+                return Some((start, start + hashes, hashes));
+            }
+            b'%' => {
+                let digits = run(1, |b| b.is_ascii_digit());
+                if rest.as_bytes().get(1 + digits) == Some(&b'd') {
+                    return Some((start, start + digits + 2, width(&rest[1..=digits])));
+                }
+            }
+            b'$' if rest.as_bytes().get(1) == Some(&b'F') => {
+                let digits = run(2, |b| b.is_ascii_digit());
+                return Some((start, start + 2 + digits, width(&rest[2..2 + digits])));
+            }
+            _ => {}
+        }
+    }
+    None
+}
+
+/// A token's number of digits; more than 20 are no use to anyone.
+fn width(digits: &str) -> usize {
+    digits.parse::<usize>().unwrap_or(1).clamp(1, 20)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn file(pattern: &str, frame: i64) -> String {
+        FramePattern::new(Path::new(pattern), "vdb").unwrap().file(frame).display().to_string()
+    }
+
+    #[test]
+    fn the_three_tokens() {
+        assert_eq!(file("out/m.####.vdb", 7), "out/m.0007.vdb");
+        assert_eq!(file("m_%04d.vdb", 12345), "m_12345.vdb");
+        assert_eq!(file("m%d.vdb", 3), "m3.vdb");
+        assert_eq!(file("m.$F4.vdb", 12), "m.0012.vdb");
+        assert_eq!(file("m.$F.vdb", 12), "m.12.vdb");
+        assert_eq!(file("still.vdb", 12), "still.vdb");
+        assert_eq!(file("100%.vdb", 1), "100%.vdb");
+        assert_eq!(file("größe.##.vdb", 1), "größe.01.vdb");
+    }
+
+    #[test]
+    fn wrong_patterns() {
+        let wrong = |pattern: &str| FramePattern::new(Path::new(pattern), "vdb").unwrap_err();
+        assert!(matches!(wrong("m.####.png"), PatternError::Extension(..)));
+        assert!(matches!(wrong(".vdb"), PatternError::Extension(..)));
+        assert!(matches!(wrong("m.##.$F4.vdb"), PatternError::TwoTokens(_)));
+        assert!(matches!(wrong("s.##/m.vdb"), PatternError::TokenInFolder(_)));
+        assert!(matches!(wrong("out/.."), PatternError::NoName(_)));
+        let still = FramePattern::new(Path::new("m.vdb"), "vdb").unwrap();
+        assert!(still.holds(1).is_ok() && still.holds(2).is_err());
+    }
+
+    #[test]
+    fn a_number_that_is_not_last_is_noticed() {
+        let last = |pattern: &str| FramePattern::new(Path::new(pattern), "vdb").unwrap().number_is_last();
+        assert!(last("m_####.vdb") && last("still.vdb"));
+        assert!(!last("m_####_v2.vdb"));
+    }
+}

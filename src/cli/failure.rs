@@ -1,0 +1,64 @@
+//! What went wrong, and the exit code that goes with it.
+
+use crate::bake;
+
+/// A failure with its exit code.
+#[derive(Debug)]
+pub struct Failure {
+    code: u8,
+    message: String,
+    /// Whether the message is finished text (a scene's marked errors) that needs no `error:` in front.
+    rendered: bool,
+}
+
+impl Failure {
+    /// The input or the work failed: 1.
+    pub fn work(message: impl Into<String>) -> Self {
+        Self { code: 1, message: message.into(), rendered: false }
+    }
+
+    /// The command line is wrong by itself: 2.
+    pub fn usage(message: impl Into<String>) -> Self {
+        Self { code: 2, message: message.into(), rendered: false }
+    }
+
+    /// More memory is needed than allowed: 3.
+    pub fn memory(message: impl Into<String>) -> Self {
+        Self { code: 3, message: message.into(), rendered: false }
+    }
+
+    /// A signal ended the work: 130 or 143.
+    pub fn interrupted(code: u8) -> Self {
+        Self { code, message: "interrupted; finished frames are whole, nothing half-written is left".into(), rendered: false }
+    }
+
+    /// Errors of a scene, marked in its text already.
+    pub fn rendered(message: String) -> Self {
+        Self { code: 1, message, rendered: true }
+    }
+
+    /// The process's exit code.
+    pub fn exit_code(&self) -> u8 {
+        self.code
+    }
+
+    /// Prints the failure: to stderr, and with `--json` as a document on stdout too.
+    pub fn report(&self, json: bool) {
+        if self.rendered {
+            eprintln!("{}", self.message.trim_end());
+        } else {
+            eprintln!("error: {}", self.message);
+        }
+        if json {
+            let document = serde_json::json!({ "error": { "exit_code": self.code, "message": self.message } });
+            // Nothing is left to say when stdout is closed.
+            let _ = super::print_json(&document);
+        }
+    }
+}
+
+impl From<bake::PatternError> for Failure {
+    fn from(error: bake::PatternError) -> Self {
+        Self::usage(error.to_string())
+    }
+}

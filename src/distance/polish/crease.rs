@@ -1,0 +1,462 @@
+//! Closest points where several smooth branches meet: on a branch, on the crease of two, in the corner of three.
+//!
+//! The distance to a whole branch's zero set is a lower bound for the distance to the part of it that lies on F = 0.
+//! So a branch's foot that lies on F = 0 beats everything farther, and creases matter only between branches whose
+//! own feet are nearer than the best and do not lie on F = 0; corners only where creases failed in the same way.
+
+use glam::Vec3;
+
+use crate::field::{BATCH, Evaluator, Gradients, Points};
+
+use super::{
+    Polisher, Request,
+    lanes::{Lane, Lanes},
+    smooth::LAST_STEP,
+};
+
+/// |F|/|∇F| up to which a candidate counts as lying on F = 0, in units. Smaller rejects true feet for the error of
+/// their last step, larger lets feet overshoot a crease by as much.
+const ON_SURFACE: f32 = 0.01;
+
+/// A branch is left out for a query when its |f|/|∇f| there is more than this many reaches. Smaller misses feet on
+/// small balls written as r² − |p|², whose quotient overestimates near their centres; larger wastes evaluations.
+const REACHES: f32 = 4.0;
+
+/// At most this many branches, the nearest, are combined for one query: more make pairs and triples explode.
+const COMBINED: usize = 6;
+
+/// Newton steps for a crease or a corner. Planes take two; where more than this are needed two surfaces touch.
+const STEPS: usize = 10;
+
+/// The least squared sine of the angle between two branches that still make a crease.
+const LEAST_SINE: f32 = 1e-4;
+
+/// Feet on one branch alone, by query.
+#[derive(Clone)]
+struct Single {
+    foot: [Lane; 3],
+    /// Infinity where the branch is out of reach.
+    distance: Lane,
+}
+
+/// One query that asks for the foot on the common zeros of `branches` (a pair repeats its last).
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+struct Demand {
+    branches: [u16; 3],
+    query: u16,
+}
+
+/// Scratch memory for the candidates of a batch.
+pub(super) struct Scratch {
+    singles: Vec<Single>,
+    pairs: Vec<Demand>,
+    triples: Vec<Demand>,
+    /// Pairs whose foot is nearer than the best but not on F = 0, with a corner perhaps behind them.
+    open: Vec<Demand>,
+    group: Vec<u16>,
+    parts: [Box<Gradients>; 3],
+    /// The seeds given, and the queries whose seed lies on F = 0.
+    seeds: Box<[Lane; 3]>,
+    seeded: Vec<u16>,
+    /// The branch that each seed lies on, and its |f|/|∇f| there.
+    lies_on: Box<[u16; BATCH]>,
+    residuals: Box<Lane>,
+}
+
+impl Default for Scratch {
+    fn default() -> Self {
+        let list = || Vec::with_capacity(BATCH);
+        Self {
+            singles: Vec::new(),
+            pairs: list(),
+            triples: list(),
+            open: list(),
+            group: Vec::with_capacity(BATCH),
+            parts: Default::default(),
+            seeds: Box::new([[0.0; BATCH]; 3]),
+            seeded: Vec::with_capacity(BATCH),
+            lies_on: Box::new([0; BATCH]),
+            residuals: Box::new([0.0; BATCH]),
+        }
+    }
+}
+
+/// The best foot so far of each query.
+struct Best<'a> {
+    feet: &'a mut Points,
+    distances: &'a mut Lane,
+}
+
+impl Best<'_> {
+    fn take(&mut self, query: usize, foot: Vec3, distance: f32) {
+        if distance < self.distances[query] {
+            self.distances[query] = distance;
+            (self.feet.x[query], self.feet.y[query], self.feet.z[query]) = foot.into();
+        }
+    }
+}
+
+impl Polisher {
+    pub(super) fn crease_closest(
+        &mut self,
+        evaluator: &mut dyn Evaluator,
+        request: &Request,
+        queries: &Points,
+        feet: &mut Points,
+        distances: &mut Lane,
+    ) {
+        self.take_seeds(evaluator, request, queries, feet, distances);
+        let branches = evaluator.branches();
+        while self.crease.singles.len() < branches {
+            self.crease.singles.push(Single { foot: [[0.0; BATCH]; 3], distance: [f32::INFINITY; BATCH] });
+        }
+        for branch in 0..branches {
+            self.find_single(evaluator, request, queries, branch);
+            self.judge_single(evaluator, request, queries, branch, &mut Best { feet, distances });
+        }
+        let mut best = Best { feet, distances };
+        self.demand_pairs(request, branches, queries.len, best.distances);
+        self.crease.open.clear();
+        self.solve_demands(evaluator, request, queries, 2, &mut best);
+        self.demand_triples(best.distances);
+        self.solve_demands(evaluator, request, queries, 3, &mut best);
+        self.follow_seeds(evaluator, request, queries, branches, &mut best);
+    }
+
+    /// Seeds that lie on F = 0 are the first candidates; a query is no seed of its own.
+    fn take_seeds(
+        &mut self,
+        evaluator: &mut dyn Evaluator,
+        request: &Request,
+        queries: &Points,
+        feet: &Points,
+        distances: &mut Lane,
+    ) {
+        evaluator.gradients(feet, &mut self.gradients);
+        self.crease.seeded.clear();
+        for i in 0..queries.len {
+            distances[i] = f32::INFINITY;
+            let given = feet.offset(i) != queries.offset(i);
+            if given && on_surface(&self.gradients, i, f32::NAN, request) {
+                distances[i] = (queries.offset(i) - feet.offset(i)).length();
+                for (axis, offset) in feet.offset(i).to_array().into_iter().enumerate() {
+                    self.crease.seeds[axis][i] = offset;
+                }
+                self.crease.seeded.push(i as u16);
+            }
+        }
+    }
+
+    /// The foot of each query on one branch's own zero set.
+    fn find_single(&mut self, evaluator: &mut dyn Evaluator, request: &Request, queries: &Points, branch: usize) {
+        let Scratch { singles, group, parts, .. } = &mut self.crease;
+        evaluator.branch(branch, queries, &mut parts[0]);
+        group.clear();
+        let far = REACHES * request.reach;
+        for i in 0..queries.len {
+            let estimate = quotient(&parts[0], i);
+            // Where the gradient vanishes nothing is known: the branch may be anywhere.
+            if estimate <= far || estimate.is_nan() {
+                group.push(i as u16);
+            }
+        }
+        let single = &mut singles[branch];
+        single.distance[..queries.len].fill(f32::INFINITY);
+        if group.is_empty() {
+            return;
+        }
+        self.lanes.load(request, queries, queries, group.iter().map(|&i| usize::from(i)));
+        self.lanes.solve(request, &mut self.gradients, |points, out| evaluator.branch(branch, points, out));
+        copy_single(&self.lanes, group, single);
+    }
+
+    /// Takes the feet on one branch that lie on F = 0.
+    fn judge_single(
+        &mut self,
+        evaluator: &mut dyn Evaluator,
+        request: &Request,
+        queries: &Points,
+        branch: usize,
+        best: &mut Best,
+    ) {
+        let Scratch { singles, group, parts, .. } = &mut self.crease;
+        let single = &singles[branch];
+        group.retain(|&query| single.distance[usize::from(query)] < best.distances[usize::from(query)]);
+        if group.is_empty() {
+            return;
+        }
+        let points = &mut self.lanes.points;
+        points.len = 0;
+        for &query in group.iter() {
+            points.push(offset(&single.foot, usize::from(query)));
+        }
+        evaluator.gradients(points, &mut self.gradients);
+        evaluator.branch(branch, points, &mut parts[0]);
+        debug_assert_eq!(points.origin, queries.origin);
+        for (lane, &query) in group.iter().enumerate() {
+            let slope = parts[0].gradient(lane).length();
+            if on_surface(&self.gradients, lane, slope, request) {
+                let query = usize::from(query);
+                best.take(query, points.offset(lane), single.distance[query]);
+            }
+        }
+    }
+
+    /// Lists the pairs of branches that are both nearer than the best foot.
+    fn demand_pairs(&mut self, request: &Request, branches: usize, len: usize, best: &Lane) {
+        let Scratch { singles, pairs, .. } = &mut self.crease;
+        pairs.clear();
+        for query in 0..len {
+            let mut near = [0u16; COMBINED];
+            let mut count = 0;
+            // Beyond reach a crease does not matter, whether or not there is a nearer foot.
+            let limit = best[query].min(request.reach * 1.5) - 1e-3 * request.unit;
+            let distance = |b: u16| singles[usize::from(b)].distance[query];
+            for b in 0..branches as u16 {
+                if distance(b) >= limit {
+                    continue;
+                }
+                let place = near[..count].partition_point(|&other| distance(other) <= distance(b));
+                if place < COMBINED {
+                    count = (count + 1).min(COMBINED);
+                    near[place..count].rotate_right(1);
+                    near[place] = b;
+                }
+            }
+            for (i, &b) in near[..count].iter().enumerate() {
+                for &c in &near[i + 1..count] {
+                    let (b, c) = (b.min(c), b.max(c));
+                    pairs.push(Demand { branches: [b, c, c], query: query as u16 });
+                }
+            }
+        }
+        pairs.sort_unstable();
+    }
+
+    /// Lists the triples all of whose three pairs are open.
+    fn demand_triples(&mut self, best: &Lane) {
+        let Scratch { triples, open, .. } = &mut self.crease;
+        triples.clear();
+        open.sort_unstable_by_key(|demand| (demand.query, demand.branches));
+        for of_query in open.chunk_by(|a, b| a.query == b.query) {
+            let query = of_query[0].query;
+            if best[usize::from(query)] == 0.0 {
+                continue;
+            }
+            for (i, first) in of_query.iter().enumerate() {
+                let [b, c, _] = first.branches;
+                for second in of_query[i + 1..].iter().take_while(|second| second.branches[0] == b) {
+                    let e = second.branches[1];
+                    if of_query.iter().any(|third| third.branches == [c, e, e]) {
+                        triples.push(Demand { branches: [b, c, e], query });
+                    }
+                }
+            }
+        }
+        triples.sort_unstable();
+    }
+
+    /// Solves the pairs (`order` 2) or triples (3) that were demanded, group by group of the same branches.
+    fn solve_demands(
+        &mut self,
+        evaluator: &mut dyn Evaluator,
+        request: &Request,
+        queries: &Points,
+        order: usize,
+        best: &mut Best,
+    ) {
+        let demands = std::mem::take(if order == 2 { &mut self.crease.pairs } else { &mut self.crease.triples });
+        for group in demands.chunk_by(|a, b| a.branches == b.branches) {
+            self.solve_group(evaluator, request, queries, group, order, best);
+        }
+        *(if order == 2 { &mut self.crease.pairs } else { &mut self.crease.triples }) = demands;
+    }
+
+    fn solve_group(
+        &mut self,
+        evaluator: &mut dyn Evaluator,
+        request: &Request,
+        queries: &Points,
+        group: &[Demand],
+        order: usize,
+        best: &mut Best,
+    ) {
+        let branches = group[0].branches;
+        let lanes = &mut *self.lanes;
+        // The foot on the farther branch is the better start: the crease cannot be nearer than it.
+        let singles = &self.crease.singles;
+        lanes.load(request, queries, queries, group.iter().map(|demand| usize::from(demand.query)));
+        for (lane, demand) in group.iter().enumerate() {
+            let query = usize::from(demand.query);
+            let farther = |a: &u16, b: &u16| {
+                let distance = |c: &u16| singles[usize::from(*c)].distance[query];
+                distance(a).total_cmp(&distance(b))
+            };
+            let start = branches.iter().copied().max_by(farther).unwrap_or(branches[0]);
+            let start = offset(&singles[usize::from(start)].foot, query);
+            (lanes.points.x[lane], lanes.points.y[lane], lanes.points.z[lane]) = start.into();
+        }
+        for _ in 0..STEPS {
+            if lanes.points.len == 0 {
+                break;
+            }
+            for (part, &branch) in self.crease.parts[..order].iter_mut().zip(&branches) {
+                evaluator.branch(usize::from(branch), &lanes.points, part);
+            }
+            let mut keep = [true; BATCH];
+            for (lane, keep) in keep.iter_mut().enumerate().take(lanes.points.len) {
+                *keep = advance(lanes, request, &self.crease.parts[..order], lane);
+            }
+            lanes.compact(&keep);
+        }
+        self.judge_group(evaluator, request, group, order, best);
+    }
+
+    /// Takes the feet of a group that lie on F = 0; pairs that do not stay open for triples.
+    fn judge_group(
+        &mut self,
+        evaluator: &mut dyn Evaluator,
+        request: &Request,
+        group: &[Demand],
+        order: usize,
+        best: &mut Best,
+    ) {
+        let lanes = &mut *self.lanes;
+        lanes.points.len = 0;
+        self.crease.group.clear();
+        for demand in group {
+            let query = usize::from(demand.query);
+            if lanes.distance[query] < best.distances[query].min(request.reach * 1.5) {
+                self.crease.group.push(demand.query);
+                lanes.points.push(offset(&lanes.foot, query));
+            }
+        }
+        if self.crease.group.is_empty() {
+            return;
+        }
+        evaluator.gradients(&lanes.points, &mut self.gradients);
+        evaluator.branch(usize::from(group[0].branches[0]), &lanes.points, &mut self.crease.parts[0]);
+        for (lane, &query) in self.crease.group.iter().enumerate() {
+            let slope = self.crease.parts[0].gradient(lane).length();
+            let distance = lanes.distance[usize::from(query)];
+            if on_surface(&self.gradients, lane, slope, request) {
+                best.take(usize::from(query), lanes.points.offset(lane), distance);
+            } else if order == 2 {
+                self.crease.open.push(Demand { branches: group[0].branches, query });
+            }
+        }
+    }
+
+    /// Where a seed is still the best (the branches' own feet, found from the query, are local), moves it to the
+    /// foot on the branch it lies on.
+    fn follow_seeds(
+        &mut self,
+        evaluator: &mut dyn Evaluator,
+        request: &Request,
+        queries: &Points,
+        branches: usize,
+        best: &mut Best,
+    ) {
+        let Scratch { seeds, seeded, lies_on, residuals, parts, .. } = &mut self.crease;
+        seeded.retain(|&query| best.feet.offset(usize::from(query)) == offset(seeds, usize::from(query)));
+        if seeded.is_empty() {
+            return;
+        }
+        let points = &mut self.lanes.points;
+        points.len = 0;
+        for &query in seeded.iter() {
+            points.push(offset(seeds, usize::from(query)));
+            residuals[usize::from(query)] = f32::INFINITY;
+        }
+        for branch in 0..branches {
+            evaluator.branch(branch, points, &mut parts[0]);
+            for (lane, &query) in seeded.iter().enumerate() {
+                let query = usize::from(query);
+                let residual = quotient(&parts[0], lane);
+                if residual < residuals[query] {
+                    (residuals[query], lies_on[query]) = (residual, branch as u16);
+                }
+            }
+        }
+        for branch in 0..branches {
+            let Scratch { seeded, lies_on, group, singles, .. } = &mut self.crease;
+            group.clear();
+            group.extend(seeded.iter().filter(|&&query| usize::from(lies_on[usize::from(query)]) == branch));
+            if group.is_empty() {
+                continue;
+            }
+            self.lanes.load(request, queries, best.feet, group.iter().map(|&i| usize::from(i)));
+            self.lanes.solve(request, &mut self.gradients, |points, out| evaluator.branch(branch, points, out));
+            copy_single(&self.lanes, group, &mut singles[branch]);
+            self.judge_single(evaluator, request, queries, branch, best);
+        }
+    }
+}
+
+fn copy_single(lanes: &Lanes, group: &[u16], single: &mut Single) {
+    for &query in group {
+        let i = usize::from(query);
+        single.distance[i] = lanes.distance[i];
+        for axis in 0..3 {
+            single.foot[axis][i] = lanes.foot[axis][i];
+        }
+    }
+}
+
+/// |F|/|∇F| at a point; NaN where both vanish.
+fn quotient(at: &Gradients, lane: usize) -> f32 {
+    at.value[lane].abs() / at.gradient(lane).length()
+}
+
+/// Whether F = 0 at a point. Where F has no gradient there, `slope` (a branch's) stands in for |∇F|.
+fn on_surface(at: &Gradients, lane: usize, slope: f32, request: &Request) -> bool {
+    let own = at.gradient(lane).length();
+    let slope = if own > 0.0 && own.is_finite() { own } else { slope };
+    at.value[lane].abs() <= ON_SURFACE * request.unit * slope
+}
+
+fn offset(arrays: &[Lane; 3], i: usize) -> Vec3 {
+    Vec3::new(arrays[0][i], arrays[1][i], arrays[2][i])
+}
+
+/// One Newton step of a lane towards the nearest common zero of two or three branches; false when it is done.
+fn advance(lanes: &mut Lanes, request: &Request, parts: &[Box<Gradients>], lane: usize) -> bool {
+    let q = lanes.points.offset(lane);
+    let p = offset(&lanes.p, lane);
+    let mut normals = [Vec3::ZERO; 3];
+    let mut residuals = [0.0; 3];
+    for ((normal, residual), part) in normals.iter_mut().zip(&mut residuals).zip(parts) {
+        let gradient = part.gradient(lane);
+        let slope = gradient.length();
+        *normal = gradient / slope;
+        *residual = part.value[lane] / slope;
+    }
+    let [n1, n2, n3] = normals;
+    let next = if parts.len() == 2 {
+        // The line where both linearised branches vanish; its point nearest to p.
+        let cosine = n1.dot(n2);
+        let sine = 1.0 - cosine * cosine;
+        if sine < LEAST_SINE {
+            return false;
+        }
+        let (h1, h2) = (residuals[0] + n1.dot(p - q), residuals[1] + n2.dot(p - q));
+        p - n1 * ((h1 - cosine * h2) / sine) - n2 * ((h2 - cosine * h1) / sine)
+    } else {
+        let volume = n1.dot(n2.cross(n3));
+        if volume.abs() < LEAST_SINE {
+            return false;
+        }
+        q - (n2.cross(n3) * residuals[0] + n3.cross(n1) * residuals[1] + n1.cross(n2) * residuals[2]) / volume
+    };
+    let [least, greatest] = lanes.bounds.map(Vec3::from_array);
+    let next = next.clamp(least, greatest);
+    if !next.is_finite() {
+        return false;
+    }
+    if (next - q).length_squared() <= (LAST_STEP * request.unit) * (LAST_STEP * request.unit) {
+        lanes.finish(lane, next.to_array(), (p - next).length());
+        return false;
+    }
+    (lanes.points.x[lane], lanes.points.y[lane], lanes.points.z[lane]) = next.into();
+    true
+}

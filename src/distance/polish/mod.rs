@@ -1,0 +1,76 @@
+//! Closest surface points for a batch of positions, found on the true F.
+//!
+//! A closest point q of p satisfies F(q) = 0 with p − q along ∇F(q). Where the surface is smooth that is a
+//! constrained Newton iteration ([`smooth`]). Where smooth pieces meet, the closest point may lie on the crease
+//! between two of them or in a corner of three, where F has no gradient to follow; candidates are then sought on
+//! each branch alone, on each pair and on each triple of branches, and the nearest that lies on F = 0 wins
+//! ([`crease`]).
+//!
+//! Guaranteed: a result lies on F = 0 within about 0.01 unit, and is no farther than a seed on the surface that the
+//! caller gave. Not guaranteed: that it is the *global* closest point; give seeds (a neighbour's foot) for that.
+
+mod crease;
+mod lanes;
+mod smooth;
+
+use crate::field::{Aabb, BATCH, Evaluator, Gradients, Points};
+
+use lanes::Lanes;
+
+/// What a batch of closest points is sought for. The evaluator must have entered a region that holds `region`.
+#[derive(Clone, Copy, Debug)]
+pub struct Request {
+    /// Results are right to about a hundredth of this length, world units; for a band, the voxel size.
+    pub unit: f32,
+    /// Feet farther than this from their query do not matter and may not be found, world units.
+    pub reach: f32,
+    /// F is never evaluated outside of this box; holds all queries and seeds.
+    pub region: Aabb,
+}
+
+/// Scratch memory of one thread for [`Polisher::closest`]. Large: keep it, do not make one a call.
+pub struct Polisher {
+    lanes: Box<Lanes>,
+    gradients: Box<Gradients>,
+    crease: crease::Scratch,
+}
+
+impl Polisher {
+    /// Allocates the scratch memory.
+    pub fn new() -> Self {
+        Self { lanes: Box::default(), gradients: Box::default(), crease: crease::Scratch::default() }
+    }
+
+    /// Finds the closest surface point of each query.
+    ///
+    /// `feet` holds the starting points (same `len` and `origin` as `queries`): a seed on the surface, or the query
+    /// itself where none is known. On return it holds the closest points, and `distances` the unsigned distances to
+    /// them, world units; infinity (and an unspecified foot) where none was found.
+    pub fn closest(
+        &mut self,
+        evaluator: &mut dyn Evaluator,
+        request: &Request,
+        queries: &Points,
+        feet: &mut Points,
+        distances: &mut [f32; BATCH],
+    ) {
+        debug_assert_eq!((queries.len, queries.origin), (feet.len, feet.origin));
+        if evaluator.branches() > 1 {
+            self.crease_closest(evaluator, request, queries, feet, distances);
+        } else {
+            self.lanes.load(request, queries, feet, 0..queries.len);
+            self.lanes.solve(request, &mut self.gradients, |points, out| evaluator.gradients(points, out));
+            distances[..queries.len].fill(f32::INFINITY);
+            self.lanes.store(feet, distances);
+        }
+    }
+}
+
+impl Default for Polisher {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,111 @@
+//! The bridge itself: every function that crosses the border. All are bulk: whole grids or whole files.
+
+#![allow(unsafe_code, missing_docs, unused_qualifications)]
+
+#[cxx::bridge(namespace = "hfvdb")]
+pub(super) mod ffi {
+    /// What a [`Meta`] holds.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+    enum MetaKind {
+        Text,
+        Bool,
+        Int32,
+        Int64,
+        Float,
+        Double,
+        /// Anything else, shown as text; read only.
+        Other,
+    }
+
+    /// One metadata item; the field that `kind` names is the value.
+    struct Meta {
+        key: String,
+        kind: MetaKind,
+        text: String,
+        integer: i64,
+        real: f64,
+    }
+
+    /// What every grid has.
+    struct Head<'a> {
+        name: &'a str,
+        /// The class as OpenVDB spells it.
+        grid_class: &'a str,
+        /// The vector type as OpenVDB spells it, or empty.
+        vector_type: &'a str,
+        /// World units.
+        voxel_size: f64,
+        /// Values are stored in 16 bits in the file.
+        half: bool,
+        metadata: &'a [Meta],
+    }
+
+    /// Where a grid's blocks and tiles stand.
+    struct Blocks<'a> {
+        /// Three numbers a block.
+        origins: &'a [i32],
+        /// Eight words a block.
+        masks: &'a [u64],
+        /// Four numbers a tile: its least corner and its edge.
+        tiles: &'a [i32],
+        tiles_active: bool,
+    }
+
+    /// How buffers are compressed in the file.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+    enum Codec {
+        None,
+        Zip,
+        Blosc,
+    }
+
+    unsafe extern "C++" {
+        include!("border.h");
+
+        /// The version of the library that is linked.
+        fn library_version() -> String;
+        /// At most so many threads work inside OpenVDB from now on, in this process.
+        fn set_thread_limit(threads: usize) -> Result<()>;
+
+        /// A finished grid: immutable once it is made.
+        type Grid;
+        /// A level set from distances positive inside: the one place where the sign flips on the way out.
+        fn level_set(head: &Head, blocks: &Blocks, distances: &[f32], background: f32) -> Result<SharedPtr<Grid>>;
+        fn float_grid(
+            head: &Head,
+            blocks: &Blocks,
+            values: &[f32],
+            background: f32,
+            tile_value: f32,
+        ) -> Result<SharedPtr<Grid>>;
+        fn vector_grid(
+            head: &Head,
+            blocks: &Blocks,
+            values: &[f32],
+            background: [f32; 3],
+            tile_value: [f32; 3],
+        ) -> Result<SharedPtr<Grid>>;
+
+        /// Grids and metadata of one file.
+        type Frame;
+        fn new_frame(metadata: &[Meta]) -> Result<UniquePtr<Frame>>;
+        fn add(self: Pin<&mut Frame>, grid: SharedPtr<Grid>) -> Result<()>;
+
+        /// A file's bytes, in pieces.
+        type Encoded;
+        fn encode(frame: &Frame, codec: Codec) -> Result<UniquePtr<Encoded>>;
+        fn pieces(self: &Encoded) -> usize;
+        fn piece(self: &Encoded, index: usize) -> &[u8];
+    }
+}
+
+// SAFETY: a `Grid` never changes once it is made, and OpenVDB's trees may be read from many threads at once. Nothing
+// is loaded late: files are read whole.
+unsafe impl Send for ffi::Grid {}
+unsafe impl Sync for ffi::Grid {}
+// SAFETY: a `Frame` owns its list of such grids, and changes only through a unique reference.
+unsafe impl Send for ffi::Frame {}
+unsafe impl Sync for ffi::Frame {}
+// SAFETY: owns its bytes, and only hands out shared views of them.
+unsafe impl Send for ffi::Encoded {}
+unsafe impl Sync for ffi::Encoded {}

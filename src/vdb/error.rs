@@ -1,0 +1,113 @@
+//! What can go wrong at the border, with what to do about it.
+
+use std::fmt;
+use std::io;
+use std::path::{Path, PathBuf};
+
+/// An error of this room.
+#[derive(Debug)]
+pub enum Error {
+    /// A grid that cannot be stored as it was given: the caller's input.
+    Grid {
+        /// The grid's name.
+        grid: String,
+        /// What is wrong with it.
+        problem: String,
+    },
+    /// There is a file of that name, and the options do not allow to replace it.
+    Exists {
+        /// The file.
+        path: PathBuf,
+    },
+    /// The system refused.
+    System {
+        /// The file or folder.
+        path: PathBuf,
+        /// What was tried, as in "cannot `action`".
+        action: &'static str,
+        /// The system's answer.
+        source: io::Error,
+    },
+    /// A file is not whole, or not what it says it is.
+    Damaged {
+        /// The file.
+        path: PathBuf,
+        /// Where in the file, in bytes from its start.
+        offset: u64,
+        /// What is wrong there.
+        problem: String,
+    },
+    /// A sound file that holds something that is not read here.
+    Unsupported {
+        /// The file.
+        path: PathBuf,
+        /// What is not supported.
+        problem: String,
+    },
+    /// OpenVDB failed on a file.
+    File {
+        /// The file.
+        path: PathBuf,
+        /// OpenVDB's message.
+        message: String,
+    },
+    /// OpenVDB failed away from any file.
+    Library {
+        /// OpenVDB's message.
+        message: String,
+    },
+}
+
+impl Error {
+    pub(super) fn grid(grid: &str, problem: impl Into<String>) -> Self {
+        Self::Grid { grid: grid.into(), problem: problem.into() }
+    }
+
+    pub(super) fn system(path: &Path, action: &'static str, source: io::Error) -> Self {
+        Self::System { path: path.into(), action, source }
+    }
+}
+
+/// What to do about a system's answer.
+fn advice(error: &io::Error) -> &'static str {
+    match error.kind() {
+        io::ErrorKind::StorageFull => ": make room on that disk, or write elsewhere",
+        io::ErrorKind::QuotaExceeded => ": free some of your quota, or write elsewhere",
+        io::ErrorKind::ReadOnlyFilesystem => ": that file system is read-only, write elsewhere",
+        io::ErrorKind::PermissionDenied => ": ask for the permission, or choose another folder",
+        io::ErrorKind::NotFound => ": check the path, and make its folder first",
+        io::ErrorKind::NotADirectory => ": a part of the path is a file, choose another folder",
+        io::ErrorKind::IsADirectory => ": that is a folder, name a file",
+        io::ErrorKind::FileTooLarge => ": larger than that file system or your limits allow",
+        _ => "",
+    }
+}
+
+impl fmt::Display for Error {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Grid { grid, problem } => write!(f, "grid '{grid}': {problem}"),
+            Self::Exists { path } => {
+                write!(f, "{} exists: allow to overwrite it, or choose another name", path.display())
+            }
+            Self::System { path, action, source } => {
+                write!(f, "{}: cannot {action}: {source}{}", path.display(), advice(source))
+            }
+            Self::Damaged { path, offset, problem } => {
+                write!(f, "{}: damaged at byte {offset}: {problem}: write or fetch it again", path.display())
+            }
+            Self::Unsupported { path, problem } => write!(f, "{}: {problem}", path.display()),
+            Self::File { path, message } => write!(f, "{}: OpenVDB: {message}", path.display()),
+            Self::Library { message } => write!(f, "OpenVDB: {message}"),
+        }
+    }
+}
+
+impl std::error::Error for Error {
+    fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
+        match self {
+            Self::System { source, .. } => Some(source),
+            _ => None,
+        }
+    }
+}

@@ -1,0 +1,313 @@
+//! What becomes one file: grids over blocks, and metadata.
+
+use glam::IVec3;
+
+use super::Error;
+use super::bridge::ffi;
+use super::metadata::{Metadata, to_bridge};
+use crate::grid::{BLOCK_EDGE, Band, BlockMask, Channel, InsideTile, Lattice, block_order};
+
+/// The least voxel size OpenVDB takes: it holds transforms of a smaller determinant for singular.
+const LEAST_VOXEL_SIZE: f64 = 1.45e-5;
+/// The largest number that half precision holds.
+const LARGEST_HALF: f32 = 65504.0;
+/// The edges of a tile in OpenVDB's tree.
+const TILE_EDGES: [i32; 3] = [8, 128, 4096];
+
+/// One file: grids that share a lattice, and metadata of the file.
+#[derive(Clone, Debug, Default)]
+pub struct Frame<'a> {
+    /// The grids, in the order in which they stand in the file. Their names differ, their lattice does not.
+    pub grids: Vec<Grid<'a>>,
+    /// Metadata of the file. No time, host, thread count or path belongs here: the same frame is the same file.
+    pub metadata: Metadata,
+}
+
+/// One grid of a file.
+#[derive(Clone, Debug)]
+pub struct Grid<'a> {
+    /// The grid's name, such as `surface`, `Cd` or `vel`.
+    pub name: &'a str,
+    /// Its voxels.
+    pub content: Content<'a>,
+    /// Whether its values take 16 bits in the file instead of 32.
+    pub half: bool,
+    /// Further metadata of the grid.
+    pub metadata: Metadata,
+}
+
+/// The voxels of a grid.
+#[derive(Clone, Debug)]
+pub enum Content<'a> {
+    /// A level set: the band's distances, sign flipped on the way. Its inactive voxels and tiles become ± the
+    /// background.
+    LevelSet(&'a Band),
+    /// One number a voxel.
+    Floats {
+        /// Where and what.
+        values: Values<'a, f32>,
+        /// Unknown or fog volume.
+        class: Class,
+    },
+    /// Three numbers a voxel, of class unknown.
+    Vectors {
+        /// Where and what.
+        values: Values<'a, [f32; 3]>,
+        /// How they follow a transform.
+        vector_type: VectorType,
+    },
+}
+
+/// A channel and where it stands. Inactive voxels of its blocks become its background.
+#[derive(Clone, Debug)]
+pub struct Values<'a, T> {
+    /// The blocks, as many as the channel has.
+    pub blocks: Blocks<'a>,
+    /// The values.
+    pub channel: &'a Channel<T>,
+    /// Active tiles and the one value in them, such as the 1 inside a fog volume.
+    pub tiles: Option<(&'a [InsideTile], T)>,
+}
+
+/// Blocks and their active voxels; a [`Band`]'s, or others.
+#[derive(Clone, Copy, Debug)]
+pub struct Blocks<'a> {
+    /// Where the voxels stand.
+    pub lattice: Lattice,
+    /// The blocks' least corners, sorted by [`block_order`].
+    pub origins: &'a [IVec3],
+    /// The blocks' active voxels.
+    pub active: &'a [BlockMask],
+}
+
+impl<'a> From<&'a Band> for Blocks<'a> {
+    fn from(band: &'a Band) -> Self {
+        Self { lattice: band.lattice, origins: &band.origins, active: &band.active }
+    }
+}
+
+impl<'a, T> Values<'a, T> {
+    /// A channel over a band's blocks and active voxels.
+    pub fn over(band: &'a Band, channel: &'a Channel<T>) -> Self {
+        Self { blocks: band.into(), channel, tiles: None }
+    }
+}
+
+/// What a grid of numbers is, other than a level set.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Class {
+    /// Nothing in particular.
+    #[default]
+    Unknown,
+    /// A density: programs show it as smoke.
+    FogVolume,
+}
+
+/// How vectors follow when a grid is moved, turned or scaled.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum VectorType {
+    /// They stay as they are: colours, texture coordinates.
+    #[default]
+    Invariant,
+    /// As displacements and velocities do.
+    ContravariantRelative,
+}
+
+impl<'a> Grid<'a> {
+    /// A level set of 32-bit values.
+    pub fn level_set(name: &'a str, band: &'a Band) -> Self {
+        Self::new(name, Content::LevelSet(band))
+    }
+
+    /// A colour: 32-bit vectors that no transform changes, over the band's active voxels. Its name is the channel's.
+    pub fn colour(band: &'a Band, channel: &'a Channel<[f32; 3]>) -> Self {
+        let values = Values::over(band, channel);
+        Self::new(&channel.name, Content::Vectors { values, vector_type: VectorType::Invariant })
+    }
+
+    /// 32-bit values without further metadata.
+    pub fn new(name: &'a str, content: Content<'a>) -> Self {
+        Self { name, content, half: false, metadata: Metadata::new() }
+    }
+
+    fn blocks(&self) -> Blocks<'a> {
+        match &self.content {
+            Content::LevelSet(band) => (*band).into(),
+            Content::Floats { values, .. } => values.blocks,
+            Content::Vectors { values, .. } => values.blocks,
+        }
+    }
+
+    fn tiles(&self) -> &'a [InsideTile] {
+        match &self.content {
+            Content::LevelSet(band) => &band.inside_tiles,
+            Content::Floats { values, .. } => values.tiles.map_or(&[], |(tiles, _)| tiles),
+            Content::Vectors { values, .. } => values.tiles.map_or(&[], |(tiles, _)| tiles),
+        }
+    }
+
+    /// Blocks of values, and values that stand outside the blocks.
+    fn value_blocks(&self) -> usize {
+        match &self.content {
+            Content::LevelSet(band) => band.distances.len(),
+            Content::Floats { values, .. } => values.channel.values.len(),
+            Content::Vectors { values, .. } => values.channel.values.len(),
+        }
+    }
+
+    /// What a caller can get wrong, before the bridge relies on it.
+    fn check(&self) -> Result<(), Error> {
+        let blocks = self.blocks();
+        let refuse = |problem: String| Err(Error::grid(self.name, problem));
+        if self.name.is_empty() || self.name.chars().any(char::is_control) {
+            return refuse("a grid's name is text without control characters, and not empty".into());
+        }
+        if blocks.origins.len() != blocks.active.len() || blocks.origins.len() != self.value_blocks() {
+            return refuse(format!(
+                "{} origins, {} masks and {} blocks of values do not fit together",
+                blocks.origins.len(),
+                blocks.active.len(),
+                self.value_blocks()
+            ));
+        }
+        let size = blocks.lattice.voxel_size.get();
+        if size < LEAST_VOXEL_SIZE {
+            return refuse(format!("voxels of {size} units are too small for OpenVDB, which needs {LEAST_VOXEL_SIZE}"));
+        }
+        if let Some(stray) = blocks.origins.iter().find(|origin| misaligned(**origin, BLOCK_EDGE)) {
+            return refuse(format!("no block starts at voxel {stray}: it is no multiple of {BLOCK_EDGE}"));
+        }
+        if let Some(pair) = blocks.origins.windows(2).find(|pair| block_order(pair[0]) >= block_order(pair[1])) {
+            return refuse(format!("block {} stands before block {}: sort them, each once", pair[0], pair[1]));
+        }
+        let stray = |tile: &&InsideTile| !TILE_EDGES.contains(&tile.edge) || misaligned(tile.origin, tile.edge);
+        if let Some(tile) = self.tiles().iter().find(stray) {
+            return refuse(format!("no tile of {} voxels starts at voxel {}", tile.edge, tile.origin));
+        }
+        self.check_background().or_else(refuse)
+    }
+
+    fn check_background(&self) -> Result<(), String> {
+        let numbers = match &self.content {
+            Content::LevelSet(band) => {
+                let background = band.background();
+                if !(background.is_finite() && background > 0.0) {
+                    return Err(format!("a half-width of {} voxels makes no band", band.half_width));
+                }
+                vec![background]
+            }
+            Content::Floats { values, .. } => {
+                [values.channel.background].into_iter().chain(values.tiles.map(|(_, value)| value)).collect()
+            }
+            Content::Vectors { values, .. } => {
+                [values.channel.background].into_iter().chain(values.tiles.map(|(_, value)| value)).flatten().collect()
+            }
+        };
+        match numbers.iter().find(|number| !number.is_finite()) {
+            Some(number) => Err(format!("its background or a tile is {number}, not a finite number")),
+            None => Ok(()),
+        }
+    }
+
+    /// Half precision turns large values into infinity.
+    fn check_half(&self) -> Result<(), Error> {
+        let largest = |values: &[f32]| values.iter().fold(0.0_f32, |largest, value| largest.max(value.abs()));
+        let (largest, fallback) = match &self.content {
+            Content::LevelSet(band) => (largest(band.distances.as_flattened()), band.background()),
+            Content::Floats { values, .. } => {
+                (largest(values.channel.values.as_flattened()), values.channel.background.abs())
+            }
+            Content::Vectors { values, .. } => {
+                (largest(values.channel.values.as_flattened().as_flattened()), largest(&values.channel.background))
+            }
+        };
+        let largest = largest.max(fallback);
+        if largest > LARGEST_HALF {
+            let problem = format!("{largest} is more than 16 bits can hold ({LARGEST_HALF}): keep it in 32 bits");
+            return Err(Error::grid(self.name, problem));
+        }
+        Ok(())
+    }
+
+    /// The grid in OpenVDB's hands: a copy.
+    pub(super) fn prepare(&self) -> Result<cxx::SharedPtr<ffi::Grid>, Error> {
+        self.check()?;
+        if self.half {
+            self.check_half()?;
+        }
+        let blocks = self.blocks();
+        let metadata = to_bridge(&self.metadata);
+        let origins: Vec<i32> = blocks.origins.iter().flat_map(IVec3::to_array).collect();
+        let tiles: Vec<i32> =
+            self.tiles().iter().flat_map(|tile| [tile.origin.x, tile.origin.y, tile.origin.z, tile.edge]).collect();
+        let bridge_blocks = ffi::Blocks {
+            origins: &origins,
+            masks: blocks.active.as_flattened(),
+            tiles: &tiles,
+            tiles_active: !matches!(self.content, Content::LevelSet(_)),
+        };
+        let (grid_class, vector_type) = self.spelled();
+        let head = ffi::Head {
+            name: self.name,
+            grid_class,
+            vector_type,
+            voxel_size: blocks.lattice.voxel_size.get(),
+            half: self.half,
+            metadata: &metadata,
+        };
+        let made = match &self.content {
+            Content::LevelSet(band) => {
+                ffi::level_set(&head, &bridge_blocks, band.distances.as_flattened(), band.background())
+            }
+            Content::Floats { values, .. } => {
+                let tile_value = values.tiles.map_or(0.0, |(_, value)| value);
+                let numbers = values.channel.values.as_flattened();
+                ffi::float_grid(&head, &bridge_blocks, numbers, values.channel.background, tile_value)
+            }
+            Content::Vectors { values, .. } => {
+                let tile_value = values.tiles.map_or([0.0; 3], |(_, value)| value);
+                let numbers = values.channel.values.as_flattened().as_flattened();
+                ffi::vector_grid(&head, &bridge_blocks, numbers, values.channel.background, tile_value)
+            }
+        };
+        made.map_err(|error| Error::grid(self.name, error.what()))
+    }
+
+    /// Class and vector type as OpenVDB spells them.
+    fn spelled(&self) -> (&'static str, &'static str) {
+        match &self.content {
+            Content::LevelSet(_) => ("level set", ""),
+            Content::Floats { class: Class::Unknown, .. } => ("unknown", ""),
+            Content::Floats { class: Class::FogVolume, .. } => ("fog volume", ""),
+            Content::Vectors { vector_type: VectorType::Invariant, .. } => ("unknown", "invariant"),
+            Content::Vectors { vector_type: VectorType::ContravariantRelative, .. } => {
+                ("unknown", "contravariant relative")
+            }
+        }
+    }
+}
+
+fn misaligned(origin: IVec3, edge: i32) -> bool {
+    origin & IVec3::splat(edge - 1) != IVec3::ZERO
+}
+
+impl Frame<'_> {
+    /// The frame in OpenVDB's hands.
+    pub(super) fn prepare(&self) -> Result<cxx::UniquePtr<ffi::Frame>, Error> {
+        for (index, grid) in self.grids.iter().enumerate() {
+            let earlier = &self.grids[..index];
+            if earlier.iter().any(|other| other.name == grid.name) {
+                return Err(Error::grid(grid.name, "two grids of one file have this name: rename one"));
+            }
+            if earlier.iter().any(|other| other.blocks().lattice != grid.blocks().lattice) {
+                return Err(Error::grid(grid.name, "its voxels stand elsewhere than those of the file's other grids"));
+            }
+        }
+        let library = |error: cxx::Exception| Error::Library { message: error.what().into() };
+        let mut frame = ffi::new_frame(&to_bridge(&self.metadata)).map_err(library)?;
+        for grid in &self.grids {
+            frame.pin_mut().add(grid.prepare()?).map_err(library)?;
+        }
+        Ok(frame)
+    }
+}

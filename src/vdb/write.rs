@@ -1,0 +1,113 @@
+//! From a frame to a file that is whole.
+
+use std::io::Write;
+use std::path::Path;
+
+use super::bridge::ffi;
+use super::temporary::{Temporary, folder_of};
+use super::{Error, Frame};
+
+/// How a file's buffers are compressed. In all cases inactive voxels are not stored where they can be restored.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Compression {
+    /// Blosc: fast, and what Houdini writes.
+    #[default]
+    Blosc,
+    /// Zip: slow. OpenVDB does not apply it to level sets and fog volumes.
+    Zip,
+    /// None.
+    None,
+}
+
+impl Compression {
+    fn codec(self) -> ffi::Codec {
+        match self {
+            Self::Blosc => ffi::Codec::Blosc,
+            Self::Zip => ffi::Codec::Zip,
+            Self::None => ffi::Codec::None,
+        }
+    }
+}
+
+/// How to write a file.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct WriteOptions {
+    /// How buffers are compressed.
+    pub compression: Compression,
+    /// Whether a file of that name may be replaced.
+    pub overwrite: bool,
+}
+
+/// A file that was written.
+#[derive(Clone, Copy, Debug)]
+pub struct Written {
+    /// Its size.
+    pub bytes: u64,
+}
+
+/// A frame in OpenVDB's trees, independent of the blocks it came from.
+pub struct Prepared {
+    frame: cxx::UniquePtr<ffi::Frame>,
+}
+
+/// Copies a frame's blocks into OpenVDB's trees, on all threads.
+///
+/// # Errors
+/// [`Error::Grid`] for blocks, tiles or values that make no grid, also a value that is not finite.
+pub fn prepare(frame: &Frame<'_>) -> Result<Prepared, Error> {
+    Ok(Prepared { frame: frame.prepare()? })
+}
+
+/// Writes one frame to one file.
+///
+/// # Errors
+/// Those of [`prepare`] and [`Prepared::write`].
+pub fn write(path: impl AsRef<Path>, frame: &Frame<'_>, options: &WriteOptions) -> Result<Written, Error> {
+    check_target(path.as_ref(), options)?;
+    prepare(frame)?.write(path, options)
+}
+
+impl Prepared {
+    /// Writes the frame: encoded on all threads, under a temporary name in the target's folder, read back and checked,
+    /// synced and renamed. Whatever fails, nothing is left behind and a file of that name is as it was.
+    ///
+    /// # Errors
+    /// [`Error::Exists`] unless overwriting is allowed; [`Error::System`] when the system refuses, such as on a full
+    /// disk; [`Error::Damaged`] when the disk does not hold what was written.
+    pub fn write(&self, path: impl AsRef<Path>, options: &WriteOptions) -> Result<Written, Error> {
+        let path = path.as_ref();
+        check_target(path, options)?;
+        let encoded = ffi::encode(&self.frame, options.compression.codec())
+            .map_err(|error| Error::File { path: path.into(), message: error.what().into() })?;
+        let mut temporary = Temporary::beside(path)?;
+        let mut bytes = 0;
+        for index in 0..encoded.pieces() {
+            let piece = encoded.piece(index);
+            temporary.file_mut().write_all(piece).map_err(|error| Error::system(path, "write it", error))?;
+            bytes += piece.len() as u64;
+        }
+        drop(encoded);
+        temporary.file_mut().sync_all().map_err(|error| Error::system(path, "sync it to the disk", error))?;
+        temporary.persist(path, options.overwrite)?;
+        Ok(Written { bytes })
+    }
+}
+
+/// What is wrong with a target before any work is done.
+fn check_target(path: &Path, options: &WriteOptions) -> Result<(), Error> {
+    if path.file_name().is_none() || path.is_dir() {
+        return Err(Error::system(path, "write it", std::io::ErrorKind::IsADirectory.into()));
+    }
+    let folder = folder_of(path);
+    match std::fs::metadata(folder) {
+        Err(error) => return Err(Error::system(folder, "write into it", error)),
+        Ok(metadata) if !metadata.is_dir() => {
+            return Err(Error::system(folder, "write into it", std::io::ErrorKind::NotADirectory.into()));
+        }
+        Ok(_) => {}
+    }
+    if !options.overwrite && path.symlink_metadata().is_ok() {
+        return Err(Error::Exists { path: path.into() });
+    }
+    Ok(())
+}

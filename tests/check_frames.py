@@ -1,0 +1,105 @@
+#!/usr/bin/python3
+"""Checks frames with Debian's Python OpenVDB: usage check_frames.py FILE..., one line a frame, exit code 1 on any problem.
+
+Checked in each file: the grids and their classes, value types and metadata; one transform and one topology; the
+background; and over the dense box around the band that the values are those of one narrow-band distance field:
+
+* neighbouring voxels never differ by more than a voxel (true of every distance field, clamped or not). A wrong sign, an
+  unfilled inside or a second surface breaks this;
+* |grad| is 1 in the mean where all neighbours are in the band;
+* colours are finite and inside [0, 1], and the colour's background is their mean.
+"""
+import sys
+
+import numpy as np
+import pyopenvdb as vdb
+
+
+def dense(grid, low, high, kind):
+    shape = [h - l + 1 for l, h in zip(low, high)]
+    array = np.empty(shape + [3] if kind == "vec3s" else shape, np.float32)
+    grid.copyToArray(array, ijk=low)
+    return array
+
+
+def active_mask(grid, low, high):
+    mask = np.zeros([h - l + 1 for l, h in zip(low, high)], bool)
+    for item in grid.iterOnValues():
+        a = [max(i, l) - l for i, l in zip(item.min, low)]
+        b = [min(i, h) - l + 1 for i, h, l in zip(item.max, high, low)]
+        mask[a[0]:b[0], a[1]:b[1], a[2]:b[2]] = True
+    return mask
+
+
+def check(path, fast):
+    problems = []
+
+    def must(condition, text):
+        if not condition:
+            problems.append(text)
+
+    grids, metadata = vdb.readAll(path)
+    by_name = {grid.name: grid for grid in grids}
+    must(len(by_name) == len(grids), "two grids of one name")
+    must("surface" in by_name, "no grid 'surface'")
+    for key in ("creator", "hfvdb_scene", "hfvdb_frame"):
+        must(key in metadata, "no metadata '%s'" % key)
+    surface = by_name["surface"]
+    voxel = surface.transform.voxelSize()[0]
+    background = surface.background
+    must(surface.gridClass == vdb.GridClass.LEVEL_SET, "surface is no level set")
+    must(background > 0 and background / voxel >= 1.5, "background %g for voxels of %g" % (background, voxel))
+    for key in ("file_bbox_min", "file_bbox_max", "file_voxel_count", "file_mem_bytes"):
+        must(key in surface.metadata, "no statistics '%s'" % key)
+    must(surface.metadata.get("file_voxel_count") == surface.activeVoxelCount(), "file_voxel_count is wrong")
+
+    low, high = surface.evalActiveVoxelBoundingBox()
+    low = tuple(l - 2 for l in low)
+    high = tuple(h + 2 for h in high)
+    values = dense(surface, low, high, "float")
+    must(np.isfinite(values).all(), "values that are not finite")
+    must(abs(values).max() <= background * (1 + 1e-6), "values beyond the background")
+    must((values[0] > 0).all() and (values[-1] > 0).all(), "solid at the border of the box")
+    must(values.min() < 0, "nothing inside")
+    for axis in range(3):
+        step = abs(np.diff(values, axis=axis)).max() / voxel
+        must(step <= 1.01, "neighbours along %s differ by %.3f voxels" % ("xyz"[axis], step))
+
+    inner = values[1:-1, 1:-1, 1:-1]
+    neighbours = [(values[2:, 1:-1, 1:-1], values[:-2, 1:-1, 1:-1]), (values[1:-1, 2:, 1:-1], values[1:-1, :-2, 1:-1]),
+                  (values[1:-1, 1:-1, 2:], values[1:-1, 1:-1, :-2])]
+    band = abs(inner) < background
+    squares = np.zeros_like(inner)
+    for a, b in neighbours:
+        band &= (abs(a) < background) & (abs(b) < background)
+        squares += ((a - b) / (2 * voxel)) ** 2
+    slope = np.sqrt(squares[band])
+    must(band.any(), "no voxel has its neighbours in the band")
+    error = float(abs(slope - 1).mean()) if band.any() else float("nan")
+    must(error < 0.03, "|grad| is off by %.4f in the mean" % error)
+
+    colour = by_name.get("Cd")
+    if colour is not None:
+        must(colour.valueTypeName == "vec3s", "Cd is %s" % colour.valueTypeName)
+        must(colour.vectorType == vdb.VectorType.INVARIANT if hasattr(vdb, "VectorType") else True, "Cd is not invariant")
+        must(colour.transform == surface.transform, "two transforms")
+        must(colour.activeVoxelCount() == surface.activeVoxelCount(), "two topologies")
+        rgb = dense(colour, low, high, "vec3s")
+        on = abs(values) < background
+        if not fast:
+            must((active_mask(colour, low, high) == active_mask(surface, low, high)).all(), "two topologies")
+        must(np.isfinite(rgb).all(), "colours that are not finite")
+        must(rgb.min() >= 0 and rgb.max() <= 1, "colours outside [0, 1]: %g to %g" % (rgb.min(), rgb.max()))
+        mean = rgb[on].mean(axis=0)
+        must(abs(mean - np.array(colour.background)).max() < 1e-3, "Cd's background is not the mean colour")
+    # The volume inside, by a step smoothed over one voxel.
+    volume = float(np.clip(0.5 - values / voxel, 0, 1).sum() * voxel ** 3)
+    print("%s: %d voxels, volume %.6g, |grad| error %.4f, %s" % (
+        path, surface.activeVoxelCount(), volume, error, "; ".join(problems) if problems else "good"))
+    return not problems
+
+
+if __name__ == "__main__":
+    fast = "--fast" in sys.argv
+    results = [check(path, fast) for path in sys.argv[1:] if not path.startswith("--")]
+    sys.exit(0 if results and all(results) else 1)

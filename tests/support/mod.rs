@@ -1,0 +1,88 @@
+//! What the tests of the program share: a private folder, and the real program run in it.
+#![allow(dead_code, reason = "each test file uses its own part of this")]
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+use tempfile::TempDir;
+
+/// A private folder in which the program runs.
+pub struct Workplace {
+    folder: TempDir,
+}
+
+/// What one run of the program gave.
+pub struct Run {
+    pub code: i32,
+    pub stdout: String,
+    pub stderr: String,
+}
+
+impl Workplace {
+    pub fn new() -> Self {
+        Self { folder: tempfile::tempdir().expect("a temporary folder") }
+    }
+
+    pub fn path(&self, name: &str) -> PathBuf {
+        self.folder.path().join(name)
+    }
+
+    pub fn write(&self, name: &str, content: impl AsRef<[u8]>) -> PathBuf {
+        let path = self.path(name);
+        fs::write(&path, content).expect("a file of the test");
+        path
+    }
+
+    /// Runs `hfvdb` with arguments split at spaces.
+    pub fn hfvdb(&self, arguments: &str) -> Run {
+        self.run(Command::new(env!("CARGO_BIN_EXE_hfvdb")).args(arguments.split_whitespace()))
+    }
+
+    pub fn run(&self, command: &mut Command) -> Run {
+        let output = command.current_dir(self.folder.path()).output().expect("the program starts");
+        Run::from(output)
+    }
+
+    /// The names in a folder of the workplace, hidden ones too, sorted.
+    pub fn names(&self, folder: &str) -> Vec<String> {
+        let mut names: Vec<String> = fs::read_dir(self.folder.path().join(folder))
+            .expect("a folder of the test")
+            .map(|entry| entry.expect("an entry").file_name().into_string().expect("UTF-8"))
+            .collect();
+        names.sort();
+        names
+    }
+
+    pub fn root(&self) -> &Path {
+        self.folder.path()
+    }
+}
+
+impl From<Output> for Run {
+    fn from(output: Output) -> Self {
+        Self {
+            code: output.status.code().unwrap_or(-1),
+            stdout: String::from_utf8(output.stdout).expect("UTF-8 on stdout"),
+            stderr: String::from_utf8(output.stderr).expect("UTF-8 on stderr"),
+        }
+    }
+}
+
+impl Run {
+    /// Fails unless the program ended well.
+    pub fn ok(self) -> Self {
+        assert_eq!(self.code, 0, "stdout: {}\nstderr: {}", self.stdout, self.stderr);
+        self
+    }
+
+    /// Fails unless the program ended with `code`, without a panic, and its message holds every part.
+    pub fn fails(&self, code: i32, parts: &[&str]) {
+        assert_eq!(self.code, code, "stdout: {}\nstderr: {}", self.stdout, self.stderr);
+        assert!(!self.stderr.contains("panicked"), "{}", self.stderr);
+        assert!(self.stderr.len() < 2200, "a message of {} bytes:\n{}", self.stderr.len(), self.stderr);
+        for part in parts {
+            assert!(self.stderr.contains(part), "no \"{part}\" in:\n{}", self.stderr);
+        }
+    }
+}
