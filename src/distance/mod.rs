@@ -5,6 +5,7 @@ pub mod band;
 mod block;
 pub mod descent;
 mod exchange;
+pub mod extent;
 pub mod nearest;
 pub mod octree;
 pub mod polish;
