@@ -37,3 +37,6 @@ pub fn library_version() -> String {
 pub fn set_threads(threads: usize) -> Result<(), Error> {
     bridge::ffi::set_thread_limit(threads.max(1)).map_err(|error| Error::Library { message: error.what().into() })
 }
+
+#[cfg(test)]
+mod tests;
