@@ -1,5 +1,9 @@
 //! Colour and other attributes at points in space: sources, colour spaces, rules for set operations.
 
+mod mesh_colour;
+
+pub use mesh_colour::VertexColours;
+
 use crate::field::{Aabb, BATCH, Points};
 
 /// Scene-linear Rec.709 red, green, blue.
@@ -20,3 +24,6 @@ pub trait ColourSampler {
     /// The colour at each point, scene-linear Rec.709.
     fn sample(&mut self, points: &Points, out: &mut [LinearRgb; BATCH]);
 }
+mod colour_space;
+pub use colour_space::ColourSpace;
+mod constant; pub use constant::Constant;

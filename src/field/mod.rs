@@ -5,10 +5,40 @@
 //! meshes and morphs implement it in their own rooms.
 
 mod batch;
+mod bounds;
+mod branch;
+pub mod cells;
+mod combine;
+mod expression;
+mod extent;
+mod facts;
+mod formula;
+mod graph;
 mod interval;
+mod kernel;
+mod kernel_gradient;
+mod lane_math;
+mod leaf;
+mod machine;
+mod op;
+mod place;
+mod program;
+mod prune;
+mod scalar;
+mod solids;
+mod tape;
+#[cfg(test)]
+mod tests;
+mod width;
 
 pub use batch::{BATCH, Gradients, Points};
+pub use combine::{Blend, BlendBounds, SetSystem};
+pub use expression::{Expression, ExpressionEvaluator};
+pub use formula::{FUNCTIONS, Formula, FormulaError, Names};
+pub use graph::{Graph, Node};
 pub use interval::{Aabb, Interval};
+pub use place::{NotInvertible, rotation};
+pub use width::VectorWidth;
 
 use glam::DVec3;
 
@@ -64,6 +94,12 @@ pub trait Evaluator {
 
     /// F and its gradient at each point. Where F has no gradient (a crease) one of the sides' is given.
     fn gradients(&mut self, points: &Points, out: &mut Gradients);
+
+    /// Bounds of ∂F/∂x, ∂F/∂y, ∂F/∂z over the innermost region entered, or `None` where they are not known. A morph
+    /// of two fields that answer opens fewer blocks: where one grows as the other falls, their slopes cancel.
+    fn gradient_bounds(&mut self) -> Option<[Interval; 3]> {
+        None
+    }
 
     /// The number of smooth branches that remain in the region: the operands, below all set operations, whose
     /// zero sets together contain the zero set of F. At least 1; 1 means that F is itself smooth here (or is
