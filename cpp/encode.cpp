@@ -15,7 +15,6 @@
 #include <algorithm>
 #include <iterator>
 #include <ostream>
-#include <set>
 #include <stdexcept>
 #include <streambuf>
 
@@ -57,12 +56,32 @@ protected:
     }
 };
 
-// Gives a stream a copy of the settings: they hold pointers and counters that threads must not share.
-void set_settings(std::ostream& stream, const io::StreamMetadata& settings)
-{
-    openvdb::SharedPtr<io::StreamMetadata> own(new io::StreamMetadata(settings));
-    io::setStreamMetadataPtr(stream, own);
-}
+// A stream into memory. It has a copy of the settings of its own: they hold pointers and counters that threads must
+// not share, and the stream keeps the address of the pointer to them, so they live as long as it.
+class MemoryStream {
+public:
+    explicit MemoryStream(const io::StreamMetadata& settings)
+        : mSettings(new io::StreamMetadata(settings))
+        , stream(&mSink)
+    {
+        io::setStreamMetadataPtr(stream, mSettings);
+    }
+
+    const std::string& bytes() const { return mSink.bytes; }
+
+    std::string take()
+    {
+        if (!stream) throw std::runtime_error("a grid could not be encoded");
+        return std::move(mSink.bytes);
+    }
+
+private:
+    StringSink mSink;
+    openvdb::SharedPtr<io::StreamMetadata> mSettings;
+
+public:
+    std::ostream stream;
+};
 
 struct Leaves {
     std::vector<std::string> pieces;
@@ -93,21 +112,17 @@ Leaves encode_leaves(const GridType& grid, const io::StreamMetadata& settings)
     leaves.masks.resize(count);
     leaves.sizes.resize(count);
     tbb::parallel_for(std::size_t(0), leaves.pieces.size(), [&](std::size_t piece) {
-        StringSink sink;
-        std::ostream stream(&sink);
-        set_settings(stream, settings);
-        io::setGridBackgroundValuePtr(stream, &tree.background());
-        io::setGridClass(stream, grid.getGridClass());
+        MemoryStream out(settings);
+        io::setGridBackgroundValuePtr(out.stream, &tree.background());
         const std::size_t end = std::min(count, (piece + 1) * LEAVES_A_PIECE);
         for (std::size_t leaf = piece * LEAVES_A_PIECE; leaf != end; ++leaf) {
-            const std::size_t start = sink.bytes.size();
-            manager.leaf(leaf).writeBuffers(stream, grid.saveFloatAsHalf());
-            leaves.masks[leaf] = std::int8_t(sink.bytes[start + LEAF_MASK_BYTES]);
-            leaves.sizes[leaf] = std::int64_t(sink.bytes.size() - start
+            const std::size_t start = out.bytes().size();
+            manager.leaf(leaf).writeBuffers(out.stream, grid.saveFloatAsHalf());
+            leaves.masks[leaf] = std::int8_t(out.bytes().at(start + LEAF_MASK_BYTES));
+            leaves.sizes[leaf] = std::int64_t(out.bytes().size() - start
                 - leaf_head_bytes(leaves.masks[leaf], sizeof(typename GridType::ValueType)));
         }
-        if (!stream) throw std::runtime_error("a leaf could not be encoded");
-        leaves.pieces[piece] = std::move(sink.bytes);
+        leaves.pieces[piece] = out.take();
     });
     return leaves;
 }
@@ -123,72 +138,50 @@ class Writer : public io::Archive {
 public:
     std::vector<std::string> write_file(const openvdb::GridCPtrVec& grids, const openvdb::MetaMap& metadata) const
     {
-        StringSink sink;
-        std::ostream stream(&sink);
         io::StreamMetadata settings;
         settings.setSeekable(true);
-        set_settings(stream, settings);
-        writeHeader(stream, /*seekable=*/true); // sets the versions
-        settings = *io::getStreamMetadataPtr(stream);
+        MemoryStream out(settings);
+        writeHeader(out.stream, /*seekable=*/true); // sets the versions
+        settings = *io::getStreamMetadataPtr(out.stream);
         settings.setCompression(compression());
         settings.setWriteGridStats(true);
-        metadata.writeMeta(stream);
+        metadata.writeMeta(out.stream);
         const std::int32_t count = std::int32_t(grids.size());
-        stream.write(reinterpret_cast<const char*>(&count), sizeof count);
-        check(stream);
-        std::vector<std::string> pieces{std::move(sink.bytes)};
+        out.stream.write(reinterpret_cast<const char*>(&count), sizeof count);
+
+        std::vector<std::string> pieces{out.take()};
         std::int64_t position = std::int64_t(pieces.back().size());
-        std::set<std::string> names;
-        for (const openvdb::GridBase::ConstPtr& grid : grids) {
-            if (grid->getName().empty() || !names.insert(grid->getName()).second) {
-                throw std::runtime_error("every grid needs a name of its own, and '" + grid->getName() + "' is none");
-            }
-            write_one(*grid, settings, pieces, position);
-        }
+        for (const openvdb::GridBase::ConstPtr& grid : grids) write_one(*grid, settings, pieces, position);
         return pieces;
     }
 
 private:
-    static void check(const std::ostream& stream)
-    {
-        if (!stream) throw std::runtime_error("a grid could not be encoded");
-    }
-
     void write_one(const openvdb::GridBase& grid, const io::StreamMetadata& settings, std::vector<std::string>& pieces,
         std::int64_t& position) const
     {
-        StringSink sink;
-        std::ostream stream(&sink);
-        set_settings(stream, settings);
-        io::setGridClass(stream, grid.getGridClass());
-
+        MemoryStream out(settings);
+        io::setGridClass(out.stream, grid.getGridClass());
         io::GridDescriptor descriptor(grid.getName(), grid.type(), grid.saveFloatAsHalf());
-        descriptor.writeHeader(stream);
-        const std::size_t offsets_at = sink.bytes.size();
-        descriptor.writeStreamPos(stream);
-        descriptor.setGridPos(position + std::int64_t(sink.bytes.size()));
-        setGridCompression(stream, grid);
+        descriptor.writeHeader(out.stream);
+        const std::size_t offsets_at = out.bytes().size();
+        descriptor.writeStreamPos(out.stream); // to be replaced below
+        descriptor.setGridPos(position + std::int64_t(out.bytes().size()));
+        setGridCompression(out.stream, grid);
 
-        Leaves leaves = encode_leaves(grid, *io::getStreamMetadataPtr(stream));
-        write_metadata(grid, leaves, stream);
-        grid.writeTransform(stream);
-        grid.writeTopology(stream);
-        descriptor.setBlockPos(position + std::int64_t(sink.bytes.size()));
+        Leaves leaves = encode_leaves(grid, *io::getStreamMetadataPtr(out.stream));
+        write_metadata(grid, leaves, out.stream);
+        grid.writeTransform(out.stream);
+        grid.writeTopology(out.stream);
+        descriptor.setBlockPos(position + std::int64_t(out.bytes().size()));
 
-        std::int64_t end = position + std::int64_t(sink.bytes.size());
-        for (const std::string& piece : leaves.pieces) end += std::int64_t(piece.size());
-        descriptor.setEndPos(end);
-        check(stream);
-
-        StringSink offsets;
-        std::ostream offset_stream(&offsets);
-        descriptor.writeStreamPos(offset_stream);
-        check(offset_stream);
-        sink.bytes.replace(offsets_at, offsets.bytes.size(), offsets.bytes);
-
-        pieces.push_back(std::move(sink.bytes));
+        position += std::int64_t(out.bytes().size());
+        for (const std::string& piece : leaves.pieces) position += std::int64_t(piece.size());
+        descriptor.setEndPos(position);
+        MemoryStream offsets(settings);
+        descriptor.writeStreamPos(offsets.stream);
+        const std::string offset_bytes = offsets.take();
+        pieces.push_back(out.take().replace(offsets_at, offset_bytes.size(), offset_bytes));
         std::move(leaves.pieces.begin(), leaves.pieces.end(), std::back_inserter(pieces));
-        position = end;
     }
 
     // A grid's metadata with the statistics and sizes that readers look for.

@@ -18,6 +18,10 @@ pub use formula::{Components, Formula};
 pub use mix::{Mixer, Turn};
 pub use parts::{Part, Parts, Rule};
 
+mod mesh_colour;
+
+pub use mesh_colour::VertexColours;
+
 use crate::field::{Aabb, BATCH, Points};
 
 /// Scene-linear Rec.709 red, green, blue.

@@ -2,11 +2,13 @@
 //!
 //! Turns a prepared scene into files, frame by frame; knows no geometry of its own.
 
+mod compute;
 mod frames;
 mod interrupt;
 mod memory;
 mod pattern;
 
+pub use compute::{ComputeError, Computed, compute};
 pub use frames::{Frames, FramesError};
 pub use interrupt::Interrupt;
 pub use memory::{Bytes, default_limit};

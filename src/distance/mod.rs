@@ -1,7 +1,15 @@
 //! Signed distances measured from a field's zero set: the band of a frame with closest points, and distance
 //! objects that answer everywhere (HFRep: `papers: Hybrid Function Representation with Distance Properties`).
 
+pub mod band;
+mod block;
+pub mod descent;
+mod exchange;
+pub mod extent;
+pub mod nearest;
+pub mod octree;
 pub mod polish;
+mod staged;
 
 #[cfg(test)]
 mod testing;

@@ -5,10 +5,40 @@
 //! meshes and morphs implement it in their own rooms.
 
 mod batch;
+mod bounds;
+mod branch;
+pub mod cells;
+mod combine;
+mod expression;
+mod extent;
+mod facts;
+mod formula;
+mod graph;
 mod interval;
+mod kernel;
+mod kernel_gradient;
+mod lane_math;
+mod leaf;
+mod machine;
+mod op;
+mod place;
+mod program;
+mod prune;
+mod scalar;
+mod solids;
+mod tape;
+#[cfg(test)]
+mod tests;
+mod width;
 
 pub use batch::{BATCH, Gradients, Points};
+pub use combine::{Blend, BlendBounds, SetSystem};
+pub use expression::{Expression, ExpressionEvaluator};
+pub use formula::{FUNCTIONS, Formula, FormulaError, Names};
+pub use graph::{Graph, Node};
 pub use interval::{Aabb, Interval};
+pub use place::{NotInvertible, rotation};
+pub use width::VectorWidth;
 
 use glam::DVec3;
 

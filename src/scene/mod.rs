@@ -1,1 +1,39 @@
-//! The scene format: text with places, checked into a model with names resolved.
+//! The scene format: text with places, checked into a model with names resolved, and frames made from it.
+//!
+//! The way: [`load`] reads TOML or JSON into a tree of values that know their places, applies overrides, and
+//! checks it against [`keys`] into a [`Model`]. Knows no voxels and writes no files.
+
+mod builtin;
+mod colour;
+mod diagnostic;
+mod files;
+mod formula;
+mod frames;
+mod hash;
+pub mod keys;
+mod load;
+mod model;
+mod number;
+mod overrides;
+mod read;
+mod reader;
+mod reference;
+mod source;
+mod value;
+
+#[cfg(test)]
+mod tests;
+
+pub use builtin::{builtin_line, builtin_names, builtin_text};
+pub use diagnostic::{Diagnostic, Diagnostics, Severity};
+pub use files::{FilePlace, FileReference};
+pub use formula::Formula;
+pub use frames::{FrameRange, Shot};
+pub use load::{Source, load};
+pub use model::*;
+pub use number::{BadNumber, Ease, Keys, Moment, Number, NumberValue};
+pub use overrides::Overrides;
+pub use reader::Setting;
+pub use reference::reference;
+pub use source::{Place, Span};
+pub use value::Origin;

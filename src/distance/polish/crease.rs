@@ -123,7 +123,7 @@ impl Polisher {
         self.follow_seeds(evaluator, request, queries, branches, &mut best);
     }
 
-    /// Seeds that lie on F = 0 are the first candidates.
+    /// Seeds that lie on F = 0 are the first candidates; a query is no seed of its own.
     fn take_seeds(
         &mut self,
         evaluator: &mut dyn Evaluator,
@@ -136,7 +136,8 @@ impl Polisher {
         self.crease.seeded.clear();
         for i in 0..queries.len {
             distances[i] = f32::INFINITY;
-            if on_surface(&self.gradients, i, f32::NAN, request) {
+            let given = feet.offset(i) != queries.offset(i);
+            if given && on_surface(&self.gradients, i, f32::NAN, request) {
                 distances[i] = (queries.offset(i) - feet.offset(i)).length();
                 for (axis, offset) in feet.offset(i).to_array().into_iter().enumerate() {
                     self.crease.seeds[axis][i] = offset;

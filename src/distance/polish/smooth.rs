@@ -65,12 +65,14 @@ impl Lanes {
         let normal = gradient / slope;
         // The distance to where the next step across the surface lands, and some doubt about landing there.
         let merit = (towards + normal * residual).length() + 0.3 * residual.abs();
-        if !merit.is_finite() || merit > self.merit[lane] * 1.0001 || self.strayed(lane, residual.abs()) {
+        let near = LAST_STEP * request.unit;
+        let approaches = self.residual[lane] > near && residual.abs() < 0.8 * self.residual[lane];
+        let improves = merit <= self.merit[lane] * 1.0001 && !self.strayed(lane, residual.abs());
+        if !merit.is_finite() || !(approaches || improves) {
             return self.retreat(request, lane);
         }
         let height = towards.dot(normal);
         let tangent = towards - normal * height;
-        let near = LAST_STEP * request.unit;
         if residual.abs() <= near && tangent.length_squared() <= near * near {
             let distance = residual + height;
             self.finish(lane, (p - normal * distance).to_array(), distance.abs());

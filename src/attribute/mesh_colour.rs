@@ -1,0 +1,79 @@
+//! The colours at a mesh's vertices, everywhere in space: at the closest point of the mesh, blended over its triangle.
+
+use std::sync::Arc;
+
+use super::{Colour, ColourSampler, LinearRgb};
+use crate::field::{Aabb, BATCH, Evaluator, Points};
+use crate::mesh::{MeshDistance, MeshEvaluator};
+
+/// Colour of the closest point of a mesh.
+#[derive(Clone, Debug)]
+pub struct VertexColours(Arc<MeshDistance>);
+
+impl VertexColours {
+    /// The colours of a mesh, or `None` where it has none.
+    pub fn new(mesh: Arc<MeshDistance>) -> Option<Self> {
+        mesh.mesh().colours().is_some().then_some(Self(mesh))
+    }
+}
+
+impl Colour for VertexColours {
+    fn sampler(&self) -> Box<dyn ColourSampler + '_> {
+        Box::new(Sampler { mesh: &self.0, evaluator: self.0.mesh_evaluator() })
+    }
+}
+
+struct Sampler<'a> {
+    mesh: &'a MeshDistance,
+    evaluator: MeshEvaluator<'a>,
+}
+
+impl ColourSampler for Sampler<'_> {
+    fn enter(&mut self, region: &Aabb) {
+        self.evaluator.enter(region);
+    }
+
+    fn leave(&mut self) {
+        self.evaluator.leave();
+    }
+
+    fn sample(&mut self, points: &Points, out: &mut [LinearRgb; BATCH]) {
+        for (i, colour) in out.iter_mut().enumerate().take(points.len) {
+            let nearest = self.evaluator.nearest(points.position(i));
+            // A mesh with colours has one everywhere: `new` saw to it.
+            *colour = self.mesh.colour(&nearest).unwrap_or_default();
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::{DVec3, Vec3};
+
+    use super::*;
+    use crate::mesh::{Holes, TriangleMesh};
+
+    /// A tetrahedron with the corner positions as colours: the colour at a foot is the foot.
+    #[test]
+    fn colour_of_the_foot() {
+        let corners = [DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z];
+        let triangles = vec![[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]];
+        let colours = corners.map(|p| p.as_vec3().to_array()).to_vec();
+        let mesh = TriangleMesh::new(corners.to_vec(), triangles, Some(colours)).unwrap();
+        let mesh = Arc::new(MeshDistance::new(mesh, Holes::Refuse).unwrap());
+        let source = VertexColours::new(mesh.clone()).unwrap();
+        let mut sampler = source.sampler();
+        let mut points = Points::new(DVec3::ZERO);
+        for i in 0..512 {
+            points.push(Vec3::new((i % 8) as f32, (i / 8 % 8) as f32, (i / 64) as f32) * 0.2 - 0.5);
+        }
+        let mut out = [[0.0; 3]; BATCH];
+        sampler.enter(&Aabb::new(DVec3::splat(-0.5), DVec3::splat(1.0)));
+        sampler.sample(&points, &mut out);
+        sampler.leave();
+        for (i, colour) in out.into_iter().enumerate() {
+            let foot = mesh.nearest(points.position(i)).point.as_vec3();
+            assert!(Vec3::from(colour).distance(foot) < 1e-6, "{colour:?} {foot}");
+        }
+    }
+}

@@ -1,0 +1,40 @@
+//! `hfvdb scenes`: the built-in scenes, as a list or as text to start from.
+
+use clap::Args;
+
+use super::failure::Failure;
+use super::options::Global;
+use crate::scene;
+
+/// Arguments of `hfvdb scenes`.
+#[derive(Args)]
+pub struct Arguments {
+    /// Print this scene's text, ready to be redirected into a file and changed
+    #[arg(value_name = "NAME")]
+    name: Option<String>,
+}
+
+/// Runs the command.
+pub fn run(arguments: &Arguments, global: &Global) -> Result<(), Failure> {
+    let Some(name) = &arguments.name else {
+        return list(global);
+    };
+    let text = scene::builtin_text(name).ok_or_else(|| {
+        let known: Vec<_> = scene::builtin_names().collect();
+        Failure::work(format!("there is no built-in scene \"{name}\"; there are {}", known.join(", ")))
+    })?;
+    if global.json {
+        return super::print_json(&serde_json::json!({ "name": name, "text": text }));
+    }
+    super::print(text)
+}
+
+fn list(global: &Global) -> Result<(), Failure> {
+    let scenes = scene::builtin_names().map(|name| (name, scene::builtin_line(name).unwrap_or_default()));
+    if global.json {
+        let scenes: Vec<_> = scenes.map(|(name, line)| serde_json::json!({ "name": name, "about": line })).collect();
+        return super::print_json(&serde_json::json!({ "scenes": scenes }));
+    }
+    let text: String = scenes.map(|(name, line)| format!("{name:16} {line}\n")).collect();
+    super::print(&text)
+}

@@ -1,0 +1,191 @@
+//! The narrow band of a field: exact signed distances, with closest points handed to a visitor on the way.
+
+mod pass;
+
+use std::{fmt, sync::atomic::AtomicBool};
+
+use glam::{DVec3, IVec3};
+
+use crate::{
+    field::{Aabb, Field},
+    grid::{BLOCK_EDGE, BLOCK_VOXELS, Band, Lattice, block_order},
+};
+
+use super::descent::{self, Scope};
+pub use super::staged::MeasuredBlock;
+use pass::Pass;
+
+/// Blocks measured between two reports of progress; their feet wait in memory, 8 KiB each. Smaller starves many
+/// threads, larger costs memory beyond the band's own.
+const CHUNK: usize = 2048;
+
+/// What to measure.
+#[derive(Clone, Copy)]
+pub struct Settings<'a> {
+    /// Where the voxels stand.
+    pub lattice: Lattice,
+    /// Half the band's width, in voxels.
+    pub half_width: f32,
+    /// Where to look, world units: all blocks with a voxel centre in it. Grow a shape's box by the half width and a
+    /// voxel, or the band is cut.
+    pub region: Aabb,
+    /// Set it to stop: the result is then [`Error::Cancelled`].
+    pub cancel: &'a AtomicBool,
+    /// Told the share done, from 0 to 1, now and then.
+    pub progress: &'a (dyn Fn(f64) + Sync),
+}
+
+/// What to tell the user about a band that was measured.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Report {
+    /// Blocks evaluated.
+    pub opened_blocks: u64,
+    /// Blocks that hold a piece of the band.
+    pub band_blocks: u64,
+    /// Voxels beside a surface with the same sign all around them: features thinner than a voxel.
+    pub thin_voxels: u64,
+    /// Where one of those is.
+    pub thin_at: Option<DVec3>,
+    /// Inside voxels on the faces of the region: least x, greatest x, least y, … Not zero: the solid is cut there.
+    pub cut_voxels: [u64; 6],
+}
+
+/// A measured band, what the visitors made of its blocks (in the band's order), and what to tell about it.
+#[derive(Clone, Debug)]
+pub struct Measured<T> {
+    /// The band.
+    pub band: Band,
+    /// One visit's result a block.
+    pub visits: Vec<T>,
+    /// Counts and warnings.
+    pub report: Report,
+}
+
+/// Why there is no band.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Error {
+    /// F is not a number there.
+    NotANumber {
+        /// World units.
+        position: DVec3,
+    },
+    /// No surface in the region.
+    Empty {
+        /// Whether the whole region is inside the solid.
+        solid: bool,
+    },
+    /// The region reaches farther from the origin than voxels can be numbered.
+    TooFar {
+        /// How far, in voxels.
+        voxels: f64,
+    },
+    /// [`Settings::cancel`] was set.
+    Cancelled,
+}
+
+impl fmt::Display for Error {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::NotANumber { position: p } => write!(
+                f,
+                "the function is not a number at ({}, {}, {}): look for a division by zero, or a root or logarithm of \
+                 a negative number there",
+                p.x, p.y, p.z
+            ),
+            Self::Empty { solid: false } => {
+                f.write_str("nothing is inside: the function is negative everywhere in the region; check the signs (positive is inside) and the bounds")
+            }
+            Self::Empty { solid: true } => {
+                f.write_str("there is no surface: the function is positive everywhere in the region; check the signs (positive is inside) and widen the bounds")
+            }
+            Self::TooFar { voxels } => write!(
+                f,
+                "the region reaches {voxels:.3e} voxels from the origin, and OpenVDB numbers {} at most: use larger \
+                 voxels, or bring the object nearer to the origin",
+                1 << 30
+            ),
+            Self::Cancelled => f.write_str("cancelled"),
+        }
+    }
+}
+
+impl std::error::Error for Error {}
+
+/// Measures the band of a field. `visitor` makes a visitor for each task; a visitor sees finished blocks, and what it
+/// returns for each is kept, in the order of the band's blocks. (A block that a later one improves is seen again, and
+/// the later visit kept.)
+pub fn measure<T, V>(
+    field: &dyn Field,
+    settings: &Settings,
+    visitor: impl Fn() -> V + Sync,
+) -> Result<Measured<T>, Error>
+where
+    T: Send,
+    V: FnMut(&MeasuredBlock) -> T,
+{
+    measure_by_chunks(field, settings, &visitor, CHUNK)
+}
+
+fn measure_by_chunks<T, V>(
+    field: &dyn Field,
+    settings: &Settings,
+    visitor: &(impl Fn() -> V + Sync),
+    chunk: usize,
+) -> Result<Measured<T>, Error>
+where
+    T: Send,
+    V: FnMut(&MeasuredBlock) -> T,
+{
+    let Settings { lattice, half_width, region, cancel, progress } = *settings;
+    let scope = Scope { lattice, half_width, region };
+    check_size(&scope)?;
+    let found = descent::descend(field, &scope, cancel).ok_or(Error::Cancelled)?;
+    let mut pass = Pass::new(field, &scope, cancel, visitor, &found.blocks);
+    for (number, blocks) in found.blocks.chunks(chunk).enumerate() {
+        progress((number * chunk) as f64 / found.blocks.len() as f64);
+        pass.chunk(blocks)?;
+    }
+    pass.redo()?;
+    progress(1.0);
+    let (mut band, visits, mut report) = pass.done();
+    band.inside_tiles.extend(found.inside_tiles);
+    if band.origins.is_empty() {
+        return Err(Error::Empty { solid: !band.inside_tiles.is_empty() });
+    }
+    band.inside_tiles.sort_unstable_by_key(|tile| block_order(tile.origin));
+    report.cut_voxels = cut_voxels(&band, &scope);
+    Ok(Measured { band, visits, report })
+}
+
+/// OpenVDB's voxels are numbered in 32 bits; leave room for neighbours.
+fn check_size(scope: &Scope) -> Result<(), Error> {
+    let edge = scope.lattice.voxel_size.get();
+    let farthest = scope.region.min.abs().max(scope.region.max.abs()).max_element() / edge;
+    if farthest < f64::from(1 << 30) { Ok(()) } else { Err(Error::TooFar { voxels: farthest }) }
+}
+
+/// Counts inside voxels on the six faces of the range of blocks looked at.
+fn cut_voxels(band: &Band, scope: &Scope) -> [u64; 6] {
+    let [least, end] = scope.block_range();
+    let mut cut = [0; 6];
+    for (side, count) in cut.iter_mut().enumerate() {
+        let axis = side / 2;
+        let on_face = |origin: IVec3, edge: i32| {
+            if side % 2 == 0 { origin[axis] == least[axis] } else { origin[axis] + edge == end[axis] }
+        };
+        let layer = if side % 2 == 0 { 0 } else { 7 };
+        for (_, distances) in
+            band.origins.iter().zip(&band.distances).filter(|(origin, _)| on_face(**origin, BLOCK_EDGE))
+        {
+            let in_layer = |i: usize| (i >> (6 - 3 * axis)) & 7 == layer;
+            *count += (0..BLOCK_VOXELS).filter(|&i| in_layer(i) && distances[i] >= 0.0).count() as u64;
+        }
+        for tile in band.inside_tiles.iter().filter(|tile| on_face(tile.origin, tile.edge)) {
+            *count += (tile.edge as u64).pow(2);
+        }
+    }
+    cut
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,307 @@
+//! One leaf block: values, feet and distances of its 512 voxels.
+
+use glam::{DVec3, IVec3, Vec3};
+
+use crate::{
+    field::{Aabb, BATCH, Evaluator, Field, Gradients, Points, Slope},
+    grid::{BLOCK_EDGE, BLOCK_VOXELS},
+};
+
+use super::{
+    band::Error,
+    descent::Scope,
+    exchange,
+    polish::{Polisher, Request},
+    staged::{ROOM, Staged},
+};
+
+/// Measures blocks on one thread.
+pub struct Meter<'a> {
+    evaluator: Box<dyn Evaluator + 'a>,
+    slope: Slope,
+    scope: Scope,
+    background: f32,
+    region: Aabb,
+    entered: Option<IVec3>,
+    polisher: Polisher,
+    at_voxels: Box<Gradients>,
+    points: Points,
+    feet: Points,
+    /// Unsigned.
+    distances: Box<[f32; BLOCK_VOXELS]>,
+    changed: Box<[bool; BLOCK_VOXELS]>,
+    some_queries: Points,
+    some_feet: Points,
+    some_distances: Box<[f32; BATCH]>,
+}
+
+impl<'a> Meter<'a> {
+    pub fn new(field: &'a dyn Field, scope: &Scope) -> Self {
+        let empty = || Points::new(DVec3::ZERO);
+        Self {
+            evaluator: field.evaluator(),
+            slope: field.slope(),
+            scope: *scope,
+            background: scope.background(),
+            region: Aabb::new(DVec3::ZERO, DVec3::ZERO),
+            entered: None,
+            polisher: Polisher::new(),
+            at_voxels: Box::default(),
+            points: empty(),
+            feet: empty(),
+            distances: Box::new([0.0; BLOCK_VOXELS]),
+            changed: Box::new([false; BLOCK_VOXELS]),
+            some_queries: empty(),
+            some_feet: empty(),
+            some_distances: Box::new([0.0; BATCH]),
+        }
+    }
+
+    /// Enters a node that holds the blocks measured next, so that their tapes are cut from its shorter one.
+    pub fn enter_node(&mut self, node: IVec3, edge: i32) {
+        if self.entered == Some(node) {
+            return;
+        }
+        self.leave_node();
+        self.evaluator.enter(&self.scope.centres(node, edge, f64::from(self.scope.half_width) + ROOM));
+        self.entered = Some(node);
+    }
+
+    fn leave_node(&mut self) {
+        if self.entered.take().is_some() {
+            self.evaluator.leave();
+        }
+    }
+
+    /// Measures a block into `out`. `seeds` are feet that neighbouring blocks offer: voxels and offsets from the
+    /// block's middle.
+    pub fn measure(&mut self, origin: IVec3, seeds: &[(u16, Vec3)], out: &mut Staged) -> Result<(), Error> {
+        let margin = f64::from(self.scope.half_width) + ROOM;
+        self.region = self.scope.centres(origin, BLOCK_EDGE, margin);
+        self.points = Points::of_block(origin, &self.scope.lattice);
+        self.evaluator.enter(&self.region);
+        self.evaluator.gradients(&self.points, &mut self.at_voxels);
+        let result = self.check_values().map(|()| {
+            self.find_feet();
+            self.take_seeds(seeds);
+            self.exchange();
+            self.find_crossings();
+            self.finish(origin, out);
+            self.count_thin(out);
+        });
+        self.evaluator.leave();
+        result
+    }
+
+    fn voxel(&self) -> f32 {
+        self.scope.lattice.voxel_size.get() as f32
+    }
+
+    fn request(&self) -> Request {
+        Request { unit: self.voxel(), reach: self.background, region: self.region }
+    }
+
+    fn check_values(&self) -> Result<(), Error> {
+        match self.at_voxels.value.iter().position(|value| value.is_nan()) {
+            Some(i) => Err(Error::NotANumber { position: self.points.position(i) }),
+            None => Ok(()),
+        }
+    }
+
+    /// Each voxel's own foot.
+    fn find_feet(&mut self) {
+        self.feet.clone_from(&self.points);
+        let (outside, inside) = match self.slope {
+            Slope::Exact { outside, inside } => (outside, inside),
+            _ => (false, false),
+        };
+        if !outside && !inside {
+            let request = self.request();
+            let Self { evaluator, polisher, points, feet, distances, .. } = self;
+            polisher.closest(&mut **evaluator, &request, points, feet, distances);
+            return;
+        }
+        self.changed.fill(false);
+        for i in 0..BLOCK_VOXELS {
+            let value = self.at_voxels.value[i];
+            let gradient = self.at_voxels.gradient(i).normalize_or_zero();
+            if (if value < 0.0 { outside } else { inside }) && gradient != Vec3::ZERO {
+                self.distances[i] = value.abs();
+                let foot = self.points.offset(i) - gradient * value;
+                (self.feet.x[i], self.feet.y[i], self.feet.z[i]) = foot.into();
+            } else {
+                self.distances[i] = f32::INFINITY;
+                self.changed[i] = true;
+            }
+        }
+        self.polish_changed();
+    }
+
+    /// Nearer feet of neighbours, until there are none.
+    fn exchange(&mut self) {
+        if matches!(self.slope, Slope::Exact { inside: true, outside: true }) {
+            return;
+        }
+        // Each round settles what the one before brought in; a foot hardly ever travels on after the second.
+        for _ in 0..4 {
+            self.changed.fill(false);
+            let voxel = self.voxel();
+            if !exchange::sweep(voxel, &self.points, &mut self.feet, &mut self.distances, &mut self.changed) {
+                break;
+            }
+            self.polish_changed();
+        }
+    }
+
+    /// Polishes the feet marked in `changed`, from where they are.
+    fn polish_changed(&mut self) {
+        self.some_queries.origin = self.points.origin;
+        self.some_feet.origin = self.points.origin;
+        (self.some_queries.len, self.some_feet.len) = (0, 0);
+        for i in (0..BLOCK_VOXELS).filter(|&i| self.changed[i]) {
+            self.some_queries.push(self.points.offset(i));
+            self.some_feet.push(self.feet.offset(i));
+        }
+        if self.some_queries.len == 0 {
+            return;
+        }
+        let request = self.request();
+        let Self { evaluator, polisher, some_queries, some_feet, some_distances, .. } = self;
+        polisher.closest(&mut **evaluator, &request, some_queries, some_feet, some_distances);
+        for (lane, i) in (0..BLOCK_VOXELS).filter(|&i| self.changed[i]).enumerate() {
+            if self.some_distances[lane] < self.distances[i] {
+                self.distances[i] = self.some_distances[lane];
+                let foot = self.some_feet.offset(lane);
+                (self.feet.x[i], self.feet.y[i], self.feet.z[i]) = foot.into();
+            }
+        }
+    }
+
+    /// Takes the seeds that are nearer than what was found, and polishes them.
+    fn take_seeds(&mut self, seeds: &[(u16, Vec3)]) {
+        self.changed.fill(false);
+        for &(voxel, foot) in seeds {
+            let i = usize::from(voxel);
+            let distance = (self.points.offset(i) - foot).length();
+            if distance < self.distances[i] {
+                self.distances[i] = distance;
+                (self.feet.x[i], self.feet.y[i], self.feet.z[i]) = foot.into();
+                self.changed[i] = true;
+            }
+        }
+        self.polish_changed();
+    }
+
+    /// Where the sign changes between two neighbours there is a foot within a voxel of both; where none was found
+    /// (F has no gradient to follow, or jumps) bisection finds it.
+    fn find_crossings(&mut self) {
+        let voxel = self.voxel();
+        let mut found = false;
+        for (stride, axis) in [(64, 0), (8, 1), (1, 2)] {
+            for i in (0..BLOCK_VOXELS - stride).filter(|&i| (i / stride) % 8 < 7) {
+                let (here, there) = (self.at_voxels.value[i], self.at_voxels.value[i + stride]);
+                let far = 1.01 * voxel;
+                if (here >= 0.0) == (there >= 0.0) || self.distances[i].max(self.distances[i + stride]) <= far {
+                    continue;
+                }
+                if !found {
+                    found = true;
+                    self.changed.fill(false);
+                }
+                let mut step = Vec3::ZERO;
+                step[axis] = voxel;
+                let crossing = self.bisect(self.points.offset(i), step, here >= 0.0);
+                for i in [i, i + stride] {
+                    let distance = (self.points.offset(i) - crossing).length();
+                    if distance < self.distances[i] {
+                        self.distances[i] = distance;
+                        (self.feet.x[i], self.feet.y[i], self.feet.z[i]) = crossing.into();
+                        self.changed[i] = true;
+                    }
+                }
+            }
+        }
+        if found {
+            self.polish_changed();
+            self.exchange();
+        }
+    }
+
+    /// The point between `from` and `from + step` where the sign is no longer that of `from`.
+    fn bisect(&mut self, from: Vec3, step: Vec3, inside: bool) -> Vec3 {
+        let (mut same, mut other) = (0.0, 1.0);
+        self.some_queries.origin = self.points.origin;
+        // 2⁻¹² of a voxel is far below the error allowed.
+        for _ in 0..12 {
+            let middle = 0.5 * (same + other);
+            self.some_queries.len = 0;
+            self.some_queries.push(from + step * middle);
+            self.evaluator.values(&self.some_queries, &mut self.some_distances);
+            if (self.some_distances[0] >= 0.0) == inside { same = middle } else { other = middle }
+        }
+        from + step * other
+    }
+
+    /// Signs and normals.
+    fn finish(&self, origin: IVec3, out: &mut Staged) {
+        out.origin = origin;
+        for i in 0..BLOCK_VOXELS {
+            let sign = if self.at_voxels.value[i] >= 0.0 { 1.0 } else { -1.0 };
+            let distance = self.distances[i];
+            let normal = if distance < f32::INFINITY { self.normal(i, sign, distance) } else { Vec3::ZERO };
+            out.distances[i] = sign * distance;
+            (out.normals[0][i], out.normals[1][i], out.normals[2][i]) = normal.into();
+        }
+    }
+
+    /// The gradient of the distance: along the way to the foot, or where that is too short to have a direction, F's.
+    fn normal(&self, i: usize, sign: f32, distance: f32) -> Vec3 {
+        if distance > 0.05 * self.voxel() {
+            ((self.points.offset(i) - self.feet.offset(i)) * sign).normalize_or_zero()
+        } else {
+            self.at_voxels.gradient(i).normalize_or_zero()
+        }
+    }
+
+    /// Counts voxels beside a surface with the same sign again a voxel behind it: a feature thinner than a voxel.
+    ///
+    /// Any piece of surface is within half a voxel's diagonal of a voxel. Most voxels that near have a neighbour of
+    /// the other sign, and only the others are probed.
+    fn count_thin(&mut self, out: &mut Staged) {
+        out.thin = 0;
+        out.thin_at = None;
+        let voxel = self.voxel();
+        let inside = |value: f32| value >= 0.0;
+        let probes = &mut self.some_queries;
+        probes.origin = self.points.origin;
+        probes.len = 0;
+        self.changed.fill(false);
+        for i in 0..BLOCK_VOXELS {
+            let distance = self.distances[i];
+            if distance > 0.87 * voxel || distance < 0.05 * voxel || beside_other_sign(&self.at_voxels.value, i) {
+                continue;
+            }
+            let (point, foot) = (self.points.offset(i), self.feet.offset(i));
+            probes.push(foot + (foot - point) * (voxel / distance));
+            self.changed[i] = true;
+        }
+        if probes.len == 0 {
+            return;
+        }
+        self.evaluator.values(probes, &mut self.some_distances);
+        for (lane, i) in (0..BLOCK_VOXELS).filter(|&i| self.changed[i]).enumerate() {
+            if inside(self.some_distances[lane]) == inside(self.at_voxels.value[i]) {
+                out.thin += 1;
+                out.thin_at.get_or_insert(self.points.position(i));
+            }
+        }
+    }
+}
+
+/// Whether one of a voxel's neighbours in its block lies on the other side.
+fn beside_other_sign(values: &[f32; BLOCK_VOXELS], i: usize) -> bool {
+    let at = [i >> 6, (i >> 3) & 7, i & 7];
+    let near = |c: usize| c.saturating_sub(1)..=(c + 1).min(7);
+    near(at[0])
+        .any(|x| near(at[1]).any(|y| near(at[2]).any(|z| (values[x << 6 | y << 3 | z] >= 0.0) != (values[i] >= 0.0))))
+}

@@ -1,0 +1,311 @@
+//! Bounds over boxes: each node keeps those of its cells, from Bernstein coefficients; a box that meets few leaves
+//! gets the coefficients of just the parts it meets.
+
+use std::cmp::Ordering;
+use std::collections::BinaryHeap;
+
+use glam::{DVec3, IVec3};
+use rayon::prelude::*;
+
+use super::evaluate::Place;
+use super::patch::{self, PatchBounds};
+use super::{DistanceObject, LEAF};
+use crate::field::{Aabb, Interval};
+
+/// Leaves cut to the box they are asked for, at most: a cut costs some microseconds. Where more are met, their whole
+/// bounds are taken.
+const CUT: usize = 8;
+
+/// Cuts spent on the declared slope: some ten milliseconds.
+const STEEPEST_CUTS: usize = 1000;
+
+/// A node's bounds, rounded outward: F, ∂x, ∂y, ∂z.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Stored([[f32; 2]; 4]);
+
+fn down(x: f64) -> f32 {
+    let y = x as f32;
+    if f64::from(y) > x { y.next_down() } else { y }
+}
+
+fn up(x: f64) -> f32 {
+    -down(-x)
+}
+
+impl Stored {
+    fn new(bounds: &PatchBounds) -> Self {
+        let [x, y, z] = bounds.gradient;
+        Self([bounds.value, x, y, z].map(|i| [down(i.lo), up(i.hi)]))
+    }
+
+    fn union(self, other: Self) -> Self {
+        Self(std::array::from_fn(|i| [self.0[i][0].min(other.0[i][0]), self.0[i][1].max(other.0[i][1])]))
+    }
+
+    fn interval(&self, i: usize) -> Interval {
+        Interval::new(f64::from(self.0[i][0]), f64::from(self.0[i][1]))
+    }
+
+    pub(super) fn value(&self) -> Interval {
+        self.interval(0)
+    }
+}
+
+/// Bounds of F and ∇F over a box.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Bounded {
+    /// Of F.
+    pub value: Interval,
+    /// Of ∂F/∂x, ∂F/∂y, ∂F/∂z.
+    pub gradient: [Interval; 3],
+}
+
+impl Bounded {
+    const EMPTY: Self = {
+        let none = Interval::new(f64::INFINITY, f64::NEG_INFINITY);
+        Self { value: none, gradient: [none; 3] }
+    };
+
+    fn add(&mut self, value: Interval, gradient: [Interval; 3]) {
+        let wider = |a: Interval, b: Interval| Interval::new(a.lo.min(b.lo), a.hi.max(b.hi));
+        self.value = wider(self.value, value);
+        self.gradient = std::array::from_fn(|axis| wider(self.gradient[axis], gradient[axis]));
+    }
+
+    fn add_stored(&mut self, stored: &Stored) {
+        self.add(stored.interval(0), [stored.interval(1), stored.interval(2), stored.interval(3)]);
+    }
+}
+
+/// A walk over the cells that a box meets.
+struct Walk<'a> {
+    object: &'a DistanceObject,
+    /// The box, in smallest cells.
+    lo: [f64; 3],
+    hi: [f64; 3],
+    found: Bounded,
+    /// Leaves met in part, and whether there were more.
+    partly: [Place; CUT],
+    count: usize,
+}
+
+impl Walk<'_> {
+    fn visit(&mut self, place: Place) {
+        let (mut whole, mut met) = (true, true);
+        for axis in 0..3 {
+            let (lo, hi) = (f64::from(place.origin[axis]), f64::from(place.origin[axis] + place.size));
+            whole &= self.lo[axis] <= lo && hi <= self.hi[axis];
+            met &= self.lo[axis] <= hi && lo <= self.hi[axis];
+        }
+        if !met {
+            return;
+        }
+        let node = self.object.nodes[place.node as usize];
+        if whole {
+            self.found.add_stored(&self.object.bounds[place.node as usize]);
+        } else if node & LEAF == 0 {
+            for child in 0..8 {
+                self.visit(place.nth_child(node, child));
+            }
+        } else {
+            if self.count < CUT {
+                self.partly[self.count] = place;
+            } else {
+                self.found.add_stored(&self.object.bounds[place.node as usize]);
+            }
+            self.count += 1;
+        }
+    }
+
+    fn finish(mut self) -> Bounded {
+        for i in 0..self.count.min(CUT) {
+            let place = self.partly[i];
+            if self.count > CUT {
+                self.found.add_stored(&self.object.bounds[place.node as usize]);
+                continue;
+            }
+            let cut = self.object.cut(place, self.lo, self.hi);
+            self.found.add(cut.value, cut.gradient);
+        }
+        self.found
+    }
+}
+
+/// A part of a leaf, in its own \[0, 1\]³, and the bound of |∇F| there; the steepest first.
+struct Steep {
+    slope: f64,
+    place: Place,
+    min: [f64; 3],
+    edge: f64,
+}
+
+impl Ord for Steep {
+    fn cmp(&self, other: &Self) -> Ordering {
+        self.slope.total_cmp(&other.slope)
+    }
+}
+
+impl PartialOrd for Steep {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl PartialEq for Steep {
+    fn eq(&self, other: &Self) -> bool {
+        self.cmp(other).is_eq()
+    }
+}
+
+impl Eq for Steep {}
+
+impl DistanceObject {
+    /// Bounds over the part of a leaf that lies in a box given in smallest cells.
+    fn cut(&self, place: Place, lo: [f64; 3], hi: [f64; 3]) -> PatchBounds {
+        let size = f64::from(place.size);
+        // A thin box's slopes are differences over its edge; below this they would be rounding only.
+        let thinnest = 1.0 / 256.0;
+        let (mut from, mut to) = ([0.0; 3], [1.0; 3]);
+        for axis in 0..3 {
+            let origin = f64::from(place.origin[axis]);
+            from[axis] = ((lo[axis] - origin) / size).clamp(0.0, 1.0 - thinnest);
+            to[axis] = ((hi[axis] - origin) / size).clamp(from[axis] + thinnest, 1.0);
+        }
+        let patch = self.patch(place);
+        let tensor = patch::restrict(&patch.bernstein(), from, to);
+        patch::bounds(&tensor, std::array::from_fn(|axis| (to[axis] - from[axis]) * patch.edge), patch.edge)
+    }
+
+    /// Bounds over the part of the root that is nearest to a box (the hull of the cells met, and the mean value
+    /// theorem from the box's middle: F(c) + ∇F·(p − c) with ∇F somewhere in its bounds), and the innermost node under `from` that holds it.
+    pub(super) fn bounds_in_root(&self, region: &Aabb, from: Place) -> (Place, Bounded) {
+        let top = f64::from(self.root_size());
+        let lattice = |corner: DVec3| ((corner - self.origin) * self.inverse_step).to_array();
+        // A hair more, for the rounding of positions.
+        let lo = lattice(region.min).map(|x| (x - 1e-6).clamp(0.0, top));
+        let hi = lattice(region.max).map(|x| (x + 1e-6).clamp(0.0, top));
+        let inside = |place: &Place| {
+            (0..3).all(|axis| {
+                let low = f64::from(place.origin[axis]);
+                low <= lo[axis] && hi[axis] <= low + f64::from(place.size)
+            })
+        };
+        let mut place = if inside(&from) { from } else { self.root() };
+        'down: while self.nodes[place.node as usize] & LEAF == 0 {
+            for child in 0..8 {
+                let next = place.nth_child(self.nodes[place.node as usize], child);
+                if inside(&next) {
+                    place = next;
+                    continue 'down;
+                }
+            }
+            break;
+        }
+        let mut walk = Walk { object: self, lo, hi, found: Bounded::EMPTY, partly: [place; CUT], count: 0 };
+        walk.visit(place);
+        let mut bounded = walk.finish();
+        let middle = DVec3::from(std::array::from_fn(|axis| (lo[axis] + hi[axis]) / 2.0));
+        let value = self.jet(self.origin + middle * self.step)[0];
+        let spread: f64 = (0..3)
+            .map(|axis| {
+                let steep = bounded.gradient[axis].lo.abs().max(bounded.gradient[axis].hi.abs());
+                steep * (hi[axis] - lo[axis]) / 2.0 * self.step
+            })
+            .sum();
+        let mean = patch::padded(Interval::new(value - spread, value + spread), value.abs() + spread);
+        bounded.value = Interval::new(bounded.value.lo.max(mean.lo), bounded.value.hi.min(mean.hi));
+        (place, bounded)
+    }
+
+    /// Bounds of F and of its gradient over a box, which may reach beyond the root.
+    pub fn bounds(&self, region: &Aabb) -> Bounded {
+        self.region(region, self.root()).1
+    }
+
+    /// Bounds of ∂F/∂x, ∂F/∂y, ∂F/∂z over a box.
+    pub fn gradient_bounds(&self, region: &Aabb) -> [Interval; 3] {
+        self.bounds(region).gradient
+    }
+
+    /// Works out every node's bounds, the slope, and the box of what may be inside.
+    pub(super) fn bound(&mut self) {
+        let places = self.leaf_places();
+        let leaf_bounds: Vec<PatchBounds> = places
+            .par_iter()
+            .map(|&place| {
+                let patch = self.patch(place);
+                patch::bounds(&patch.bernstein(), [patch.edge; 3], patch.edge)
+            })
+            .collect();
+        let none = Stored([[f32::INFINITY, f32::NEG_INFINITY]; 4]);
+        self.bounds = vec![none; self.nodes.len()];
+        // Children stand after their parents.
+        for node in (0..self.nodes.len()).rev() {
+            let what = self.nodes[node];
+            self.bounds[node] = if what & LEAF != 0 {
+                Stored::new(&leaf_bounds[(what & !LEAF) as usize])
+            } else {
+                (what..what + 8).fold(none, |all, child| all.union(self.bounds[child as usize]))
+            };
+        }
+        self.border = self.measure_border(&places, &leaf_bounds);
+        self.slope = self.steepest(&places, &leaf_bounds).max(self.border.slope());
+        self.bounding_box = self.box_of_inside(&places, &leaf_bounds);
+    }
+
+    /// A bound of |∇F| in the root, a tenth above the truth or less: the steepest cells are cut until their bounds
+    /// come near a slope that was met.
+    fn steepest(&self, places: &[Place], bounds: &[PatchBounds]) -> f64 {
+        let mut open: BinaryHeap<Steep> = (places.iter().zip(bounds))
+            .map(|(&place, bounds)| Steep { slope: bounds.slope, place, min: [0.0; 3], edge: 1.0 })
+            .collect();
+        let mut met = 0.0_f64;
+        for _ in 0..STEEPEST_CUTS {
+            let Some(steep) = open.pop() else { break };
+            if steep.slope <= 1.1 * met {
+                return steep.slope;
+            }
+            let patch = self.patch(steep.place);
+            let tensor = patch.bernstein();
+            let half = steep.edge / 2.0;
+            for child in 0..8 {
+                let min: [f64; 3] =
+                    std::array::from_fn(|axis| steep.min[axis] + if child & (4 >> axis) != 0 { half } else { 0.0 });
+                let jet = patch.jet(min.map(|x| x + half / 2.0));
+                met = met.max((jet[4] * jet[4] + jet[2] * jet[2] + jet[1] * jet[1]).sqrt());
+                let part = patch::restrict(&tensor, min, min.map(|x| x + half));
+                let slope = patch::bounds(&part, [half * patch.edge; 3], patch.edge).slope;
+                open.push(Steep { slope, place: steep.place, min, edge: half });
+            }
+        }
+        open.pop().map_or(met, |steep| steep.slope)
+    }
+
+    fn leaf_places(&self) -> Vec<Place> {
+        let mut places = Vec::with_capacity(self.leaves.len());
+        let mut open = vec![self.root()];
+        while let Some(place) = open.pop() {
+            let node = self.nodes[place.node as usize];
+            if node & LEAF != 0 {
+                places.push(place);
+            } else {
+                open.extend((0..8).rev().map(|child| place.nth_child(node, child)));
+            }
+        }
+        places
+    }
+
+    /// The box around the leaves in which F may be positive, if F is negative all around the root.
+    fn box_of_inside(&self, places: &[Place], bounds: &[PatchBounds]) -> Option<Aabb> {
+        if self.border.greatest() >= 0.0 {
+            return None;
+        }
+        let mut around: Option<Aabb> = None;
+        for (place, _) in places.iter().zip(bounds).filter(|(_, bounds)| bounds.value.hi >= 0.0) {
+            let min = self.origin + IVec3::from(place.origin).as_dvec3() * self.step;
+            let cell = Aabb::new(min, min + f64::from(place.size) * self.step);
+            around = Some(around.map_or(cell, |all| all.union(cell)));
+        }
+        around
+    }
+}

@@ -1,0 +1,179 @@
+//! The evaluator: which cell each point of a batch lies in, then the kernels.
+
+use glam::DVec3;
+
+use super::kernel::{self, Extent, Located};
+use super::{DistanceObject, LEAF};
+use crate::field::{Aabb, BATCH, Evaluator, Gradients, Interval, Points};
+
+/// A node with its place, in smallest cells.
+#[derive(Clone, Copy)]
+pub(super) struct Place {
+    pub node: u32,
+    pub origin: [i32; 3],
+    pub size: i32,
+}
+
+impl Place {
+    /// A child by its number, the first child's node being `first`.
+    pub(super) fn nth_child(self, first: u32, child: usize) -> Self {
+        let size = self.size >> 1;
+        let origin = std::array::from_fn(|axis| self.origin[axis] + if child & (4 >> axis) != 0 { size } else { 0 });
+        Self { node: first + child as u32, origin, size }
+    }
+
+    /// The child that holds a smallest cell.
+    #[inline]
+    pub(super) fn child(self, first: u32, at: [i32; 3]) -> Self {
+        let size = self.size >> 1;
+        let mut place = Self { node: first, origin: self.origin, size };
+        for axis in 0..3 {
+            let high = i32::from(at[axis] & size != 0);
+            place.node += (high as u32) << (2 - axis);
+            place.origin[axis] += high * size;
+        }
+        place
+    }
+}
+
+pub(super) struct OctreeEvaluator<'a> {
+    object: &'a DistanceObject,
+    regions: Vec<Place>,
+    located: Box<Located>,
+}
+
+impl<'a> OctreeEvaluator<'a> {
+    pub(super) fn new(object: &'a DistanceObject) -> Self {
+        let located = Located {
+            at: [[0.0; BATCH]; 3],
+            cell: [[0; BATCH]; 3],
+            t: [[0.0; BATCH]; 3],
+            leaf: [0; BATCH],
+            edge: [0.0; BATCH],
+        };
+        Self { object, regions: Vec::new(), located: Box::new(located) }
+    }
+
+    /// Finds the cells of a batch. Returns the leaf where it is one for all, and whether some points lie out of the
+    /// root; those are given the nearest point of the root.
+    fn locate(&mut self, points: &Points) -> (Option<Place>, bool) {
+        let object = self.object;
+        let base = ((points.origin - object.origin) * object.inverse_step).to_array();
+        let size = object.root_size() as i32;
+        let Extent { low, high, outside } = kernel::place(points, base, object.inverse_step, size, &mut self.located);
+        let mut start = self.start(low, high);
+        // Down while all points go the same way.
+        while object.nodes[start.node as usize] & LEAF == 0 {
+            let half = start.size >> 1;
+            if (0..3).any(|axis| (low[axis] ^ high[axis]) & half != 0) {
+                self.place_each(points.len, start);
+                return (None, outside);
+            }
+            start = start.child(object.nodes[start.node as usize], low);
+        }
+        kernel::place_in_cell(&mut self.located, start.origin, start.size);
+        (Some(start), outside)
+    }
+
+    /// The innermost region's node that holds both cells.
+    fn start(&self, low: [i32; 3], high: [i32; 3]) -> Place {
+        let holds = |place: &&Place| {
+            (0..3).all(|axis| place.origin[axis] <= low[axis] && high[axis] < place.origin[axis] + place.size)
+        };
+        self.regions.iter().rev().find(holds).copied().unwrap_or(self.object.root())
+    }
+
+    fn place_each(&mut self, len: usize, start: Place) {
+        let object = self.object;
+        let Located { at, cell, t, leaf, edge } = &mut *self.located;
+        // No cell is its own yet, so the first point looks one up.
+        let mut place = Place { origin: [-1; 3], ..start };
+        let (mut origin, mut scale) = ([0.0; 3], 0.0);
+        let (mut this_leaf, mut this_edge) = (0, 0.0);
+        for i in 0..len.min(BATCH) {
+            let here = [cell[0][i], cell[1][i], cell[2][i]];
+            // Points stand in rows: often the cell is that of the point before.
+            if (0..3).any(|axis| here[axis] & -place.size != place.origin[axis]) {
+                place = start;
+                let mut node = object.nodes[place.node as usize];
+                while node & LEAF == 0 {
+                    place = place.child(node, here);
+                    node = object.nodes[place.node as usize];
+                }
+                origin = place.origin.map(f64::from);
+                scale = 1.0 / f64::from(place.size);
+                this_leaf = node & !LEAF;
+                this_edge = (f64::from(place.size) * object.step) as f32;
+            }
+            for axis in 0..3 {
+                t[axis][i] = ((at[axis][i] - origin[axis]) * scale) as f32;
+            }
+            leaf[i] = this_leaf;
+            edge[i] = this_edge;
+        }
+    }
+}
+
+impl Evaluator for OctreeEvaluator<'_> {
+    fn enter(&mut self, region: &Aabb) -> Interval {
+        let from = self.regions.last().copied().unwrap_or(self.object.root());
+        let (place, bounds) = self.object.region(region, from);
+        self.regions.push(place);
+        bounds.value
+    }
+
+    fn leave(&mut self) {
+        self.regions.pop();
+    }
+
+    fn values(&mut self, points: &Points, out: &mut [f32; BATCH]) {
+        let (cell, outside) = self.locate(points);
+        let object = self.object;
+        let located = &self.located;
+        match cell {
+            Some(place) => {
+                let corners = object.corners_of(place.node);
+                let edge = (f64::from(place.size) * object.step) as f32;
+                kernel::values_in_cell(&corners, &located.t, edge, out);
+            }
+            None => kernel::values(&object.leaves, &object.numbers, located, &mut out[..points.len]),
+        }
+        if outside {
+            for i in 0..points.len {
+                let position = points.position(i);
+                if !object.holds(position) {
+                    out[i] = object.beyond(position)[0] as f32;
+                }
+            }
+        }
+    }
+
+    fn gradients(&mut self, points: &Points, out: &mut Gradients) {
+        let (cell, outside) = self.locate(points);
+        let object = self.object;
+        let located = &self.located;
+        let len = points.len;
+        match cell {
+            Some(place) => {
+                let corners = object.corners_of(place.node);
+                let edge = (f64::from(place.size) * object.step) as f32;
+                let Gradients { value, dx, dy, dz } = out;
+                kernel::gradients_in_cell(&corners, &located.t, edge, [value, dx, dy, dz]);
+            }
+            None => {
+                let Gradients { value, dx, dy, dz } = out;
+                let out = [value, dx, dy, dz];
+                kernel::gradients(&object.leaves, &object.numbers, located, out, len);
+            }
+        }
+        if outside {
+            for i in 0..len {
+                let position: DVec3 = points.position(i);
+                if !object.holds(position) {
+                    let [value, dx, dy, dz] = object.beyond(position).map(|number| number as f32);
+                    (out.value[i], out.dx[i], out.dy[i], out.dz[i]) = (value, dx, dy, dz);
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,233 @@
+//! One cell's tricubic Hermite patch in `f64`: its derivatives at a point, its Bernstein coefficients, and the
+//! bounds they give.
+//!
+//! A corner carries eight numbers, its *jet*: index bit 4 stands for ∂x, bit 2 for ∂y, bit 1 for ∂z, so they are
+//! F, Fz, Fy, Fyz, Fx, Fxz, Fxy, Fxyz. Corners are ordered the same way: bit 4 the greater x, 2 the greater y,
+//! 1 the greater z.
+
+use crate::field::Interval;
+
+/// The eight numbers of a corner.
+pub type Jet = [f64; 8];
+
+/// The bits of a jet's or a corner's index that stand for x, y and z.
+pub const AXIS_BIT: [usize; 3] = [4, 2, 1];
+
+/// A 4×4×4 array, x slowest.
+pub type Tensor = [f64; 64];
+
+/// The jets of a cell's eight corners and its edge, in world units.
+#[derive(Clone, Copy)]
+pub struct Patch {
+    /// Jets by corner.
+    pub corners: [Jet; 8],
+    /// The cell's edge.
+    pub edge: f64,
+}
+
+/// `[derivative order][corner][value or slope]`: the cubic Hermite basis on \[0, 1\] and its slope, for slopes in
+/// world units over an edge.
+fn hermite(t: f64, edge: f64) -> [[[f64; 2]; 2]; 2] {
+    let s = 1.0 - t;
+    let down = 6.0 * t * (t - 1.0) / edge;
+    [
+        [[(1.0 + 2.0 * t) * s * s, edge * t * s * s], [t * t * (3.0 - 2.0 * t), edge * t * t * (t - 1.0)]],
+        [[down, s * (1.0 - 3.0 * t)], [-down, t * (3.0 * t - 2.0)]],
+    ]
+}
+
+impl Patch {
+    /// The jet at a point given in the cell's own \[0, 1\]³.
+    pub fn jet(&self, t: [f64; 3]) -> Jet {
+        let weight = t.map(|t| hermite(t, self.edge));
+        // One axis after the other: the two corners along the axis are contracted to the wanted order.
+        let mut data = self.corners;
+        for axis in 0..3 {
+            let bit = AXIS_BIT[axis];
+            let mut next = [[0.0; 8]; 8];
+            for corner in (0..8).filter(|corner| corner & bit == 0) {
+                for slot in 0..8 {
+                    let order = usize::from(slot & bit != 0);
+                    let (low, high) = (&data[corner], &data[corner | bit]);
+                    let [[a, b], [c, d]] = weight[axis][order];
+                    next[corner][slot] =
+                        low[slot & !bit] * a + low[slot | bit] * b + high[slot & !bit] * c + high[slot | bit] * d;
+                }
+            }
+            data = next;
+        }
+        data[0]
+    }
+
+    /// The Bernstein coefficients of the whole cell.
+    pub fn bernstein(&self) -> Tensor {
+        let third = self.edge / 3.0;
+        std::array::from_fn(|i| {
+            let place = [i >> 4, (i >> 2) & 3, i & 3];
+            // The four control points along an axis are f0, f0 + h/3 f0', f1 − h/3 f1', f1.
+            let corner: usize = (0..3).map(|axis| if place[axis] >= 2 { AXIS_BIT[axis] } else { 0 }).sum();
+            let jet = &self.corners[corner];
+            let mut sum = 0.0;
+            for (slot, number) in jet.iter().enumerate() {
+                let mut weight = 1.0;
+                for axis in 0..3 {
+                    if slot & AXIS_BIT[axis] != 0 {
+                        weight *= [0.0, third, -third, 0.0][place[axis]];
+                    }
+                }
+                sum += weight * number;
+            }
+            sum
+        })
+    }
+}
+
+fn line(tensor: &Tensor, start: usize, stride: usize) -> [f64; 4] {
+    std::array::from_fn(|i| tensor[start + i * stride])
+}
+
+fn starts(axis: usize) -> impl Iterator<Item = usize> {
+    let stride = [16, 4, 1][axis];
+    (0..64).filter(move |i| (i / stride) & 3 == 0)
+}
+
+/// The coefficients of a sub-interval of a cubic, by blossoming.
+fn cut(c: [f64; 4], lo: f64, hi: f64) -> [f64; 4] {
+    let mix = |a: f64, b: f64, t: f64| a * (1.0 - t) + b * t;
+    let blossom = |r: f64, s: f64, t: f64| {
+        let first = [mix(c[0], c[1], r), mix(c[1], c[2], r), mix(c[2], c[3], r)];
+        let second = [mix(first[0], first[1], s), mix(first[1], first[2], s)];
+        mix(second[0], second[1], t)
+    };
+    [blossom(lo, lo, lo), blossom(lo, lo, hi), blossom(lo, hi, hi), blossom(hi, hi, hi)]
+}
+
+/// The Bernstein coefficients over a part of the cell, given in the cell's own \[0, 1\]³.
+pub fn restrict(tensor: &Tensor, lo: [f64; 3], hi: [f64; 3]) -> Tensor {
+    let mut out = *tensor;
+    for axis in 0..3 {
+        if lo[axis] <= 0.0 && hi[axis] >= 1.0 {
+            continue;
+        }
+        let stride = [16, 4, 1][axis];
+        for start in starts(axis) {
+            let part = cut(line(&out, start, stride), lo[axis], hi[axis]);
+            for (i, value) in part.into_iter().enumerate() {
+                out[start + i * stride] = value;
+            }
+        }
+    }
+    out
+}
+
+/// The coefficients of ∂F along an axis, raised to degree 3 along it.
+fn slope(tensor: &Tensor, axis: usize, edge: f64) -> Tensor {
+    let mut out = [0.0; 64];
+    let stride = [16, 4, 1][axis];
+    for start in starts(axis) {
+        let c = line(tensor, start, stride);
+        let d: [f64; 3] = std::array::from_fn(|i| 3.0 * (c[i + 1] - c[i]) / edge);
+        let raised = [d[0], (d[0] + 2.0 * d[1]) / 3.0, (2.0 * d[1] + d[2]) / 3.0, d[2]];
+        for (i, value) in raised.into_iter().enumerate() {
+            out[start + i * stride] = value;
+        }
+    }
+    out
+}
+
+/// Bounds over a cell or a part of it.
+#[derive(Clone, Copy, Debug)]
+pub struct PatchBounds {
+    /// Of F.
+    pub value: Interval,
+    /// Of ∂F/∂x, ∂F/∂y, ∂F/∂z.
+    pub gradient: [Interval; 3],
+    /// The greatest |∇F|.
+    pub slope: f64,
+}
+
+fn range(tensor: &Tensor) -> Interval {
+    let lo = tensor.iter().copied().fold(f64::INFINITY, f64::min);
+    let hi = tensor.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    Interval::new(lo, hi)
+}
+
+/// Grows an interval by what the `f32` evaluation of a value or slope of that size may be off.
+pub fn padded(interval: Interval, size: f64) -> Interval {
+    // Sums of 64 terms in f32: a few units in the last place of the largest.
+    let pad = 2e-6 * size;
+    Interval::new(interval.lo - pad, interval.hi + pad)
+}
+
+/// Bounds from Bernstein coefficients over a box of the given edges: a polynomial stays in the hull of its
+/// coefficients.
+pub fn bounds(tensor: &Tensor, edges: [f64; 3], cell: f64) -> PatchBounds {
+    let value = range(tensor);
+    let size = value.lo.abs().max(value.hi.abs());
+    let slopes: [Tensor; 3] = std::array::from_fn(|axis| slope(tensor, axis, edges[axis]));
+    // Slopes are differences of values over the cell's edge, so they carry the values' rounding.
+    let slope_size = 1.0 + size / cell;
+    let greatest = (0..64).map(|i| slopes.iter().map(|s| s[i] * s[i]).sum::<f64>()).fold(0.0, f64::max).sqrt();
+    PatchBounds {
+        value: padded(value, size),
+        gradient: std::array::from_fn(|axis| padded(range(&slopes[axis]), slope_size)),
+        slope: greatest + 4e-6 * slope_size,
+    }
+}
+
+/// The greatest mixed second derivative of a cell, and the third.
+pub fn mixed(tensor: &Tensor, edge: f64) -> (f64, f64) {
+    let largest = |tensor: &Tensor| tensor.iter().fold(0.0_f64, |all, x| all.max(x.abs()));
+    let (x, y) = (slope(tensor, 0, edge), slope(tensor, 1, edge));
+    let xy = slope(&x, 1, edge);
+    let second = largest(&xy).max(largest(&slope(&x, 2, edge))).max(largest(&slope(&y, 2, edge)));
+    (second, largest(&slope(&xy, 2, edge)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Σ c_ijk xⁱ yʲ zᵏ with all derivatives of a jet.
+    fn polynomial(p: [f64; 3]) -> Jet {
+        let mut jet = [0.0; 8];
+        for i in 0..64 {
+            let coefficient = f64::from((i * 37 % 19) as i32 - 9) / 9.0;
+            let powers = [i >> 4, (i >> 2) & 3, i & 3];
+            for (slot, number) in jet.iter_mut().enumerate() {
+                let mut term = coefficient;
+                for axis in 0..3 {
+                    let n = powers[axis] as i32;
+                    term *= if slot & AXIS_BIT[axis] == 0 {
+                        p[axis].powi(n)
+                    } else if n == 0 {
+                        0.0
+                    } else {
+                        f64::from(n) * p[axis].powi(n - 1)
+                    };
+                }
+                *number += term;
+            }
+        }
+        jet
+    }
+
+    #[test]
+    fn tricubic_polynomials_are_kept() {
+        let (origin, edge) = ([-0.3, 0.2, 0.5], 0.7);
+        let at = |t: [f64; 3]| polynomial(std::array::from_fn(|axis| origin[axis] + t[axis] * edge));
+        let corner = |corner: usize| at(std::array::from_fn(|axis| f64::from(corner as u32 >> (2 - axis) & 1)));
+        let patch = Patch { corners: std::array::from_fn(corner), edge };
+        let tensor = patch.bernstein();
+        for t in [[0.1, 0.2, 0.9], [0.5, 0.5, 0.5], [1.0, 0.0, 0.3]] {
+            let (got, want) = (patch.jet(t), at(t));
+            for slot in 0..8 {
+                assert!((got[slot] - want[slot]).abs() < 1e-11 * (1.0 + want[slot].abs()), "{slot}: {got:?} {want:?}");
+            }
+            // A coefficient at a corner of a part is the value there.
+            let part = restrict(&tensor, t.map(|t| t * 0.5), t.map(|t| 0.5 + t * 0.5));
+            let want = at(t.map(|t| t * 0.5))[0];
+            assert!((part[0] - want).abs() < 1e-11 * (1.0 + want.abs()));
+        }
+    }
+}

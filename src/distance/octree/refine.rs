@@ -1,0 +1,120 @@
+//! Where cells are split: near the surface until the patch is right, away from it until a cell is small beside its
+//! distance.
+
+use rayon::prelude::*;
+
+use super::patch::{AXIS_BIT, Patch};
+use super::samples::{Sample, Samples};
+use super::tree::{Cell, Tree};
+use super::{BuildError, Settings};
+use crate::distance::nearest::Watch;
+
+/// Edges of a surface cell, in smallest cells, above which it is split unseen. Greater, and a bump can hide between
+/// the points tried; smaller, and flat faces cost more cells than they need.
+const LARGEST_AT_SURFACE: u32 = 8;
+
+/// The points of a cell in halves of its edge: its middle, then the middles of faces and edges.
+fn middles() -> impl Iterator<Item = [u32; 3]> {
+    let all = (0..27).map(|i| [i / 9, i / 3 % 3, i % 3]);
+    all.filter(|p: &[u32; 3]| p.contains(&1))
+}
+
+fn corners(cell: &Cell) -> [[u32; 3]; 8] {
+    std::array::from_fn(|corner| cell.corner(corner))
+}
+
+/// The patch of a cell by itself: mixed derivatives are differences of the gradients along its own edges.
+pub fn lone_patch(corners: &[&Sample; 8], edge: f64) -> Patch {
+    let gradient = |corner: usize, axis: usize| corners[corner].gradient[axis];
+    // ∂/∂a of the gradient's component b at a corner.
+    let along = |corner: usize, a: usize, b: usize| {
+        let bit = AXIS_BIT[a];
+        (gradient(corner | bit, b) - gradient(corner & !bit, b)) / edge
+    };
+    let twist = |corner: usize, a: usize, b: usize| 0.5 * (along(corner, a, b) + along(corner, b, a));
+    // ∂³F/∂a∂b∂c, constant over the cell: the second difference of the component c.
+    let second = |a: usize, b: usize, c: usize| {
+        let (bit, bits) = (AXIS_BIT[b], AXIS_BIT[c]);
+        let mut sum = 0.0;
+        for side in [0, bits] {
+            sum += 0.5 * (along(bit | side, a, c) - along(side, a, c)) / edge;
+        }
+        sum
+    };
+    let triple = (second(0, 1, 2) + second(1, 2, 0) + second(2, 0, 1)) / 3.0;
+    let jet = |corner: usize| {
+        let s = corners[corner];
+        let g = s.gradient;
+        let (xy, xz, yz) = (twist(corner, 0, 1), twist(corner, 0, 2), twist(corner, 1, 2));
+        [s.value, g[2], g[1], yz, g[0], xz, xy, triple]
+    };
+    Patch { corners: std::array::from_fn(jet), edge }
+}
+
+/// Whether the patch of a cell misses the truth at a middle by more than the tolerance.
+fn misses(cell: &Cell, samples: &Samples, settings: &Settings) -> bool {
+    let corners = corners(cell).map(|corner| samples.get(corner));
+    let patch = lone_patch(&corners, f64::from(cell.size) * settings.smallest_cell);
+    middles().any(|halves| {
+        let value = patch.jet(halves.map(|h| f64::from(h) * 0.5))[0];
+        (value - samples.get(cell.point(halves)).value).abs() > settings.tolerance
+    })
+}
+
+/// Splits from the root down and balances.
+pub fn refine(
+    tree: &mut Tree,
+    samples: &mut Samples,
+    settings: &Settings,
+    memory: impl Fn(&Tree, &Samples) -> Result<(), BuildError>,
+    watch: &Watch,
+) -> Result<(), BuildError> {
+    samples.request(&tree.cells[..1], corners)?;
+    let mut active = vec![0_u32];
+    let levels = tree.cells[0].size.trailing_zeros();
+    while !active.is_empty() {
+        let cells: Vec<Cell> = active.iter().map(|&node| tree.cells[node as usize]).collect();
+        let size = cells[0].size;
+        if size == 1 {
+            break;
+        }
+        samples.request(&cells, |cell| [cell.point([1; 3])])?;
+        let edge = f64::from(size) * settings.smallest_cell;
+        let near = |cell: &Cell| edge > settings.ratio * samples.get(cell.point([1; 3])).value.abs();
+        let (active_near, near): (Vec<u32>, Vec<Cell>) =
+            active.iter().zip(&cells).filter(|(_, cell)| near(cell)).map(|(&node, cell)| (node, *cell)).unzip();
+        samples.request(&near, |cell| {
+            let cell = *cell;
+            middles().map(move |halves| cell.point(halves))
+        })?;
+        let split: Vec<bool> = near
+            .par_iter()
+            .map(|cell| {
+                // The surface may pass through a cell whose middle is nearer to it than a corner.
+                let at_surface = samples.get(cell.point([1; 3])).value.abs() <= 0.87 * edge;
+                (at_surface && size > LARGEST_AT_SURFACE) || misses(cell, samples, settings)
+            })
+            .collect();
+        active.clear();
+        for (node, _) in active_near.iter().zip(&split).filter(|(_, split)| **split) {
+            let first = tree.split(*node);
+            active.extend(first..first + 8);
+        }
+        memory(tree, samples)?;
+        // Work grows about fourfold with each level.
+        (watch.progress)(0.9 * 0.25_f64.powi(size.trailing_zeros() as i32 - 1).min(1.0));
+        debug_assert!(size.trailing_zeros() <= levels);
+    }
+    let split = tree.balance();
+    memory(tree, samples)?;
+    samples.request(&split, |cell| {
+        let cell = *cell;
+        middles().map(move |halves| cell.point(halves))
+    })
+}
+
+/// All middles of a cell in halves of its edge, for those who look for hanging corners.
+pub fn middles_of(cell: &Cell) -> impl Iterator<Item = ([u32; 3], [u32; 3])> + use<> {
+    let cell = *cell;
+    middles().map(move |halves| (halves, cell.point(halves)))
+}

@@ -1,0 +1,167 @@
+//! The feet found so far at points of the lattice of smallest cells.
+
+use std::collections::HashMap;
+use std::hash::{BuildHasherDefault, Hasher};
+
+use glam::DVec3;
+use rayon::prelude::*;
+
+use super::BuildError;
+use crate::distance::Foot;
+use crate::distance::nearest::{ClosestPoint, Watch};
+
+/// Positions asked for in one call: enough to share the cost of a call, few enough to lie close together.
+const BATCH: usize = 256;
+
+/// The order of points along a Morton curve: bits of x, y, z interleaved, x the highest.
+pub fn morton(place: [u32; 3]) -> u64 {
+    let spread = |v: u32| {
+        let mut v = u64::from(v) & 0x1f_ffff;
+        v = (v | v << 32) & 0x001f_0000_0000_ffff;
+        v = (v | v << 16) & 0x001f_0000_ff00_00ff;
+        v = (v | v << 8) & 0x100f_00f0_0f00_f00f;
+        v = (v | v << 4) & 0x10c3_0c30_c30c_30c3;
+        (v | v << 2) & 0x1249_2492_4924_9249
+    };
+    spread(place[0]) << 2 | spread(place[1]) << 1 | spread(place[2])
+}
+
+fn unmorton(key: u64) -> [u32; 3] {
+    let gather = |v: u64| {
+        let mut v = v & 0x1249_2492_4924_9249;
+        v = (v | v >> 2) & 0x10c3_0c30_c30c_30c3;
+        v = (v | v >> 4) & 0x100f_00f0_0f00_f00f;
+        v = (v | v >> 8) & 0x001f_0000_ff00_00ff;
+        v = (v | v >> 16) & 0x001f_0000_0000_ffff;
+        ((v | v >> 32) & 0x1f_ffff) as u32
+    };
+    [gather(key >> 2), gather(key >> 1), gather(key)]
+}
+
+/// Spreads Morton keys over a table; the keys are no one's choice, so nothing stronger is needed.
+#[derive(Default)]
+pub struct KeyHasher(u64);
+
+impl Hasher for KeyHasher {
+    fn finish(&self) -> u64 {
+        self.0
+    }
+
+    fn write(&mut self, bytes: &[u8]) {
+        for byte in bytes {
+            self.write_u64(u64::from(*byte));
+        }
+    }
+
+    fn write_u64(&mut self, key: u64) {
+        let mixed = (self.0 ^ key).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+        self.0 = mixed ^ mixed >> 32;
+    }
+}
+
+/// A table by Morton key. Never walked, so its order is of no matter.
+pub type KeyMap = HashMap<u64, u32, BuildHasherDefault<KeyHasher>>;
+
+/// Value and gradient at a point: what a foot leaves behind.
+#[derive(Clone, Copy, Debug)]
+pub struct Sample {
+    /// The signed distance.
+    pub value: f64,
+    /// The gradient.
+    pub gradient: [f64; 3],
+    /// Which part the foot lies on.
+    pub part: u32,
+}
+
+/// Samples at lattice points, taken once each.
+pub struct Samples<'a> {
+    oracle: &'a dyn ClosestPoint,
+    watch: &'a Watch<'a>,
+    origin: DVec3,
+    step: f64,
+    index: KeyMap,
+    taken: Vec<Sample>,
+}
+
+impl<'a> Samples<'a> {
+    /// No samples yet, on the lattice `origin + step·place`.
+    pub fn new(oracle: &'a dyn ClosestPoint, watch: &'a Watch<'a>, origin: DVec3, step: f64) -> Self {
+        Self { oracle, watch, origin, step, index: KeyMap::default(), taken: Vec::new() }
+    }
+
+    /// How many were taken.
+    pub fn len(&self) -> usize {
+        self.taken.len()
+    }
+
+    /// Bytes held.
+    pub fn bytes(&self) -> usize {
+        self.taken.capacity() * size_of::<Sample>() + self.index.capacity() * 18
+    }
+
+    /// The sample at a point asked for before.
+    pub fn get(&self, place: [u32; 3]) -> &Sample {
+        // Points are requested before they are read, always.
+        &self.taken[self.index[&morton(place)] as usize]
+    }
+
+    /// Every sample with its place.
+    pub fn all(&self) -> Vec<([u32; 3], Sample)> {
+        let mut all: Vec<_> = self.index.iter().map(|(key, &index)| (*key, self.taken[index as usize])).collect();
+        all.par_sort_unstable_by_key(|(key, _)| *key);
+        all.into_iter().map(|(key, sample)| (unmorton(key), sample)).collect()
+    }
+
+    /// Takes the samples at the points that cells name, but those taken before.
+    pub fn request<C: Sync, P: IntoIterator<Item = [u32; 3]>>(
+        &mut self,
+        cells: &[C],
+        points: impl Fn(&C) -> P + Sync,
+    ) -> Result<(), BuildError> {
+        let index = &self.index;
+        let mut keys: Vec<u64> = cells
+            .par_iter()
+            .flat_map_iter(|cell| points(cell).into_iter().map(morton).filter(|key| !index.contains_key(key)))
+            .collect();
+        keys.par_sort_unstable();
+        keys.dedup();
+        let none = Sample { value: 0.0, gradient: [0.0; 3], part: 0 };
+        let start = self.taken.len();
+        self.taken.resize(start + keys.len(), none);
+        let (oracle, watch, origin, step) = (self.oracle, self.watch, self.origin, self.step);
+        keys.par_chunks(BATCH).zip(self.taken[start..].par_chunks_mut(BATCH)).try_for_each(|(keys, samples)| {
+            if watch.cancelled() {
+                return Err(BuildError::Cancelled);
+            }
+            let position = |key: &u64| origin + DVec3::from(unmorton(*key).map(f64::from)) * step;
+            let positions: Vec<DVec3> = keys.iter().map(position).collect();
+            let empty = Foot { point: DVec3::ZERO, distance: 0.0, gradient: DVec3::ZERO, part: 0 };
+            let mut feet = vec![empty; positions.len()];
+            oracle.feet(&positions, &mut feet);
+            for ((sample, foot), position) in samples.iter_mut().zip(&feet).zip(&positions) {
+                if !(foot.distance.is_finite() && foot.gradient.is_finite()) {
+                    return Err(BuildError::NotFinite { position: *position });
+                }
+                *sample = Sample { value: foot.distance, gradient: foot.gradient.to_array(), part: foot.part };
+            }
+            Ok(())
+        })?;
+        for (i, key) in keys.iter().enumerate() {
+            self.index.insert(*key, (start + i) as u32);
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn morton_order_goes_both_ways() {
+        for place in [[0, 0, 0], [1, 2, 3], [0x1f_ffff, 0, 0x10_0001], [77, 0x0f_0f0f, 5]] {
+            assert_eq!(unmorton(morton(place)), place);
+        }
+        assert_eq!(morton([1, 0, 0]), 4);
+    }
+}

@@ -1,0 +1,117 @@
+//! The cells while they are being made: positions on the lattice of smallest cells, splitting, looking up,
+//! balancing.
+
+/// A cell: its least corner and edge, in smallest cells.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Cell {
+    /// The least corner.
+    pub origin: [u32; 3],
+    /// The edge: a power of two.
+    pub size: u32,
+}
+
+impl Cell {
+    /// A point of the cell, in halves of its edge; the cell must not be a smallest one unless `halves` are even.
+    pub fn point(&self, halves: [u32; 3]) -> [u32; 3] {
+        std::array::from_fn(|axis| self.origin[axis] + halves[axis] * self.size / 2)
+    }
+
+    /// A corner, bit 4 for the greater x, 2 for y, 1 for z.
+    pub fn corner(&self, corner: usize) -> [u32; 3] {
+        std::array::from_fn(|axis| self.origin[axis] + if corner & (4 >> axis) != 0 { self.size } else { 0 })
+    }
+
+    fn child(&self, child: usize) -> Self {
+        let size = self.size / 2;
+        let origin = std::array::from_fn(|axis| self.origin[axis] + if child & (4 >> axis) != 0 { size } else { 0 });
+        Self { origin, size }
+    }
+}
+
+/// An octree under construction. Node 0 is the root.
+pub struct Tree {
+    /// Every node's cell.
+    pub cells: Vec<Cell>,
+    /// The first of eight children, or 0 for a leaf.
+    pub children: Vec<u32>,
+}
+
+impl Tree {
+    /// A root of the given edge.
+    pub fn new(size: u32) -> Self {
+        Self { cells: vec![Cell { origin: [0; 3], size }], children: vec![0] }
+    }
+
+    /// Splits a leaf and returns its first child.
+    pub fn split(&mut self, node: u32) -> u32 {
+        let first = self.cells.len() as u32;
+        let cell = self.cells[node as usize];
+        self.children[node as usize] = first;
+        self.cells.extend((0..8).map(|child| cell.child(child)));
+        self.children.extend([0; 8]);
+        first
+    }
+
+    /// The leaf that holds a smallest cell.
+    pub fn locate(&self, place: [u32; 3]) -> u32 {
+        let mut node = 0;
+        let mut half = self.cells[0].size / 2;
+        while self.children[node as usize] != 0 {
+            let bit = |axis: usize| u32::from(place[axis] & half != 0);
+            node = self.children[node as usize] + (bit(0) << 2 | bit(1) << 1 | bit(2));
+            half /= 2;
+        }
+        node
+    }
+
+    /// Splits leaves until no two that touch, even at a corner, differ by more than one halving. Returns the
+    /// cells that were split.
+    pub fn balance(&mut self) -> Vec<Cell> {
+        let root = self.cells[0].size;
+        let mut split = Vec::new();
+        let mut by_size: Vec<Vec<u32>> = vec![Vec::new(); root.trailing_zeros() as usize + 1];
+        for node in 0..self.cells.len() as u32 {
+            if self.children[node as usize] != 0 {
+                by_size[self.cells[node as usize].size.trailing_zeros() as usize].push(node);
+            }
+        }
+        // A split node asks for neighbours of its own size. Splitting for its sake makes split nodes of greater
+        // size only, and those are asked later.
+        for level in 0..by_size.len() {
+            let mut index = 0;
+            while index < by_size[level].len() {
+                let cell = self.cells[by_size[level][index] as usize];
+                index += 1;
+                for place in neighbours(&cell, root) {
+                    loop {
+                        let leaf = self.locate(place);
+                        let size = self.cells[leaf as usize].size;
+                        if size <= cell.size {
+                            break;
+                        }
+                        split.push(self.cells[leaf as usize]);
+                        self.split(leaf);
+                        by_size[size.trailing_zeros() as usize].push(leaf);
+                    }
+                }
+            }
+        }
+        split
+    }
+}
+
+/// The least corners of the 26 cells of the same size around one, those in the root.
+fn neighbours(cell: &Cell, root: u32) -> impl Iterator<Item = [u32; 3]> + use<> {
+    let cell = *cell;
+    (0..27).filter(|&i| i != 13).filter_map(move |i: u32| {
+        let step = [i / 9, i / 3 % 3, i % 3];
+        let mut place = [0; 3];
+        for axis in 0..3 {
+            place[axis] = (cell.origin[axis] + step[axis] * cell.size).checked_sub(cell.size)?;
+            if place[axis] >= root {
+                return None;
+            }
+        }
+        Some(place)
+    })
+}

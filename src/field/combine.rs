@@ -1,0 +1,235 @@
+//! Arithmetic, set operations, blends, offset and shell.
+
+use std::collections::BTreeMap;
+
+use super::facts::Facts;
+use super::graph::{Graph, Node};
+use super::op::{Binary, Op, Unary};
+use super::{Aabb, Slope};
+
+/// Which functions stand for union and intersection. All have the same zero set.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum SetSystem {
+    /// System R₀, `a + b ± √(a² + b²)`: smooth but where both operands are zero.
+    #[default]
+    R0,
+    /// Maximum and minimum: keep exact distances exact on one side.
+    MinMax,
+}
+
+/// What holds a blend within bounds: it vanishes where this field is not positive.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BlendBounds {
+    /// The bounding solid f₃.
+    pub solid: Node,
+    /// Its weight a₃, not zero.
+    pub weight: f64,
+}
+
+/// Material added (or, where `amount` is negative, taken away) where two operands meet.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Blend {
+    /// a₀: the value added where both operands are zero.
+    pub amount: f64,
+    /// a₁ and a₂, not zero: how far from each operand's surface the blend reaches.
+    pub reach: [f64; 2],
+    /// Bounds of the blend; without them it reaches everywhere, if faintly.
+    pub bounds: Option<BlendBounds>,
+}
+
+impl Graph {
+    /// The sum.
+    pub fn add(&mut self, a: Node, b: Node) -> Node {
+        self.binary(Binary::Add, a, b)
+    }
+
+    /// The difference of values (of solids: [`Graph::difference`]).
+    pub fn sub(&mut self, a: Node, b: Node) -> Node {
+        self.binary(Binary::Sub, a, b)
+    }
+
+    /// The product.
+    pub fn mul(&mut self, a: Node, b: Node) -> Node {
+        self.binary(Binary::Mul, a, b)
+    }
+
+    /// The quotient.
+    pub fn div(&mut self, a: Node, b: Node) -> Node {
+        self.binary(Binary::Div, a, b)
+    }
+
+    /// The negated value: the complement of a solid.
+    pub fn neg(&mut self, a: Node) -> Node {
+        self.linear(a, -1.0, 0.0)
+    }
+
+    /// `scale · a + offset`.
+    pub fn linear(&mut self, a: Node, scale: f64, offset: f64) -> Node {
+        self.unary(Unary::Linear { scale, offset }, a)
+    }
+
+    /// The absolute value.
+    pub fn abs(&mut self, a: Node) -> Node {
+        self.unary(Unary::Abs, a)
+    }
+
+    /// The square.
+    pub fn square(&mut self, a: Node) -> Node {
+        self.unary(Unary::Square, a)
+    }
+
+    /// The square root.
+    pub fn sqrt(&mut self, a: Node) -> Node {
+        self.unary(Unary::Sqrt, a)
+    }
+
+    /// The lesser value.
+    pub fn min(&mut self, a: Node, b: Node) -> Node {
+        self.binary(Binary::Min, a, b)
+    }
+
+    /// The greater value.
+    pub fn max(&mut self, a: Node, b: Node) -> Node {
+        self.binary(Binary::Max, a, b)
+    }
+
+    /// The union of solids; of none, nothing (−1 everywhere).
+    pub fn union(&mut self, system: SetSystem, solids: &[Node]) -> Node {
+        let operation = if system == SetSystem::R0 { Binary::Union } else { Binary::Max };
+        self.balanced(operation, solids).unwrap_or_else(|| self.constant(-1.0))
+    }
+
+    /// The intersection of solids; of none, everything (1 everywhere).
+    pub fn intersection(&mut self, system: SetSystem, solids: &[Node]) -> Node {
+        let operation = if system == SetSystem::R0 { Binary::Intersection } else { Binary::Min };
+        self.balanced(operation, solids).unwrap_or_else(|| self.constant(1.0))
+    }
+
+    /// The first solid without the others.
+    pub fn difference(&mut self, system: SetSystem, from: Node, others: &[Node]) -> Node {
+        if others.is_empty() {
+            return from;
+        }
+        let taken = self.union(system, others);
+        let rest = self.neg(taken);
+        self.intersection(system, &[from, rest])
+    }
+
+    /// An operation over many operands as a balanced tree: pruning and R₀'s attenuation of values both want it
+    /// shallow.
+    fn balanced(&mut self, operation: Binary, operands: &[Node]) -> Option<Node> {
+        match operands {
+            [] => None,
+            [one] => Some(*one),
+            _ => {
+                let (first, second) = operands.split_at(operands.len().div_ceil(2));
+                let (first, second) = (self.balanced(operation, first)?, self.balanced(operation, second)?);
+                Some(self.binary(operation, first, second))
+            }
+        }
+    }
+
+    /// The R₀ union of two solids with a blend where they meet.
+    pub fn blend_union(&mut self, a: Node, b: Node, blend: &Blend) -> Node {
+        self.blended(Binary::Union, a, b, blend)
+    }
+
+    /// The R₀ intersection of two solids with a blend where they meet.
+    pub fn blend_intersection(&mut self, a: Node, b: Node, blend: &Blend) -> Node {
+        self.blended(Binary::Intersection, a, b, blend)
+    }
+
+    /// Set operation plus a₀·disp: the bounded blend with r₁² = (f₁/a₁)² + (f₂/a₂)² and r₂² = (f₃/a₃)² inside the
+    /// bounds, or the classic unbounded a₀ / (1 + r₁²).
+    fn blended(&mut self, operation: Binary, a: Node, b: Node, blend: &Blend) -> Node {
+        let base = self.binary(operation, a, b);
+        let near = self.sum_of_scaled_squares(a, b, blend.reach);
+        let (displacement, bounds) = match blend.bounds {
+            None => {
+                let grown = self.linear(near, 1.0, 1.0);
+                (self.unary(Unary::Recip, grown), None)
+            }
+            Some(BlendBounds { solid, weight }) => {
+                let zero = self.constant(0.0);
+                let inside = self.max(solid, zero);
+                let inside = self.linear(inside, 1.0 / weight, 0.0);
+                let depth = self.square(inside);
+                let known = (self.facts(base).bounds, self.facts(solid).bounds);
+                (self.binary(Binary::Displacement, near, depth), known.0.zip(known.1).map(|(a, b)| a.union(b)))
+            }
+        };
+        let added = self.linear(displacement, blend.amount, 0.0);
+        let node = self.add(base, added);
+        self.declare(node, Facts { bounds, slope: Slope::Unknown })
+    }
+
+    fn sum_of_scaled_squares(&mut self, a: Node, b: Node, reach: [f64; 2]) -> Node {
+        let [first, second] = [(a, reach[0]), (b, reach[1])].map(|(node, reach)| {
+            let scaled = self.linear(node, 1.0 / reach, 0.0);
+            self.square(scaled)
+        });
+        self.add(first, second)
+    }
+
+    /// The solid grown by a distance (shrunk where that is negative), as exactly as its value is the distance.
+    pub fn offset(&mut self, solid: Node, distance: f64) -> Node {
+        let facts = Facts::unary(Unary::Linear { scale: 1.0, offset: distance }, self.facts(solid));
+        let node = self.distributed(solid, 1.0, distance);
+        self.declare(node, facts)
+    }
+
+    /// The skin of a solid: all within half the thickness of its surface, as exactly as its value is the distance.
+    pub fn shell(&mut self, solid: Node, thickness: f64) -> Node {
+        let half = thickness / 2.0;
+        let (inner, outer) = (self.distributed(solid, -1.0, half), self.offset(solid, half));
+        let slope = match self.slope(solid) {
+            Slope::Exact { outside: true, inside: true } => Slope::Exact { outside: true, inside: false },
+            _ => Slope::Unknown,
+        };
+        let node = self.min(outer, inner);
+        self.declare(node, Facts { bounds: None, slope })
+    }
+
+    /// `scale · node + offset` (scale ±1), taken below minima and maxima: values are the same, and the smooth
+    /// branches stay the operands of a set operation. Shrinking takes corners along too: the inset of an exact
+    /// corner is the exact corner of the insets.
+    fn distributed(&mut self, node: Node, scale: f64, offset: f64) -> Node {
+        let opens = |op: Op| match op {
+            Op::Binary(operation @ (Binary::Min | Binary::Max), a, b) => Some((operation, a, b)),
+            Op::Binary(Binary::Corner, a, b) if scale > 0.0 && offset < 0.0 => Some((Binary::Corner, a, b)),
+            _ => None,
+        };
+        // Arguments come before their operation, so going up in order needs no recursion.
+        let mut reached = vec![node.0];
+        let mut moved = BTreeMap::new();
+        while let Some(next) = reached.pop() {
+            if moved.insert(next, Node(next)).is_none()
+                && let Some((_, a, b)) = opens(self.ops[next as usize])
+            {
+                reached.extend([a, b]);
+            }
+        }
+        let order: Vec<u32> = moved.keys().copied().collect();
+        for index in order {
+            let made = match opens(self.ops[index as usize]) {
+                Some((operation, a, b)) => {
+                    let mirrored = match operation {
+                        Binary::Min if scale < 0.0 => Binary::Max,
+                        Binary::Max if scale < 0.0 => Binary::Min,
+                        same => same,
+                    };
+                    self.binary(mirrored, moved[&a], moved[&b])
+                }
+                None => self.linear(Node(index), scale, offset),
+            };
+            moved.insert(index, made);
+        }
+        moved[&node.0]
+    }
+
+    /// States a box that the solid keeps within, where construction cannot tell (a formula). It is believed, and
+    /// clips nothing.
+    pub fn bounded(&mut self, solid: Node, bounds: Aabb) -> Node {
+        self.declare(solid, Facts { bounds: Some(bounds), slope: Slope::Unknown })
+    }
+}

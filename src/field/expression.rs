@@ -1,0 +1,264 @@
+//! An expression as a field, and its evaluator: a stack of regions with a pruned program each.
+
+use std::cell::RefCell;
+use std::sync::Arc;
+
+use glam::DVec3;
+
+use super::branch::{Branches, Part};
+use super::graph::{Graph, Node};
+use super::op::Op;
+use super::program::Program;
+use super::prune::{Asked, Pruner};
+use super::tape::Tape;
+use super::width::VectorWidth;
+use super::{Aabb, BATCH, Evaluator, Field, Gradients, Interval, Points, Slope, extent, machine::Machine};
+
+/// A node of a [`Graph`] as a field of its own. Cheap to clone.
+#[derive(Clone)]
+pub struct Expression {
+    program: Arc<Program>,
+    bounds: Option<Aabb>,
+    slope: Slope,
+    asked: Asked,
+}
+
+impl Expression {
+    /// The field of a node. Its box is what construction told, narrowed by interval bounds.
+    pub fn new(graph: &Graph, node: Node) -> Self {
+        let program = Program::new(graph, node);
+        let facts = graph.facts(node);
+        let bounds = extent::narrowed(&program, facts.bounds);
+        Self { program: Arc::new(program), bounds, slope: facts.slope, asked: Asked::Sign }
+    }
+
+    /// The same field, pruned only as far as every value stays what it is: for fields whose values matter away
+    /// from their zero set (distances in a morph, colours, weights).
+    pub fn keeping_values(self) -> Self {
+        Self { asked: Asked::Value, ..self }
+    }
+
+    /// How many operations it has.
+    pub fn operations(&self) -> usize {
+        self.program.ops.len()
+    }
+
+    /// An evaluator with given vector instructions instead of [`VectorWidth::chosen`]: for tests and benches.
+    /// A width that the processor lacks falls back to the narrowest.
+    pub fn evaluator_of_width(&self, width: VectorWidth) -> ExpressionEvaluator<'_> {
+        let program = &*self.program;
+        let mut whole = Level::default();
+        whole.ops.clone_from(&program.ops);
+        ExpressionEvaluator {
+            program,
+            asked: self.asked,
+            externals: program.externals.iter().map(|field| field.evaluator()).collect(),
+            levels: vec![whole],
+            depth: 0,
+            bounds: Vec::new(),
+            pruner: Pruner::default(),
+            machine: Machine::new(width, program.externals.len()),
+            resolved: Vec::new(),
+        }
+    }
+}
+
+impl Field for Expression {
+    fn bounding_box(&self) -> Option<Aabb> {
+        self.bounds
+    }
+
+    fn slope(&self) -> Slope {
+        self.slope
+    }
+
+    fn reference(&self, position: DVec3) -> f64 {
+        self.program.reference(position)
+    }
+
+    fn evaluator(&self) -> Box<dyn Evaluator + '_> {
+        Box::new(self.evaluator_of_width(VectorWidth::chosen()))
+    }
+}
+
+/// What a region left of the program. Its memory is kept for the next region at this depth.
+#[derive(Default)]
+struct Level {
+    /// The level whose program this is: itself, or an outer one where nothing could be pruned.
+    owner: usize,
+    ops: Vec<Op>,
+    tape: Tape,
+    compiled: bool,
+    /// The external fields that entered the region.
+    entered: Vec<u32>,
+    branches: RefCell<Branches>,
+    branches_known: std::cell::Cell<bool>,
+    branch_tapes: Vec<(Tape, bool)>,
+}
+
+/// The evaluator of an [`Expression`].
+pub struct ExpressionEvaluator<'a> {
+    program: &'a Program,
+    asked: Asked,
+    externals: Vec<Box<dyn Evaluator + 'a>>,
+    levels: Vec<Level>,
+    depth: usize,
+    bounds: Vec<Interval>,
+    pruner: Pruner,
+    machine: Machine,
+    resolved: Vec<Op>,
+}
+
+impl ExpressionEvaluator<'_> {
+    fn owner(&self) -> usize {
+        self.levels[self.depth].owner
+    }
+
+    /// How many operations remain in the innermost region.
+    pub fn operations(&self) -> usize {
+        self.levels[self.owner()].ops.len()
+    }
+
+    /// Compiles the program of the innermost region if it is not yet.
+    fn compile(&mut self) -> usize {
+        let owner = self.owner();
+        let level = &mut self.levels[owner];
+        if !level.compiled {
+            level.tape.compile(&level.ops, &[level.ops.len() as u32 - 1]);
+            level.compiled = true;
+        }
+        owner
+    }
+
+    fn find_branches(&self) {
+        let level = &self.levels[self.depth];
+        if !level.branches_known.replace(true) {
+            let ops = &self.levels[level.owner].ops;
+            let inner = |leaf: u32| match self.affine_arguments(ops, leaf) {
+                true => self.externals[leaf as usize].branches(),
+                false => 1,
+            };
+            level.branches.borrow_mut().find(ops, inner, zero_leaf(self.program));
+        }
+    }
+
+    /// Whether an external field is read at an affine map of the position.
+    fn affine_arguments(&self, ops: &[Op], wanted: u32) -> bool {
+        ops.iter().any(|op| {
+            matches!(op, Op::External { leaf, at } if *leaf == wanted
+                && at.iter().all(|argument| matches!(ops[*argument as usize], Op::Affine(_))))
+        })
+    }
+}
+
+fn zero_leaf(program: &Program) -> impl Fn(u32) -> bool {
+    |leaf| program.affines[leaf as usize] == super::leaf::Affine::ZERO
+}
+
+impl Evaluator for ExpressionEvaluator<'_> {
+    fn enter(&mut self, region: &Aabb) -> Interval {
+        let owner = self.owner();
+        self.depth += 1;
+        if self.levels.len() == self.depth {
+            self.levels.push(Level::default());
+        }
+        let (outer, inner) = self.levels.split_at_mut(self.depth);
+        let (ops, level) = (&outer[owner].ops, &mut inner[0]);
+
+        self.program.bound(ops, region, &mut self.externals, &mut self.bounds);
+        let shorter = self.pruner.plan(ops, &self.bounds, self.asked);
+        level.entered.clear();
+        if !self.externals.is_empty() {
+            for (op, asked) in ops.iter().zip(&self.pruner.asked) {
+                let Op::External { leaf, .. } = *op else { continue };
+                // A field prunes by sign: where its values are needed it is read unpruned.
+                match asked {
+                    Asked::Sign => level.entered.push(leaf),
+                    _ => self.externals[leaf as usize].leave(),
+                }
+            }
+        }
+        level.owner = owner;
+        if shorter {
+            self.pruner.shorten(ops, &mut level.ops);
+            level.owner = self.depth;
+            level.compiled = false;
+        }
+        level.branches_known.set(false);
+        level.branch_tapes.iter_mut().for_each(|(_, compiled)| *compiled = false);
+        self.bounds.last().copied().unwrap_or(Interval::ALL)
+    }
+
+    fn leave(&mut self) {
+        debug_assert!(self.depth > 0, "every leave matches an enter");
+        for &leaf in &self.levels[self.depth].entered {
+            self.externals[leaf as usize].leave();
+        }
+        self.depth = self.depth.saturating_sub(1);
+    }
+
+    fn values(&mut self, points: &Points, out: &mut [f32; BATCH]) {
+        let owner = self.compile();
+        let Level { ops, tape, .. } = &mut self.levels[owner];
+        tape.settle(self.program, points.origin);
+        self.machine.read_externals(self.program, &mut self.externals, ops, points, false);
+        self.machine.values(tape, points, out);
+    }
+
+    fn gradients(&mut self, points: &Points, out: &mut Gradients) {
+        let owner = self.compile();
+        let Level { ops, tape, .. } = &mut self.levels[owner];
+        tape.settle(self.program, points.origin);
+        self.machine.read_externals(self.program, &mut self.externals, ops, points, true);
+        self.machine.gradients(tape, points, out);
+    }
+
+    fn branches(&self) -> usize {
+        self.find_branches();
+        self.levels[self.depth].branches.borrow().list.len()
+    }
+
+    fn branch(&mut self, branch: usize, points: &Points, out: &mut Gradients) {
+        self.find_branches();
+        let owner = self.owner();
+        let depth = self.depth;
+        let chosen = self.levels[depth].branches.borrow().list[branch];
+        match chosen.part {
+            Part::External(inner) => {
+                let op = self.levels[owner].ops[chosen.op as usize];
+                self.machine.read_branch(
+                    self.program,
+                    &mut self.externals,
+                    &self.levels[owner].ops,
+                    op,
+                    inner as usize,
+                    points,
+                    out,
+                );
+            }
+            Part::Sides(_) => {
+                let tapes = &mut self.levels[depth].branch_tapes;
+                if tapes.len() <= branch {
+                    tapes.resize_with(branch + 1, Default::default);
+                }
+                let (mut tape, compiled) = std::mem::take(&mut tapes[branch]);
+                let ops = &self.levels[owner].ops;
+                if !compiled {
+                    let mut branches = self.levels[depth].branches.borrow_mut();
+                    branches.resolve(ops, chosen, zero_leaf(self.program), &mut self.resolved);
+                    tape.compile(&self.resolved, &[chosen.op]);
+                }
+                tape.settle(self.program, points.origin);
+                self.machine.read_externals(self.program, &mut self.externals, ops, points, true);
+                self.machine.gradients(&tape, points, out);
+                self.levels[depth].branch_tapes[branch] = (tape, true);
+            }
+        }
+        if chosen.factor != 1.0 {
+            let factor = chosen.factor as f32;
+            for array in [&mut out.value, &mut out.dx, &mut out.dy, &mut out.dz] {
+                array[..points.len].iter_mut().for_each(|value| *value *= factor);
+            }
+        }
+    }
+}

@@ -1,0 +1,311 @@
+//! The expression graph: every distinct operation once, with what is known of it.
+//!
+//! A [`Graph`] is where expressions are built, bottom up; [`super::Expression::new`] takes one node out of it as
+//! a field. Building simplifies as far as that keeps values: affine forms stay affine under `+`, `−` and
+//! constant factors, sums of up to three squares become one leaf, constants are folded.
+
+use std::collections::HashMap;
+use std::sync::Arc;
+
+use super::facts::Facts;
+use super::leaf::{Affine, Quadric};
+use super::op::{Binary, Op, Unary};
+use super::{Aabb, Field, Slope, scalar};
+use glam::DVec3;
+
+/// A node of a [`Graph`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct Node(pub(super) u32);
+
+/// An expression graph under construction. Equal sub-expressions are one node.
+#[derive(Clone, Default)]
+pub struct Graph {
+    pub(super) ops: Vec<Op>,
+    pub(super) facts: Vec<Facts>,
+    pub(super) affines: Vec<Affine>,
+    pub(super) quadrics: Vec<Quadric>,
+    pub(super) externals: Vec<Arc<dyn Field>>,
+    known: HashMap<[u64; 4], Node>,
+    known_affines: HashMap<[u64; 4], u32>,
+    known_quadrics: HashMap<[u64; 16], u32>,
+}
+
+impl Graph {
+    /// An empty graph.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    pub(super) fn op(&self, node: Node) -> Op {
+        self.ops[node.0 as usize]
+    }
+
+    pub(super) fn facts(&self, node: Node) -> Facts {
+        self.facts[node.0 as usize]
+    }
+
+    /// The box outside of which a node is negative, as far as its construction tells.
+    pub fn known_box(&self, node: Node) -> Option<Aabb> {
+        self.facts(node).bounds
+    }
+
+    /// What a node's value says about distance.
+    pub fn slope(&self, node: Node) -> Slope {
+        self.facts(node).slope
+    }
+
+    /// Adds a truth about a node that its construction does not show.
+    pub(super) fn declare(&mut self, node: Node, facts: Facts) -> Node {
+        let known = &mut self.facts[node.0 as usize];
+        *known = known.and(facts);
+        node
+    }
+
+    /// The node of an operation, new or known.
+    fn intern(&mut self, op: Op, facts: Facts) -> Node {
+        let next = Node(self.ops.len() as u32);
+        let node = *self.known.entry(op.key()).or_insert(next);
+        if node == next {
+            self.ops.push(op);
+            self.facts.push(Facts::NONE);
+        }
+        self.declare(node, facts)
+    }
+
+    pub(super) fn affine_leaf(&mut self, form: Affine) -> Node {
+        let form = form.tidy();
+        let key = [form.slope.x, form.slope.y, form.slope.z, form.constant].map(f64::to_bits);
+        let index = *self.known_affines.entry(key).or_insert(self.affines.len() as u32);
+        if index as usize == self.affines.len() {
+            self.affines.push(form);
+        }
+        self.intern(Op::Affine(index), Facts::affine(form.slope))
+    }
+
+    pub(super) fn quadric_leaf(&mut self, mut quadric: Quadric) -> Node {
+        // Constant terms belong to the constant.
+        for (weight, form) in &mut quadric.terms {
+            if form.is_constant() {
+                quadric.constant += *weight * form.constant * form.constant;
+                (*weight, *form) = (0.0, Affine::ZERO);
+            }
+        }
+        // Terms along x, y, z in this order, so that aligned balls take their short way.
+        quadric.terms.sort_by_key(|(weight, form)| {
+            let axis = form.slope.to_array().iter().position(|slope| *slope != 0.0);
+            (*weight == 0.0, axis)
+        });
+        if quadric.terms[0].0 == 0.0 {
+            return self.constant(quadric.constant);
+        }
+        let mut key = [0; 16];
+        key[0] = (quadric.constant + 0.0).to_bits();
+        for (words, (weight, form)) in key[1..].chunks_exact_mut(5).zip(&quadric.terms) {
+            let numbers = [*weight, form.slope.x, form.slope.y, form.slope.z, form.constant];
+            words.copy_from_slice(&numbers.map(|number| (number + 0.0).to_bits()));
+        }
+        let index = *self.known_quadrics.entry(key).or_insert(self.quadrics.len() as u32);
+        if index as usize == self.quadrics.len() {
+            self.quadrics.push(quadric);
+        }
+        self.intern(Op::Quadric(index), Facts::NONE)
+    }
+
+    pub(super) fn as_affine(&self, node: Node) -> Option<Affine> {
+        match self.op(node) {
+            Op::Affine(index) => Some(self.affines[index as usize]),
+            _ => None,
+        }
+    }
+
+    /// The value of a constant node.
+    pub fn as_constant(&self, node: Node) -> Option<f64> {
+        self.as_affine(node).filter(Affine::is_constant).map(|form| form.constant)
+    }
+
+    fn as_quadric(&self, node: Node) -> Option<Quadric> {
+        match self.op(node) {
+            Op::Quadric(index) => Some(self.quadrics[index as usize]),
+            _ => self.as_constant(node).map(Quadric::constant),
+        }
+    }
+
+    /// A number, the same everywhere.
+    pub fn constant(&mut self, value: f64) -> Node {
+        self.affine_leaf(Affine::constant(value))
+    }
+
+    /// The affine form `slope · p + constant`.
+    pub fn affine(&mut self, slope: DVec3, constant: f64) -> Node {
+        self.affine_leaf(Affine::new(slope, constant))
+    }
+
+    /// The coordinate x.
+    pub fn x(&mut self) -> Node {
+        self.affine(DVec3::X, 0.0)
+    }
+
+    /// The coordinate y.
+    pub fn y(&mut self) -> Node {
+        self.affine(DVec3::Y, 0.0)
+    }
+
+    /// The coordinate z.
+    pub fn z(&mut self) -> Node {
+        self.affine(DVec3::Z, 0.0)
+    }
+
+    /// Another field as an operand: a mesh, a distance object, an expression of another graph.
+    pub fn field(&mut self, field: Arc<dyn Field>) -> Node {
+        let facts = Facts { bounds: field.bounding_box(), slope: field.slope() };
+        self.externals.push(field);
+        let leaf = self.externals.len() as u32 - 1;
+        let at = [self.x(), self.y(), self.z()];
+        let node = self.external(leaf, at);
+        self.declare(node, facts)
+    }
+
+    pub(super) fn external(&mut self, leaf: u32, at: [Node; 3]) -> Node {
+        self.intern(Op::External { leaf, at: at.map(|node| node.0) }, Facts::NONE)
+    }
+
+    pub(super) fn unary(&mut self, operation: Unary, a: Node) -> Node {
+        let facts = Facts::unary(operation, self.facts(a));
+        let node = match self.simplified_unary(operation, a) {
+            Some(node) => node,
+            None => self.intern(Op::Unary(operation, a.0), Facts::NONE),
+        };
+        self.declare(node, facts)
+    }
+
+    fn simplified_unary(&mut self, operation: Unary, a: Node) -> Option<Node> {
+        if let Some(value) = self.as_constant(a) {
+            return Some(self.constant(scalar::unary(operation, value)));
+        }
+        let inner = self.op(a);
+        match operation {
+            Unary::Linear { scale, offset } => {
+                if scale == 0.0 {
+                    return Some(self.constant(offset));
+                }
+                match inner {
+                    _ if scale == 1.0 && offset == 0.0 => Some(a),
+                    Op::Affine(index) => {
+                        let form = self.affines[index as usize].linear(scale, offset);
+                        Some(self.affine_leaf(form))
+                    }
+                    Op::Quadric(index) => {
+                        let quadric = self.quadrics[index as usize].linear(scale, offset);
+                        Some(self.quadric_leaf(quadric))
+                    }
+                    Op::Unary(Unary::Linear { scale: first, offset: shift }, value) => {
+                        let operation = Unary::Linear { scale: scale * first, offset: scale * shift + offset };
+                        Some(self.unary(operation, Node(value)))
+                    }
+                    _ => None,
+                }
+            }
+            Unary::Square => match inner {
+                Op::Affine(index) => Some(self.quadric_leaf(Quadric::square(self.affines[index as usize]))),
+                Op::Unary(Unary::Abs | Unary::Linear { scale: -1.0, offset: 0.0 }, value) => {
+                    Some(self.unary(Unary::Square, Node(value)))
+                }
+                _ => None,
+            },
+            Unary::Sqrt => match inner {
+                Op::Unary(Unary::Square, value) => Some(self.unary(Unary::Abs, Node(value))),
+                Op::Quadric(index) => self.root_of_quadric(self.quadrics[index as usize]),
+                _ => None,
+            },
+            Unary::Abs => match inner {
+                Op::Unary(Unary::Abs | Unary::Square | Unary::Sqrt | Unary::Exp, _) => Some(a),
+                _ => None,
+            },
+            _ => None,
+        }
+    }
+
+    /// √ of a sum of squares, which has a known slope; of a single square, the absolute value.
+    fn root_of_quadric(&mut self, quadric: Quadric) -> Option<Node> {
+        let slope = quadric.root_slope()?;
+        if quadric.terms[1].0 == 0.0 {
+            let (weight, form) = quadric.terms[0];
+            let form = self.affine_leaf(form.linear(weight.sqrt(), 0.0));
+            return Some(self.unary(Unary::Abs, form));
+        }
+        let radicand = self.quadric_leaf(quadric);
+        Some(self.intern(Op::Unary(Unary::Sqrt, radicand.0), Facts { bounds: None, slope: Slope::Lipschitz(slope) }))
+    }
+
+    pub(super) fn binary(&mut self, operation: Binary, a: Node, b: Node) -> Node {
+        let facts = Facts::binary(operation, self.facts(a), self.facts(b));
+        let node = match self.simplified_binary(operation, a, b) {
+            Some(node) => node,
+            None => self.intern(Op::Binary(operation, a.0, b.0), Facts::NONE),
+        };
+        self.declare(node, facts)
+    }
+
+    fn simplified_binary(&mut self, operation: Binary, a: Node, b: Node) -> Option<Node> {
+        let constants = (self.as_constant(a), self.as_constant(b));
+        if let (Some(first), Some(second)) = constants {
+            return Some(self.constant(scalar::binary(operation, first, second)));
+        }
+        let linear = |scale: f64, offset: f64| Unary::Linear { scale, offset };
+        match (operation, constants) {
+            (Binary::Add, (Some(value), _)) => Some(self.unary(linear(1.0, value), b)),
+            (Binary::Add, (_, Some(value))) => Some(self.unary(linear(1.0, value), a)),
+            (Binary::Sub, (Some(value), _)) => Some(self.unary(linear(-1.0, value), b)),
+            (Binary::Sub, (_, Some(value))) => Some(self.unary(linear(1.0, -value), a)),
+            (Binary::Mul, (Some(value), _)) => Some(self.unary(linear(value, 0.0), b)),
+            (Binary::Mul, (_, Some(value))) => Some(self.unary(linear(value, 0.0), a)),
+            (Binary::Div, (_, Some(value))) if value != 0.0 => Some(self.unary(linear(1.0 / value, 0.0), a)),
+            (Binary::Div, (Some(value), _)) => {
+                let inverse = self.unary(Unary::Recip, b);
+                Some(self.unary(linear(value, 0.0), inverse))
+            }
+            (Binary::Pow, (_, Some(exponent))) => self.constant_power(a, exponent),
+            (Binary::Pow, (Some(base), _)) if base > 0.0 => {
+                let power = self.unary(linear(scalar::log(base), 0.0), b);
+                Some(self.unary(Unary::Exp, power))
+            }
+            (Binary::Add | Binary::Sub, _) => {
+                let sign = if operation == Binary::Add { 1.0 } else { -1.0 };
+                self.sum_of_leaves(a, b, sign).or_else(|| match operation {
+                    Binary::Add if a == b => Some(self.unary(linear(2.0, 0.0), a)),
+                    Binary::Sub if a == b => Some(self.constant(0.0)),
+                    _ => None,
+                })
+            }
+            (Binary::Mul, _) if a == b => Some(self.unary(Unary::Square, a)),
+            (Binary::Min | Binary::Max, _) if a == b => Some(a),
+            _ => None,
+        }
+    }
+
+    /// `a + sign · b` as one leaf, where it is one.
+    fn sum_of_leaves(&mut self, a: Node, b: Node, sign: f64) -> Option<Node> {
+        if let (Some(first), Some(second)) = (self.as_affine(a), self.as_affine(b)) {
+            return Some(self.affine_leaf(first.plus(&second.linear(sign, 0.0))));
+        }
+        let sum = self.as_quadric(a)?.plus(&self.as_quadric(b)?.linear(sign, 0.0))?;
+        Some(self.quadric_leaf(sum))
+    }
+
+    /// A power whose exponent is whole, or one half, by multiplication and roots.
+    fn constant_power(&mut self, base: Node, exponent: f64) -> Option<Node> {
+        if exponent == 0.5 {
+            return Some(self.unary(Unary::Sqrt, base));
+        }
+        if exponent.fract() != 0.0 || exponent.abs() > 64.0 {
+            return None;
+        }
+        let power = match exponent.abs() as u32 {
+            0 => return Some(self.constant(1.0)),
+            1 => base,
+            2 => self.unary(Unary::Square, base),
+            whole => self.unary(Unary::Powi(whole), base),
+        };
+        Some(if exponent < 0.0 { self.unary(Unary::Recip, power) } else { power })
+    }
+}

@@ -1,0 +1,180 @@
+//! The batch loops for values: each instruction over [`LANES`] points, compiled for several vector widths.
+
+use multiversion::multiversion;
+
+use super::lane_math as math;
+use super::op::{Binary, Unary};
+use super::tape::{Code, LaneQuadric, QuadricShape, Tape};
+use super::width::VectorWidth;
+use super::{BATCH, Gradients, Points};
+
+/// Points in one pass over a tape. Fewer: more time goes to fetching instructions; more: the registers of a large
+/// tape no longer stay in the nearest cache.
+pub(super) const LANES: usize = 256;
+
+/// One register: a value for each lane.
+#[derive(Clone)]
+#[repr(align(64))]
+pub(super) struct Lanes(pub [f32; LANES]);
+
+/// A tape with what it reads, for one batch.
+pub(super) struct Run<'a> {
+    pub tape: &'a Tape,
+    pub points: &'a Points,
+    /// What other fields answered at these points.
+    pub inputs: &'a [Gradients],
+}
+
+/// Writes each output of the tape at the points, a batch for each.
+pub(super) fn run(width: VectorWidth, run: &Run, registers: &mut Vec<Lanes>, outs: &mut [&mut [f32; BATCH]]) {
+    if registers.len() < run.tape.registers {
+        registers.resize(run.tape.registers, Lanes([0.0; LANES]));
+    }
+    match width {
+        VectorWidth::Sse2 => body(run, registers, outs),
+        VectorWidth::Avx2 => run_avx2(run, registers, outs),
+        VectorWidth::Avx512 => run_avx512(run, registers, outs),
+    }
+}
+
+#[multiversion(targets("x86_64+avx+avx2"))]
+fn run_avx2(run: &Run, registers: &mut [Lanes], outs: &mut [&mut [f32; BATCH]]) {
+    body(run, registers, outs);
+}
+
+#[multiversion(targets("x86_64+avx+avx2+avx512f+avx512bw+avx512dq+avx512vl"))]
+fn run_avx512(run: &Run, registers: &mut [Lanes], outs: &mut [&mut [f32; BATCH]]) {
+    body(run, registers, outs);
+}
+
+/// The lanes of a batch that one pass covers.
+#[inline(always)]
+pub(super) fn pass(batch: &[f32; BATCH], first: usize) -> &[f32; LANES] {
+    batch[first..].first_chunk().expect("a pass begins a whole number of passes before the batch's end")
+}
+
+/// `out = f(a)` on every lane.
+macro_rules! each {
+    ($registers:ident, $at:ident, $a:ident => $value:expr) => {{
+        let [out, a] = $registers
+            .get_disjoint_mut([$at.out as usize, $at.a as usize])
+            .expect("an output never shares its argument's register");
+        for (out, &$a) in out.0.iter_mut().zip(&a.0) {
+            *out = $value;
+        }
+    }};
+}
+
+/// `out = f(a, b)` on every lane; the arguments may be one register.
+macro_rules! both {
+    ($registers:ident, $at:ident, $a:ident, $b:ident => $value:expr) => {{
+        if $at.a == $at.b {
+            each!($registers, $at, $a => { let $b = $a; $value })
+        } else {
+            let [out, a, b] = $registers
+                .get_disjoint_mut([$at.out as usize, $at.a as usize, $at.b as usize])
+                .expect("an output never shares its argument's register");
+            for ((out, &$a), &$b) in out.0.iter_mut().zip(&a.0).zip(&b.0) {
+                *out = $value;
+            }
+        }
+    }};
+}
+
+#[inline(always)]
+fn body(run: &Run, registers: &mut [Lanes], outs: &mut [&mut [f32; BATCH]]) {
+    for first in (0..run.points.len).step_by(LANES) {
+        let (x, y, z) = (pass(&run.points.x, first), pass(&run.points.y, first), pass(&run.points.z, first));
+        for at in &run.tape.code {
+            match at.code {
+                Code::Affine(row) => affine(run.tape.rows[row as usize], [x, y, z], &mut registers[at.out as usize]),
+                Code::Quadric(index) => {
+                    quadric(&run.tape.quadrics[index as usize], [x, y, z], &mut registers[at.out as usize]);
+                }
+                Code::Input(leaf) => {
+                    registers[at.out as usize].0 = *pass(&run.inputs[leaf as usize].value, first);
+                }
+                Code::Linear(scale, offset) => each!(registers, at, a => a * scale + offset),
+                Code::Unary(operation) => match operation {
+                    // Compiled to `Code::Linear`.
+                    Unary::Linear { .. } => {}
+                    Unary::Abs => each!(registers, at, a => a.abs()),
+                    Unary::Square => each!(registers, at, a => a * a),
+                    Unary::Sqrt => each!(registers, at, a => a.sqrt()),
+                    Unary::Cbrt => each!(registers, at, a => math::cbrt(a)),
+                    Unary::Recip => each!(registers, at, a => 1.0 / a),
+                    Unary::Powi(exponent) => each!(registers, at, a => math::powi(a, exponent)),
+                    Unary::Sin => each!(registers, at, a => math::sin(a)),
+                    Unary::Cos => each!(registers, at, a => math::cos(a)),
+                    Unary::Exp => each!(registers, at, a => math::exp(a)),
+                    Unary::Log => each!(registers, at, a => math::log(a)),
+                    Unary::Floor => each!(registers, at, a => a.floor()),
+                    Unary::Sign => each!(registers, at, a => math::sign(a)),
+                    Unary::Smooth => each!(registers, at, a => math::smooth(a)),
+                },
+                Code::Binary(operation) => match operation {
+                    Binary::Add => both!(registers, at, a, b => a + b),
+                    Binary::Sub => both!(registers, at, a, b => a - b),
+                    Binary::Mul => both!(registers, at, a, b => a * b),
+                    Binary::Div => both!(registers, at, a, b => a / b),
+                    Binary::Min => both!(registers, at, a, b => if a < b { a } else { b }),
+                    Binary::Max => both!(registers, at, a, b => if a > b { a } else { b }),
+                    Binary::Union => both!(registers, at, a, b => math::r0_union(a, b)),
+                    Binary::Intersection => both!(registers, at, a, b => -math::r0_union(-a, -b)),
+                    Binary::Corner => both!(registers, at, a, b => math::corner(a, b)),
+                    Binary::Displacement => both!(registers, at, a, b => math::displacement(a, b)),
+                    Binary::Pow => both!(registers, at, a, b => math::pow(a, b)),
+                    Binary::Atan2 => both!(registers, at, a, b => math::atan2(a, b)),
+                },
+            }
+        }
+        for (out, &register) in outs.iter_mut().zip(&run.tape.outputs) {
+            out[first..first + LANES].copy_from_slice(&registers[register as usize].0);
+        }
+    }
+}
+
+/// An affine form; loops for a single axis are bit for bit the general one with zeros left out.
+#[inline(always)]
+fn affine(row: [f32; 4], [x, y, z]: [&[f32; LANES]; 3], out: &mut Lanes) {
+    let [a, b, c, d] = row;
+    let mut along = |axis: &[f32; LANES], slope: f32| {
+        for (out, value) in out.0.iter_mut().zip(axis) {
+            *out = slope * value + d;
+        }
+    };
+    match row.map(|slope| slope != 0.0) {
+        [true, false, false, _] => along(x, a),
+        [false, true, false, _] => along(y, b),
+        [false, false, true, _] => along(z, c),
+        [false, false, false, _] => out.0 = [d; LANES],
+        _ => {
+            for i in 0..LANES {
+                out.0[i] = a * x[i] + b * y[i] + c * z[i] + d;
+            }
+        }
+    }
+}
+
+#[inline(always)]
+fn quadric(quadric: &LaneQuadric, [x, y, z]: [&[f32; LANES]; 3], out: &mut Lanes) {
+    let ([p, q, r], constant) = (quadric.rows, quadric.constant);
+    match quadric.shape {
+        QuadricShape::Aligned => {
+            let sign = quadric.signs[0];
+            for i in 0..LANES {
+                let (u, v, w) = (p[0] * x[i] + p[3], q[1] * y[i] + q[3], r[2] * z[i] + r[3]);
+                out.0[i] = constant + sign * (u * u + v * v + w * w);
+            }
+        }
+        QuadricShape::General => {
+            let [s, t, m] = quadric.signs;
+            for i in 0..LANES {
+                let u = p[0] * x[i] + p[1] * y[i] + p[2] * z[i] + p[3];
+                let v = q[0] * x[i] + q[1] * y[i] + q[2] * z[i] + q[3];
+                let w = r[0] * x[i] + r[1] * y[i] + r[2] * z[i] + r[3];
+                out.0[i] = constant + (s * (u * u) + t * (v * v) + m * (w * w));
+            }
+        }
+    }
+}

@@ -1,0 +1,256 @@
+//! The batch loops for values and gradients together: forward mode over the same tapes.
+
+use multiversion::multiversion;
+
+use super::kernel::{LANES, Run, pass};
+use super::lane_math as math;
+use super::op::{Binary, Unary};
+use super::tape::{Code, LaneQuadric};
+use super::width::VectorWidth;
+use super::{BATCH, Gradients};
+
+/// One register: value and three derivatives for each lane.
+#[derive(Clone)]
+#[repr(align(64))]
+pub(super) struct Dual {
+    pub value: [f32; LANES],
+    pub slope: [[f32; LANES]; 3],
+}
+
+impl Dual {
+    pub const ZERO: Self = Self { value: [0.0; LANES], slope: [[0.0; LANES]; 3] };
+}
+
+/// Writes value and gradient of each output of the tape at the points.
+pub(super) fn run(width: VectorWidth, run: &Run, registers: &mut Vec<Dual>, outs: &mut [&mut Gradients]) {
+    if registers.len() < run.tape.registers {
+        registers.resize(run.tape.registers, Dual::ZERO);
+    }
+    match width {
+        VectorWidth::Sse2 => body(run, registers, outs),
+        VectorWidth::Avx2 => run_avx2(run, registers, outs),
+        VectorWidth::Avx512 => run_avx512(run, registers, outs),
+    }
+}
+
+#[multiversion(targets("x86_64+avx+avx2"))]
+fn run_avx2(run: &Run, registers: &mut [Dual], outs: &mut [&mut Gradients]) {
+    body(run, registers, outs);
+}
+
+#[multiversion(targets("x86_64+avx+avx2+avx512f+avx512bw+avx512dq+avx512vl"))]
+fn run_avx512(run: &Run, registers: &mut [Dual], outs: &mut [&mut Gradients]) {
+    body(run, registers, outs);
+}
+
+/// `out = f(a)` with `(value, derivative by a)` on every lane.
+macro_rules! each {
+    ($registers:ident, $at:ident, $a:ident => $pair:expr) => {{
+        let [out, a] = $registers
+            .get_disjoint_mut([$at.out as usize, $at.a as usize])
+            .expect("an output never shares its argument's register");
+        for i in 0..LANES {
+            let $a = a.value[i];
+            let (value, by_a) = $pair;
+            out.value[i] = value;
+            for axis in 0..3 {
+                out.slope[axis][i] = by_a * a.slope[axis][i];
+            }
+        }
+    }};
+}
+
+/// `out = f(a, b)` with `(value, derivative by a, by b)` on every lane; the arguments may be one register.
+macro_rules! both {
+    ($registers:ident, $at:ident, $a:ident, $b:ident => $triple:expr) => {{
+        if $at.a == $at.b {
+            each!($registers, $at, $a => {
+                let $b = $a;
+                let (value, by_a, by_b) = $triple;
+                (value, by_a + by_b)
+            })
+        } else {
+            let [out, a, b] = $registers
+                .get_disjoint_mut([$at.out as usize, $at.a as usize, $at.b as usize])
+                .expect("an output never shares its argument's register");
+            for i in 0..LANES {
+                let ($a, $b) = (a.value[i], b.value[i]);
+                let (value, by_a, by_b) = $triple;
+                out.value[i] = value;
+                for axis in 0..3 {
+                    out.slope[axis][i] = by_a * a.slope[axis][i] + by_b * b.slope[axis][i];
+                }
+            }
+        }
+    }};
+}
+
+#[inline(always)]
+fn body(run: &Run, registers: &mut [Dual], outs: &mut [&mut Gradients]) {
+    for first in (0..run.points.len).step_by(LANES) {
+        let position = [pass(&run.points.x, first), pass(&run.points.y, first), pass(&run.points.z, first)];
+        for at in &run.tape.code {
+            match at.code {
+                Code::Affine(row) => affine(run.tape.rows[row as usize], position, &mut registers[at.out as usize]),
+                Code::Quadric(index) => {
+                    quadric(&run.tape.quadrics[index as usize], position, &mut registers[at.out as usize]);
+                }
+                Code::Input(leaf) => {
+                    let (from, to) = (&run.inputs[leaf as usize], &mut registers[at.out as usize]);
+                    to.value = *pass(&from.value, first);
+                    to.slope = [*pass(&from.dx, first), *pass(&from.dy, first), *pass(&from.dz, first)];
+                }
+                Code::Linear(scale, offset) => each!(registers, at, a => (a * scale + offset, scale)),
+                Code::Unary(operation) => match operation {
+                    // Compiled to `Code::Linear`.
+                    Unary::Linear { .. } => {}
+                    Unary::Abs => each!(registers, at, a => (a.abs(), if a < 0.0 { -1.0 } else { 1.0 })),
+                    Unary::Square => each!(registers, at, a => (a * a, 2.0 * a)),
+                    Unary::Sqrt => each!(registers, at, a => {
+                        let root = a.sqrt();
+                        let slope = 0.5 / root;
+                        (root, if root > 0.0 { slope } else { 0.0 })
+                    }),
+                    Unary::Cbrt => each!(registers, at, a => {
+                        let root = math::cbrt(a);
+                        let slope = 1.0 / (3.0 * root * root);
+                        (root, if root != 0.0 { slope } else { 0.0 })
+                    }),
+                    Unary::Recip => each!(registers, at, a => {
+                        let inverse = 1.0 / a;
+                        (inverse, -(inverse * inverse))
+                    }),
+                    Unary::Powi(exponent) => each!(registers, at, a => {
+                        let below = math::powi(a, exponent - 1);
+                        (math::powi(a, exponent), exponent as f32 * below)
+                    }),
+                    Unary::Sin => each!(registers, at, a => (math::sin(a), math::cos(a))),
+                    Unary::Cos => each!(registers, at, a => (math::cos(a), -math::sin(a))),
+                    Unary::Exp => each!(registers, at, a => {
+                        let value = math::exp(a);
+                        (value, value)
+                    }),
+                    Unary::Log => each!(registers, at, a => (math::log(a), 1.0 / a)),
+                    Unary::Floor => each!(registers, at, a => (a.floor(), 0.0)),
+                    Unary::Sign => each!(registers, at, a => (math::sign(a), 0.0)),
+                    Unary::Smooth => each!(registers, at, a => {
+                        let clamped = math::clamp01(a);
+                        (math::smooth(a), 6.0 * clamped * (1.0 - clamped))
+                    }),
+                },
+                Code::Binary(operation) => match operation {
+                    Binary::Add => both!(registers, at, a, b => (a + b, 1.0, 1.0)),
+                    Binary::Sub => both!(registers, at, a, b => (a - b, 1.0, -1.0)),
+                    Binary::Mul => both!(registers, at, a, b => (a * b, b, a)),
+                    Binary::Div => both!(registers, at, a, b => {
+                        let inverse = 1.0 / b;
+                        let value = a / b;
+                        (value, inverse, -(value * inverse))
+                    }),
+                    Binary::Min => both!(registers, at, a, b => {
+                        let first = if a < b { 1.0 } else { 0.0 };
+                        (if a < b { a } else { b }, first, 1.0 - first)
+                    }),
+                    Binary::Max => both!(registers, at, a, b => {
+                        let first = if a > b { 1.0 } else { 0.0 };
+                        (if a > b { a } else { b }, first, 1.0 - first)
+                    }),
+                    Binary::Union => both!(registers, at, a, b => {
+                        let (by_a, by_b) = r0_slopes(a, b, 1.0);
+                        (math::r0_union(a, b), by_a, by_b)
+                    }),
+                    Binary::Intersection => both!(registers, at, a, b => {
+                        let (by_a, by_b) = r0_slopes(a, b, -1.0);
+                        (-math::r0_union(-a, -b), by_a, by_b)
+                    }),
+                    Binary::Corner => both!(registers, at, a, b => {
+                        let (by_a, by_b) = corner_slopes(a, b);
+                        (math::corner(a, b), by_a, by_b)
+                    }),
+                    Binary::Displacement => both!(registers, at, a, b => {
+                        let (by_a, by_b) = displacement_slopes(a, b);
+                        (math::displacement(a, b), by_a, by_b)
+                    }),
+                    Binary::Pow => both!(registers, at, a, b => {
+                        let value = math::pow(a, b);
+                        let (by_a, by_b) = (value * b / a, value * math::log(a));
+                        (value, if a > 0.0 { by_a } else { 0.0 }, if a > 0.0 { by_b } else { 0.0 })
+                    }),
+                    Binary::Atan2 => both!(registers, at, a, b => {
+                        let square = a * a + b * b;
+                        (math::atan2(a, b), b / square, -a / square)
+                    }),
+                },
+            }
+        }
+        for (out, &register) in outs.iter_mut().zip(&run.tape.outputs) {
+            let (from, lanes) = (&registers[register as usize], first..first + LANES);
+            copy(&mut out.value[lanes.clone()], &from.value);
+            copy(&mut out.dx[lanes.clone()], &from.slope[0]);
+            copy(&mut out.dy[lanes.clone()], &from.slope[1]);
+            copy(&mut out.dz[lanes], &from.slope[2]);
+        }
+    }
+}
+
+#[inline(always)]
+fn copy(to: &mut [f32], from: &[f32; LANES]) {
+    to.copy_from_slice(from);
+}
+
+/// ∂/∂a and ∂/∂b of `a + b + sign·√(a² + b²)`; where both are zero, the first operand's side.
+#[inline(always)]
+fn r0_slopes(a: f32, b: f32, sign: f32) -> (f32, f32) {
+    let root = (a * a + b * b).sqrt();
+    let inverse = sign / root;
+    let (by_a, by_b) = (1.0 + a * inverse, 1.0 + b * inverse);
+    let smooth = root > 0.0;
+    (if smooth { by_a } else { 1.0 }, if smooth { by_b } else { 0.0 })
+}
+
+#[inline(always)]
+fn corner_slopes(a: f32, b: f32) -> (f32, f32) {
+    let (first, second) = (if a < 0.0 { -a } else { 0.0 }, if b < 0.0 { -b } else { 0.0 });
+    let inverse = 1.0 / (first * first + second * second).sqrt();
+    let lesser = if a < b { 1.0 } else { 0.0 };
+    let outside = (first > 0.0 || second > 0.0) && inverse < f32::INFINITY;
+    (if outside { first * inverse } else { lesser }, if outside { second * inverse } else { 1.0 - lesser })
+}
+
+/// disp = u³/(2 − u) with u = r₂²/(r₁² + r₂²).
+#[inline(always)]
+fn displacement_slopes(first: f32, second: f32) -> (f32, f32) {
+    let sum = first + second;
+    let share = second / sum;
+    let rest = 2.0 - share;
+    let by_share = share * share * (6.0 - 2.0 * share) / (rest * rest);
+    let (by_first, by_second) = (-by_share * share / sum, by_share * (1.0 - share) / sum);
+    let within = second > 0.0;
+    (if within { by_first } else { 0.0 }, if within { by_second } else { 0.0 })
+}
+
+#[inline(always)]
+fn affine([a, b, c, d]: [f32; 4], [x, y, z]: [&[f32; LANES]; 3], out: &mut Dual) {
+    for i in 0..LANES {
+        out.value[i] = a * x[i] + b * y[i] + c * z[i] + d;
+    }
+    out.slope = [[a; LANES], [b; LANES], [c; LANES]];
+}
+
+#[inline(always)]
+fn quadric(quadric: &LaneQuadric, [x, y, z]: [&[f32; LANES]; 3], out: &mut Dual) {
+    let ([p, q, r], constant, [s, t, m]) = (quadric.rows, quadric.constant, quadric.signs);
+    for i in 0..LANES {
+        let u = p[0] * x[i] + p[1] * y[i] + p[2] * z[i] + p[3];
+        let v = q[0] * x[i] + q[1] * y[i] + q[2] * z[i] + q[3];
+        let w = r[0] * x[i] + r[1] * y[i] + r[2] * z[i] + r[3];
+        out.value[i] = constant + (s * (u * u) + t * (v * v) + m * (w * w));
+        let (u, v, w) = (2.0 * s * u, 2.0 * t * v, 2.0 * m * w);
+        for axis in 0..3 {
+            out.slope[axis][i] = u * p[axis] + v * q[axis] + w * r[axis];
+        }
+    }
+}
+
+/// Lanes of a batch past the last whole pass do not exist.
+const _: () = assert!(BATCH.is_multiple_of(LANES));

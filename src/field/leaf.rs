@@ -1,0 +1,182 @@
+//! The leaves of an expression that are closed under affine maps: affine forms and sums of their squares.
+//!
+//! Coefficients are `f64`; a batch's `f64` origin is folded into the constants before anything is rounded to
+//! `f32`, so that a surface far from the world's origin keeps its accuracy.
+
+use glam::{DAffine3, DVec3};
+
+use super::{Aabb, Interval};
+
+/// `slope · p + constant`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Affine {
+    pub slope: DVec3,
+    pub constant: f64,
+}
+
+impl Affine {
+    pub const ZERO: Self = Self::constant(0.0);
+
+    pub const fn new(slope: DVec3, constant: f64) -> Self {
+        Self { slope, constant }
+    }
+
+    pub const fn constant(value: f64) -> Self {
+        Self { slope: DVec3::ZERO, constant: value }
+    }
+
+    pub fn is_constant(&self) -> bool {
+        self.slope == DVec3::ZERO
+    }
+
+    /// The form with every negative zero made positive, so that equal forms have equal bits.
+    pub fn tidy(self) -> Self {
+        Self { slope: self.slope + 0.0, constant: self.constant + 0.0 }
+    }
+
+    pub fn at(&self, position: DVec3) -> f64 {
+        self.slope.dot(position) + self.constant
+    }
+
+    /// The form read at `map(p)`.
+    pub fn after(&self, map: &DAffine3) -> Self {
+        Self::new(map.matrix3.transpose() * self.slope, self.at(map.translation)).tidy()
+    }
+
+    /// `scale · self + offset`.
+    pub fn linear(&self, scale: f64, offset: f64) -> Self {
+        Self::new(self.slope * scale, self.constant * scale + offset).tidy()
+    }
+
+    pub fn plus(&self, other: &Self) -> Self {
+        Self::new(self.slope + other.slope, self.constant + other.constant).tidy()
+    }
+
+    /// Bounds over a box, rounded outward.
+    pub fn bounds(&self, region: &Aabb) -> Interval {
+        if self.is_constant() {
+            return Interval::new(self.constant, self.constant);
+        }
+        let (mut lo, mut hi) = (self.constant, self.constant);
+        let (mut below, mut above) = (self.constant.abs(), self.constant.abs());
+        for axis in 0..3 {
+            let slope = self.slope[axis];
+            if slope == 0.0 {
+                continue;
+            }
+            let (from, to) = (slope * region.min[axis], slope * region.max[axis]);
+            lo += from.min(to);
+            hi += from.max(to);
+            below += from.min(to).abs();
+            above += from.max(to).abs();
+        }
+        // Three products and three sums round to within 6 half-ulps of the largest magnitude that occurs.
+        const SLACK: f64 = 4.0 * f64::EPSILON;
+        Interval::checked(lo - SLACK * below, hi + SLACK * above)
+    }
+
+    /// The `f32` form for offsets from an origin: three coefficients and the constant there.
+    pub fn around(&self, origin: DVec3) -> [f32; 4] {
+        let slope = self.slope.as_vec3();
+        [slope.x, slope.y, slope.z, self.at(origin) as f32]
+    }
+}
+
+/// `constant + Σ weight · form²`, up to three terms; an unused term has weight 0 and the zero form.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Quadric {
+    pub constant: f64,
+    pub terms: [(f64, Affine); 3],
+}
+
+impl Quadric {
+    const NO_TERM: (f64, Affine) = (0.0, Affine::ZERO);
+
+    pub const fn constant(value: f64) -> Self {
+        Self { constant: value, terms: [Self::NO_TERM; 3] }
+    }
+
+    pub fn square(form: Affine) -> Self {
+        Self { constant: 0.0, terms: [(1.0, form), Self::NO_TERM, Self::NO_TERM] }
+    }
+
+    fn used(&self) -> usize {
+        self.terms.iter().filter(|(weight, _)| *weight != 0.0).count()
+    }
+
+    pub fn at(&self, position: DVec3) -> f64 {
+        self.terms.iter().fold(self.constant, |sum, (weight, form)| {
+            let value = form.at(position);
+            sum + weight * (value * value)
+        })
+    }
+
+    pub fn after(&self, map: &DAffine3) -> Self {
+        Self { constant: self.constant, terms: self.terms.map(|(weight, form)| (weight, form.after(map))) }
+    }
+
+    pub fn linear(&self, scale: f64, offset: f64) -> Self {
+        if scale == 0.0 {
+            return Self::constant(offset);
+        }
+        let terms = self.terms.map(|(weight, form)| (weight * scale + 0.0, form));
+        Self { constant: self.constant * scale + offset, terms }
+    }
+
+    /// The sum, or `None` where it has more than three terms.
+    pub fn plus(&self, other: &Self) -> Option<Self> {
+        let mut sum = Self { constant: self.constant + other.constant, ..*self };
+        let mut free = self.used();
+        if free + other.used() > 3 {
+            return None;
+        }
+        for term in other.terms.iter().filter(|(weight, _)| *weight != 0.0) {
+            sum.terms[free] = *term;
+            free += 1;
+        }
+        Some(sum)
+    }
+
+    /// Bounds over a box, rounded outward; tight where the forms vary independently.
+    pub fn bounds(&self, region: &Aabb) -> Interval {
+        self.terms
+            .iter()
+            .filter(|(weight, _)| *weight != 0.0)
+            .fold(Interval::new(self.constant, self.constant), |sum, (weight, form)| {
+                sum.add(form.bounds(region).square().linear(*weight, 0.0))
+            })
+    }
+
+    /// A bound of the slope of `√self`, where `self` is a sum of squares without a constant.
+    pub fn root_slope(&self) -> Option<f64> {
+        if self.constant != 0.0 || self.terms.iter().any(|(weight, _)| *weight < 0.0) {
+            return None;
+        }
+        let rows = self.terms.map(|(weight, form)| form.slope * weight.sqrt());
+        let squares = rows.map(|row| row.length_squared());
+        let total: f64 = squares.iter().sum();
+        let crossed = [(0, 1), (0, 2), (1, 2)].iter().any(|&(i, j)| rows[i].dot(rows[j]).abs() > 1e-12 * total);
+        let largest = squares.into_iter().fold(0.0, f64::max);
+        Some(if crossed { total } else { largest * (1.0 + 1e-11) }.sqrt())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_origin_far_away_costs_no_accuracy() {
+        let form = Affine::new(DVec3::X, -100_000.0);
+        let origin = DVec3::new(100_000.125, 3.0, 4.0);
+        assert_eq!(form.around(origin), [1.0, 0.0, 0.0, 0.125]);
+    }
+
+    #[test]
+    fn sums_of_squares_stop_at_three_terms() {
+        let square = Quadric::square(Affine::new(DVec3::X, 1.0));
+        let three = square.plus(&square).and_then(|two| two.plus(&square)).expect("three terms fit");
+        assert_eq!(three.at(DVec3::new(1.0, 0.0, 0.0)), 12.0);
+        assert_eq!(three.plus(&square), None);
+    }
+}

@@ -1,0 +1,169 @@
+//! Programs compiled for batches: one instruction after another over a few registers of many lanes.
+
+use glam::DVec3;
+
+use super::op::{Binary, Op, Unary};
+use super::program::Program;
+
+/// What an instruction computes.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Code {
+    /// An affine form of the position, by its row.
+    Affine(u32),
+    /// A sum of squares, by its place in the tape.
+    Quadric(u32),
+    /// What another field answered for the whole batch.
+    Input(u32),
+    Linear(f32, f32),
+    Unary(Unary),
+    Binary(Binary),
+}
+
+/// One instruction; `out` is never `a` or `b`.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Instruction {
+    pub code: Code,
+    pub out: u32,
+    pub a: u32,
+    pub b: u32,
+}
+
+/// A sum of squares around an origin: `constant + Σ sign · (row · (x, y, z, 1))²`.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct LaneQuadric {
+    pub rows: [[f32; 4]; 3],
+    pub signs: [f32; 3],
+    pub constant: f32,
+    pub shape: QuadricShape,
+}
+
+/// Which loop a sum of squares takes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum QuadricShape {
+    /// Three terms of one sign, along x, y and z.
+    Aligned,
+    /// Anything else.
+    General,
+}
+
+/// A compiled program. Its memory is kept when it is compiled anew.
+#[derive(Default)]
+pub(super) struct Tape {
+    pub code: Vec<Instruction>,
+    /// Rows and sums around the origin last asked for.
+    pub rows: Vec<[f32; 4]>,
+    pub quadrics: Vec<LaneQuadric>,
+    /// The register of each output.
+    pub outputs: Vec<u32>,
+    pub registers: usize,
+    affine_leaves: Vec<u32>,
+    quadric_leaves: Vec<u32>,
+    origin: Option<DVec3>,
+    last_use: Vec<u32>,
+    places: Vec<u32>,
+    free: Vec<u32>,
+}
+
+/// Never used again.
+const DEAD: u32 = u32::MAX;
+
+impl Tape {
+    /// Compiles the operations that some outputs need.
+    pub fn compile(&mut self, ops: &[Op], outputs: &[u32]) {
+        self.code.clear();
+        self.outputs.clear();
+        self.affine_leaves.clear();
+        self.quadric_leaves.clear();
+        self.origin = None;
+        self.find_last_uses(ops, outputs);
+        self.places.clear();
+        self.free.clear();
+        let mut registers = 0;
+        for (index, &op) in ops.iter().enumerate() {
+            let index = index as u32;
+            self.places.push(DEAD);
+            if self.last_use[index as usize] == DEAD {
+                continue;
+            }
+            // The output takes its register before the arguments give theirs back, so they never alias.
+            let out = self.free.pop().unwrap_or_else(|| {
+                registers += 1;
+                registers - 1
+            });
+            self.places[index as usize] = out;
+            self.emit(op, out);
+            if !matches!(op, Op::External { .. }) {
+                let (places, free, last_use) = (&self.places, &mut self.free, &mut self.last_use);
+                op.arguments(|argument| {
+                    if last_use[argument as usize] == index {
+                        free.push(places[argument as usize]);
+                        last_use[argument as usize] = DEAD;
+                    }
+                });
+            }
+        }
+        self.outputs.extend(outputs.iter().map(|&output| self.places[output as usize]));
+        self.registers = registers as usize;
+    }
+
+    /// The last operation that reads each needed one; outputs are read at the end.
+    fn find_last_uses(&mut self, ops: &[Op], outputs: &[u32]) {
+        self.last_use.clear();
+        self.last_use.resize(ops.len(), DEAD);
+        for &output in outputs {
+            self.last_use[output as usize] = ops.len() as u32;
+        }
+        for (index, op) in ops.iter().enumerate().rev() {
+            if self.last_use[index] == DEAD || matches!(op, Op::External { .. }) {
+                continue;
+            }
+            let last_use = &mut self.last_use;
+            op.arguments(|argument| {
+                let slot = &mut last_use[argument as usize];
+                if *slot == DEAD {
+                    *slot = index as u32;
+                }
+            });
+        }
+    }
+
+    fn emit(&mut self, op: Op, out: u32) {
+        let (code, a, b) = match op {
+            Op::Affine(leaf) => {
+                self.affine_leaves.push(leaf);
+                (Code::Affine(self.affine_leaves.len() as u32 - 1), 0, 0)
+            }
+            Op::Quadric(leaf) => {
+                self.quadric_leaves.push(leaf);
+                (Code::Quadric(self.quadric_leaves.len() as u32 - 1), 0, 0)
+            }
+            Op::External { leaf, .. } => (Code::Input(leaf), 0, 0),
+            Op::Unary(Unary::Linear { scale, offset }, a) => {
+                (Code::Linear(scale as f32, offset as f32), self.places[a as usize], 0)
+            }
+            Op::Unary(operation, a) => (Code::Unary(operation), self.places[a as usize], 0),
+            Op::Binary(operation, a, b) => (Code::Binary(operation), self.places[a as usize], self.places[b as usize]),
+        };
+        self.code.push(Instruction { code, out, a, b });
+    }
+
+    /// Rounds the leaves to `f32` around an origin, unless that is where they are.
+    pub fn settle(&mut self, program: &Program, origin: DVec3) {
+        if self.origin == Some(origin) {
+            return;
+        }
+        self.origin = Some(origin);
+        self.rows.clear();
+        self.rows.extend(self.affine_leaves.iter().map(|&leaf| program.affines[leaf as usize].around(origin)));
+        self.quadrics.clear();
+        self.quadrics.extend(self.quadric_leaves.iter().map(|&leaf| {
+            let quadric = &program.quadrics[leaf as usize];
+            let rows = quadric.terms.map(|(weight, form)| form.linear(weight.abs().sqrt(), 0.0).around(origin));
+            let signs = quadric.terms.map(|(weight, _)| if weight < 0.0 { -1.0 } else { 1.0 });
+            let only = |row: [f32; 4], axis: usize| (0..3).all(|i| (row[i] != 0.0) == (i == axis));
+            let aligned = (0..3).all(|axis| only(rows[axis], axis) && signs[axis] == signs[0]);
+            let shape = if aligned { QuadricShape::Aligned } else { QuadricShape::General };
+            LaneQuadric { rows, signs, constant: quadric.constant as f32, shape }
+        }));
+    }
+}

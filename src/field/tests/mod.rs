@@ -1,0 +1,40 @@
+//! Random solids, built twice: as an expression, and as plain closures written down independently. Every
+//! evaluator is held against the one slow reference, and that against the closures.
+
+mod external;
+mod formulas;
+mod properties;
+mod recipe;
+
+use glam::DVec3;
+
+use super::{Aabb, Points};
+
+/// A small generator of repeatable numbers in 0..1.
+pub(super) struct Samples(u64);
+
+impl Samples {
+    pub fn new(seed: u64) -> Self {
+        Self(seed.wrapping_mul(2).wrapping_add(0x9E37_79B9_7F4A_7C15) | 1)
+    }
+
+    pub fn next(&mut self) -> f64 {
+        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (self.0 >> 11) as f64 / (1u64 << 53) as f64
+    }
+
+    pub fn within(&mut self, region: &Aabb) -> DVec3 {
+        let share = DVec3::new(self.next(), self.next(), self.next());
+        region.min + share * region.size()
+    }
+
+    /// A batch of points in a box, around its middle.
+    pub fn batch(&mut self, region: &Aabb, len: usize) -> Points {
+        let mut points = Points::new(region.centre());
+        for _ in 0..len {
+            let offset = self.within(region) - region.centre();
+            points.push(offset.as_vec3());
+        }
+        points
+    }
+}

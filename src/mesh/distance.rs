@@ -1,0 +1,312 @@
+//! A mesh as a distance object: closest triangle anywhere, and the side it is on.
+
+use std::cell::Cell;
+
+use glam::DVec3;
+use parry3d_f64::bounding_volume::Aabb as ParryBox;
+use parry3d_f64::partitioning::{Bvh, BvhBuildStrategy, BvhNode, TraversalAction};
+
+use super::closest::{Closest, Part, closest, closest_of_sides};
+use super::pseudonormals::Pseudonormals;
+use super::winding::Winding;
+use super::{MeshEvaluator, Problem, Topology, TriangleMesh};
+use crate::distance::{Distance, Foot};
+use crate::field::{Aabb, Evaluator, Field, Slope};
+
+/// What to do with a surface that has holes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Holes {
+    /// Refuse it, saying how many edges are open.
+    Refuse,
+    /// Take for inside what the surface goes round by more than half (generalised winding number). F then jumps
+    /// from inside to outside across each hole.
+    Allow,
+}
+
+/// The closest point of a mesh.
+#[derive(Clone, Copy, Debug)]
+pub struct Nearest {
+    /// The point, in world units.
+    pub point: DVec3,
+    /// Its squared distance.
+    pub distance_squared: f64,
+    /// The triangle it lies on; of several as close, the first in the mesh.
+    pub triangle: u32,
+    /// Weights of the triangle's second and third corner; the first has the rest to 1.
+    pub weights: [f64; 2],
+    /// Which part of the triangle it lies on.
+    pub part: Part,
+}
+
+/// A triangle mesh as a field: the exact signed distance, positive inside, with its foot.
+///
+/// The side is that of the closest part's angle-weighted normal where the surface is one closed manifold there, and
+/// that of the winding number elsewhere: at parts without an area, for pieces that overlap, for open meshes.
+#[derive(Debug)]
+pub struct MeshDistance {
+    mesh: TriangleMesh,
+    topology: Topology,
+    bounds: Aabb,
+    normals: Pseudonormals,
+    tree: Bvh,
+    /// Whether pseudonormals decide where there are any.
+    normals_decide: bool,
+    winding: Option<Winding>,
+    /// Edges where orientations do not cancel, each with how much is left over. Empty for a closed mesh.
+    rim: Vec<([DVec3; 2], f64)>,
+}
+
+impl MeshDistance {
+    /// Prepares a mesh for queries. A mesh that faces inward as a whole is turned over.
+    pub fn new(mut mesh: TriangleMesh, holes: Holes) -> Result<Self, Problem> {
+        if mesh.volume() < 0.0 {
+            mesh.flip();
+        }
+        let topology = mesh.topology();
+        if holes == Holes::Refuse && !topology.is_closed() {
+            return Err(Problem::Open {
+                boundary_edges: topology.boundary_edges,
+                inconsistent_edges: topology.inconsistent_edges,
+            });
+        }
+        let normals = Pseudonormals::new(&mesh, &topology);
+        let normals_decide = topology.is_closed() && !topology.components_overlap;
+        let sound = normals_decide && normals.all_trusted();
+        Ok(Self {
+            bounds: mesh.bounding_box(),
+            tree: tree(&mesh),
+            winding: (!sound).then(|| Winding::new(&mesh)),
+            rim: rim(&mesh, &topology),
+            normals,
+            normals_decide,
+            topology,
+            mesh,
+        })
+    }
+
+    /// The mesh.
+    pub fn mesh(&self) -> &TriangleMesh {
+        &self.mesh
+    }
+
+    /// How it hangs together.
+    pub fn topology(&self) -> &Topology {
+        &self.topology
+    }
+
+    /// The closest point of the mesh.
+    pub fn nearest(&self, position: DVec3) -> Nearest {
+        self.nearest_within(position, f64::INFINITY)
+    }
+
+    /// The scene-linear colour at a point of the surface, or `None` where the mesh has no colours.
+    pub fn colour(&self, nearest: &Nearest) -> Option<[f32; 3]> {
+        let colours = self.mesh.colours()?;
+        let [a, b, c] = self.mesh.triangles()[nearest.triangle as usize].map(|v| colours[v as usize]);
+        let [v, w] = nearest.weights.map(|weight| weight as f32);
+        let u = 1.0 - v - w;
+        Some(std::array::from_fn(|i| (a[i] * u + b[i] * v + c[i] * w).max(0.0)))
+    }
+
+    /// Whether a position is inside, given its closest point.
+    pub fn is_inside(&self, position: DVec3, nearest: &Nearest) -> bool {
+        if self.normals_decide {
+            let normal = self.normals.of(nearest.triangle, nearest.part);
+            if normal != DVec3::ZERO {
+                return (position - nearest.point).dot(normal) <= 0.0;
+            }
+        }
+        self.winding_number(position).is_some_and(|number| number > 0.5) && self.bounds.contains(position)
+    }
+
+    /// An evaluator that also gives closest points.
+    pub fn mesh_evaluator(&self) -> MeshEvaluator<'_> {
+        MeshEvaluator::new(self)
+    }
+
+    /// The closest point, where one is known to lie within some distance. The answer does not depend on it.
+    pub(super) fn nearest_within(&self, position: DVec3, within: f64) -> Nearest {
+        // A little more than asked for, so that rounding hides nobody.
+        let best = Cell::new(Best { distance_squared: within * within * (1.0 + 1e-9), triangle: u32::MAX });
+        let p = position.to_array();
+        self.tree.find_best(
+            f64::INFINITY,
+            |node: &BvhNode, _| {
+                let distance_squared = box_distance_squared(node, p);
+                if distance_squared > best.get().distance_squared { f64::MAX } else { distance_squared }
+            },
+            |triangle, _| {
+                let distance_squared = self.closest_on(triangle, position).point.distance_squared(position);
+                best.set(best.get().or(distance_squared, triangle));
+                None::<f64>
+            },
+        );
+        let triangle = best.get().triangle;
+        if triangle == u32::MAX {
+            // Nothing within: the caller's bound was wrong, which rounding at huge coordinates can do.
+            debug_assert!(within < f64::INFINITY);
+            return self.nearest_within(position, f64::INFINITY);
+        }
+        self.nearest_on(triangle, position)
+    }
+
+    /// The closest point among some triangles, in rising order.
+    pub(super) fn nearest_among(&self, triangles: &[u32], position: DVec3) -> Nearest {
+        let mut best = Best { distance_squared: f64::INFINITY, triangle: u32::MAX };
+        for &triangle in triangles {
+            best = best.or(self.closest_on(triangle, position).point.distance_squared(position), triangle);
+        }
+        self.nearest_on(best.triangle, position)
+    }
+
+    /// Calls with every triangle whose box, grown by `margin`, meets the region, until told to stop.
+    pub(super) fn visit(&self, region: &Aabb, margin: f64, mut stop: impl FnMut(u32) -> bool) {
+        let region = region.grown(margin);
+        self.tree.traverse(|node| {
+            let (low, high) = (node.mins().to_array(), node.maxs().to_array());
+            let apart = (0..3).any(|i| low[i] > region.max[i] || high[i] < region.min[i]);
+            match node.leaf_data() {
+                _ if apart => TraversalAction::Prune,
+                Some(triangle) if stop(triangle) => TraversalAction::EarlyExit,
+                _ => TraversalAction::Continue,
+            }
+        });
+    }
+
+    /// The distance from a position to one triangle.
+    pub(super) fn distance_to(&self, triangle: u32, position: DVec3) -> f64 {
+        self.closest_on(triangle, position).point.distance(position)
+    }
+
+    /// The outward unit normal of a triangle; zero where it has no area.
+    pub(super) fn face_normal(&self, triangle: u32) -> DVec3 {
+        self.normals.face(triangle)
+    }
+
+    /// The outward pseudonormal at a closest point, of any length; that of the face where there is no better.
+    pub(super) fn normal(&self, nearest: &Nearest) -> DVec3 {
+        let normal = self.normals.of(nearest.triangle, nearest.part);
+        if normal != DVec3::ZERO { normal } else { self.normals.face(nearest.triangle) }
+    }
+
+    /// The winding number, where the sign may need it.
+    pub(super) fn winding_number(&self, position: DVec3) -> Option<f64> {
+        self.winding.as_ref().map(|winding| winding.number(position))
+    }
+
+    /// Whether the sign changes across the surface only.
+    pub(super) fn is_closed(&self) -> bool {
+        self.rim.is_empty()
+    }
+
+    /// The most that the winding number can change within `reach` of a position when no surface lies there, or
+    /// infinity.
+    ///
+    /// The gradient of a solid angle is the field of a current along the surface's rim (Biot and Savart), so it is
+    /// at most length ÷ (4π r²) at a distance r from all of it.
+    pub(super) fn winding_change(&self, position: DVec3, reach: f64) -> f64 {
+        let distance = |[a, b]: [DVec3; 2]| closest_of_sides([a, b, b], position).point.distance(position);
+        let nearest = self.rim.iter().map(|(ends, _)| distance(*ends)).fold(f64::INFINITY, f64::min) - reach;
+        let length: f64 = self.rim.iter().map(|([a, b], times)| a.distance(*b) * times).sum();
+        if nearest > 0.0 { reach * length / (4.0 * std::f64::consts::PI * nearest * nearest) } else { f64::INFINITY }
+    }
+
+    fn closest_on(&self, triangle: u32, position: DVec3) -> Closest {
+        let corners = self.mesh.corners(triangle as usize);
+        if self.normals.face(triangle) == DVec3::ZERO {
+            closest_of_sides(corners, position)
+        } else {
+            closest(corners, position)
+        }
+    }
+
+    fn nearest_on(&self, triangle: u32, position: DVec3) -> Nearest {
+        let Closest { point, weights, part } = self.closest_on(triangle, position);
+        Nearest { point, distance_squared: point.distance_squared(position), triangle, weights, part }
+    }
+
+    pub(super) fn foot_of(&self, position: DVec3, nearest: &Nearest, inside: bool) -> Foot {
+        let length = nearest.distance_squared.sqrt();
+        let distance = if inside { length } else { -length };
+        let apart = (position - nearest.point) / distance;
+        // Closer than rounding can tell a direction, the surface's own normal is better than the quotient.
+        let scale = position.abs().max_element().max(self.bounds.size().max_element());
+        let on_surface = length <= 1e-9 * scale;
+        let gradient = if on_surface { -self.normal(nearest).normalize_or(DVec3::Z) } else { apart.normalize() };
+        Foot { point: nearest.point, distance, gradient, part: nearest.triangle }
+    }
+}
+
+impl Field for MeshDistance {
+    fn bounding_box(&self) -> Option<Aabb> {
+        Some(self.bounds)
+    }
+
+    fn slope(&self) -> Slope {
+        if self.is_closed() {
+            // Surfaces that lie within another piece are closer than the outer one.
+            Slope::Exact { outside: true, inside: !self.topology.components_overlap }
+        } else {
+            Slope::Unknown
+        }
+    }
+
+    fn reference(&self, position: DVec3) -> f64 {
+        self.foot(position).distance
+    }
+
+    fn evaluator(&self) -> Box<dyn Evaluator + '_> {
+        Box::new(self.mesh_evaluator())
+    }
+}
+
+impl Distance for MeshDistance {
+    fn foot(&self, position: DVec3) -> Foot {
+        let nearest = self.nearest(position);
+        self.foot_of(position, &nearest, self.is_inside(position, &nearest))
+    }
+}
+
+/// The closest triangle so far. Which one wins does not depend on the order they come in.
+#[derive(Clone, Copy)]
+struct Best {
+    distance_squared: f64,
+    triangle: u32,
+}
+
+impl Best {
+    fn or(self, distance_squared: f64, triangle: u32) -> Self {
+        let nearer = distance_squared < self.distance_squared;
+        let as_near = distance_squared == self.distance_squared && triangle < self.triangle;
+        if nearer || as_near { Self { distance_squared, triangle } } else { self }
+    }
+}
+
+fn tree(mesh: &TriangleMesh) -> Bvh {
+    let boxes = (0..mesh.triangles().len()).map(|t| {
+        let corners = mesh.corners(t);
+        let low = corners[0].min(corners[1]).min(corners[2]);
+        let high = corners[0].max(corners[1]).max(corners[2]);
+        // The closest point of a triangle may lie outside its box by rounding.
+        let slack = 1e-12 * low.abs().max(high.abs()).max_element();
+        let (low, high) = (low - slack, high + slack);
+        (t, ParryBox::new(low.to_array().into(), high.to_array().into()))
+    });
+    Bvh::from_iter(BvhBuildStrategy::Binned, boxes)
+}
+
+fn rim(mesh: &TriangleMesh, topology: &Topology) -> Vec<([DVec3; 2], f64)> {
+    let ends = |&(triangle, side): &(u32, u8)| {
+        let corners = mesh.corners(triangle as usize);
+        [corners[side as usize], corners[(side as usize + 1) % 3]]
+    };
+    let open = topology.edges.iter().filter(|edge| edge.net != 0);
+    open.map(|edge| (ends(&edge.uses[0]), f64::from(edge.net.abs()))).collect()
+}
+
+fn box_distance_squared(node: &BvhNode, p: [f64; 3]) -> f64 {
+    let (low, high) = (node.mins().to_array(), node.maxs().to_array());
+    let apart = |i: usize| (low[i] - p[i]).max(p[i] - high[i]).max(0.0);
+    let [x, y, z] = [apart(0), apart(1), apart(2)];
+    x * x + y * y + z * z
+}

@@ -1,0 +1,24 @@
+//! What identifies a scene's content: for the files' metadata and for resuming.
+
+use sha2::{Digest, Sha256};
+
+use super::files::FileReference;
+use super::model::{Maker, Model};
+
+impl Model {
+    /// SHA-256 of all that decides the voxels: the scene with its overrides, without spacing, comments, order of
+    /// keys and unused variants, and the content of the files it names. Fails where such a file cannot be read.
+    pub fn hash(&self) -> Result<[u8; 32], (FileReference, std::io::Error)> {
+        let mut digest = Sha256::new();
+        digest.update(self.canonical.as_bytes());
+        for shape in &self.shapes {
+            if let Maker::Mesh { file } = &shape.maker {
+                let bytes = file.read().map_err(|error| (file.clone(), error))?;
+                digest.update(shape.name.as_bytes());
+                digest.update((bytes.len() as u64).to_le_bytes());
+                digest.update(&bytes);
+            }
+        }
+        Ok(digest.finalize().into())
+    }
+}

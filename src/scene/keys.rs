@@ -1,0 +1,583 @@
+//! Every key of the format, in one place: what is checked, what is proposed when a name is wrong, what a default
+//! is, and what `docs/scene.md` says.
+
+/// What a key takes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// A number, a formula, or keys.
+    Number,
+    /// A number that stands still.
+    Constant,
+    /// A whole number.
+    Whole,
+    /// Three numbers, each as [`Kind::Number`].
+    Vector,
+    /// Three numbers, or one that stands for all three.
+    Lengths,
+    /// True or false.
+    Flag,
+    /// Any text.
+    Text,
+    /// One of these names.
+    Choice(&'static [&'static str]),
+    /// Some of these names.
+    Choices(&'static [&'static str]),
+    /// Frames, as `"1-48"` or `7`.
+    Frames,
+    /// A whole number, or a least and a greatest one.
+    Depth,
+    /// A file.
+    Path,
+    /// F itself as a formula of x, y, z.
+    Formula,
+    /// A shape's name.
+    Shape,
+    /// Names of shapes; one of them may be a shape written in place.
+    Shapes,
+    /// The name of cells, or cells written in place.
+    Cells,
+    /// A colour.
+    Colour,
+    /// A list of colours.
+    Palette,
+    /// Copies in cells.
+    Copies,
+    /// An axis.
+    Box,
+    /// A table of its own, described elsewhere.
+    Table,
+}
+
+impl Kind {
+    /// In words.
+    pub fn words(self) -> String {
+        let choices = |names: &[&str]| names.iter().map(|name| format!("`\"{name}\"`")).collect::<Vec<_>>().join(", ");
+        match self {
+            Self::Number => "number".into(),
+            Self::Constant => "number without time".into(),
+            Self::Whole => "whole number".into(),
+            Self::Vector => "three numbers".into(),
+            Self::Lengths => "one number or three".into(),
+            Self::Flag => "true or false".into(),
+            Self::Text => "text".into(),
+            Self::Choice(names) => choices(names),
+            Self::Choices(names) => format!("list of {}", choices(names)),
+            Self::Frames => "frames".into(),
+            Self::Depth => "whole number or `[least, greatest]`".into(),
+            Self::Path => "file".into(),
+            Self::Formula => "formula".into(),
+            Self::Shape => "shape".into(),
+            Self::Shapes => "list of shapes".into(),
+            Self::Cells => "cells".into(),
+            Self::Colour => "colour".into(),
+            Self::Palette => "list of colours".into(),
+            Self::Copies => "copies".into(),
+            Self::Box => "box".into(),
+            Self::Table => "table".into(),
+        }
+    }
+}
+
+/// What a number may be.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Limit {
+    /// Any finite number.
+    Any,
+    /// Greater than zero.
+    Positive,
+    /// Zero or greater.
+    NotNegative,
+    /// Anything but zero.
+    NotZero,
+    /// From the first to the second, both included.
+    Within(f64, f64),
+}
+
+impl Limit {
+    /// Whether a number may be used.
+    pub fn allows(self, value: f64) -> bool {
+        value.is_finite()
+            && match self {
+                Self::Any => true,
+                Self::Positive => value > 0.0,
+                Self::NotNegative => value >= 0.0,
+                Self::NotZero => value != 0.0,
+                Self::Within(lo, hi) => (lo..=hi).contains(&value),
+            }
+    }
+
+    /// In words, as they follow "must be".
+    pub fn words(self) -> String {
+        match self {
+            Self::Any => "finite".into(),
+            Self::Positive => "greater than 0".into(),
+            Self::NotNegative => "0 or greater".into(),
+            Self::NotZero => "other than 0".into(),
+            Self::Within(lo, hi) => format!("from {lo} to {hi}"),
+        }
+    }
+}
+
+/// What holds where a key is left out.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Absent {
+    /// The key must be there.
+    Required,
+    /// Nothing: what the key does is not done.
+    Nothing,
+    /// This number (all three where there are three).
+    Number(f64),
+    /// These three numbers.
+    Vector([f64; 3]),
+    /// This text or flag, as it is written.
+    Text(&'static str),
+    /// What the words say.
+    Words(&'static str),
+}
+
+/// One key of a table.
+#[derive(Clone, Copy, Debug)]
+pub struct Key {
+    /// Its name.
+    pub name: &'static str,
+    /// Other names that mean the same: the papers' symbols, other spellings.
+    pub also: &'static [&'static str],
+    /// What it takes.
+    pub kind: Kind,
+    /// What its numbers may be.
+    pub limit: Limit,
+    /// Their unit.
+    pub unit: &'static str,
+    /// What holds where it is left out.
+    pub default: Absent,
+    /// What it does.
+    pub text: &'static str,
+}
+
+impl Key {
+    const fn new(name: &'static str, kind: Kind, default: Absent, text: &'static str) -> Self {
+        Self { name, also: &[], kind, limit: Limit::Any, unit: "", default, text }
+    }
+
+    const fn also(mut self, names: &'static [&'static str]) -> Self {
+        self.also = names;
+        self
+    }
+
+    const fn limit(mut self, limit: Limit) -> Self {
+        self.limit = limit;
+        self
+    }
+
+    const fn unit(mut self, unit: &'static str) -> Self {
+        self.unit = unit;
+        self
+    }
+
+    /// A length in scene units that is greater than zero.
+    const fn length(name: &'static str, default: Absent, text: &'static str) -> Self {
+        Self::new(name, Kind::Number, default, text).limit(Limit::Positive).unit("units")
+    }
+
+    /// Whether a name means this key.
+    pub fn is_called(&self, name: &str) -> bool {
+        self.name == name || self.also.contains(&name)
+    }
+}
+
+/// A maker: the one key that says what a shape is, and the parameters beside it.
+#[derive(Clone, Copy, Debug)]
+pub struct Maker {
+    /// The key itself; its value is the main parameter, or the operands.
+    pub key: Key,
+    /// What else it takes.
+    pub parameters: &'static [Key],
+    /// Its function, positive inside, where one line says it.
+    pub formula: &'static str,
+}
+
+use Absent::{Nothing, Number, Required, Text, Vector, Words};
+
+/// The top of a scene.
+pub const SCENE: &[Key] = &[
+    Key::new("hfvdb", Kind::Whole, Number(1.0), "The format's version; 1 is the only one.")
+        .limit(Limit::Within(1.0, 1.0)),
+    Key::new(
+        "frames",
+        Kind::Frames,
+        Words("a still: t = 0 in every frame"),
+        "The shot. t runs from 0 at its first frame to 1 at its last.",
+    ),
+    Key::new("fps", Kind::Constant, Number(24.0), "Frames a second: what makes `time` seconds.")
+        .limit(Limit::Positive)
+        .unit("1/s"),
+    Key::new("seed", Kind::Whole, Number(0.0), "The number that everything at random starts from.")
+        .limit(Limit::NotNegative),
+    Key::new("unit", Kind::Choice(UNITS), Text("m"), "The length that 1 stands for. Goes into the files' metadata."),
+    Key::new("up", Kind::Choice(&["y", "z"]), Text("z"), "The axis that points up. Goes into the files' metadata."),
+    Key::new("param", Kind::Table, Nothing, "Numbers with names, for formulas and `--set`."),
+    Key::new("palette", Kind::Table, Nothing, "Lists of colours with names."),
+    Key::new("color", Kind::Table, Nothing, "Colours with names.").also(&["colour"]),
+    Key::new("cells", Kind::Table, Nothing, "Octrees with names: what facets and copies go by."),
+    Key::new("shape", Kind::Table, Nothing, "The shapes."),
+    Key::new("morph", Kind::Table, Nothing, "What becomes what."),
+    Key::new("output", Kind::Table, Nothing, "How fine, and which grids."),
+    Key::new("variant", Kind::Table, Nothing, "Other values for `--variant NAME`."),
+];
+
+/// Lengths that a scene's 1 can stand for.
+pub const UNITS: &[&str] = &["m", "cm", "mm", "km", "in", "ft"];
+
+/// The makers of shapes.
+pub const MAKERS: &[Maker] = &[
+    Maker {
+        key: Key::length("sphere", Required, "A ball around the origin: its radius."),
+        parameters: &[],
+        formula: "r − |p|",
+    },
+    Maker {
+        key: Key::new(
+            "box",
+            Kind::Lengths,
+            Required,
+            "A box around the origin: its edge lengths; one number is a cube.",
+        )
+        .limit(Limit::Positive)
+        .unit("units"),
+        parameters: &[],
+        formula: "the signed distance to it",
+    },
+    Maker {
+        key: Key::new("ellipsoid", Kind::Vector, Required, "An ellipsoid around the origin: its half axes.")
+            .limit(Limit::Positive)
+            .unit("units"),
+        parameters: &[],
+        formula: "(1 − |(x/a, y/b, z/c)|)·min(a, b, c)",
+    },
+    Maker {
+        key: Key::length("cylinder", Required, "A cylinder along z around the origin: its radius."),
+        parameters: &[Key::length("height", Number(2.0), "From its bottom to its top.")],
+        formula: "the signed distance to it",
+    },
+    Maker {
+        key: Key::length("torus", Required, "A ring around the z axis: the radius of its middle line."),
+        parameters: &[Key::length("tube", Number(0.25), "The radius of its tube.")],
+        formula: "s − |(|(x, y)| − r, z)|",
+    },
+    Maker {
+        key: Key::length("capsule", Required, "All that is near a straight line: the radius."),
+        parameters: &[Key::length("length", Number(1.0), "The length of the line, along z around the origin.")],
+        formula: "r − |p − q|, q the nearest of the line",
+    },
+    Maker {
+        key: Key::new(
+            "half_space",
+            Kind::Vector,
+            Required,
+            "All that lies behind a plane: the direction that points out of it, of any length but 0. Without end: for cutting.",
+        ),
+        parameters: &[Key::new(
+            "offset_along",
+            Kind::Number,
+            Number(0.0),
+            "How far the plane lies from the origin, along that direction.",
+        )
+        .unit("units")],
+        formula: "d − n·p",
+    },
+    Maker {
+        key: Key::length(
+            "slab",
+            Required,
+            "All between two planes around the origin: the thickness. Without end: for cutting.",
+        ),
+        parameters: &[Key::new("normal", Kind::Vector, Vector([0.0, 0.0, 1.0]), "The direction across it.")],
+        formula: "w/2 − |n·p|",
+    },
+    Maker {
+        key: Key::length(
+            "heart",
+            Required,
+            "A heart around the origin, upright along z, front towards −y: its width along x.",
+        ),
+        parameters: &[],
+        formula: "z·∛(x² + 9/80·y²) − (x² + 9/4·y² + z² − 1), scaled: the cube roots of the well-known sextic",
+    },
+    Maker {
+        key: Key::new(
+            "formula",
+            Kind::Formula,
+            Required,
+            "F itself, positive inside, of x, y, z, t, frame, time, pi and `[param]` names.",
+        ),
+        parameters: &[],
+        formula: "",
+    },
+    Maker {
+        key: Key::new(
+            "mesh",
+            Kind::Path,
+            Required,
+            "A closed mesh: OBJ, PLY. Its vertex colours are its colour where `color` is left out.",
+        ),
+        parameters: &[],
+        formula: "the signed distance to it",
+    },
+    Maker {
+        key: Key::new(
+            "union",
+            Kind::Shapes,
+            Required,
+            "All that lies in any of them. Where they overlap, the later one's colour.",
+        ),
+        parameters: SET_PARAMETERS,
+        formula: "a + b + √(a² + b²)",
+    },
+    Maker {
+        key: Key::new("intersection", Kind::Shapes, Required, "What lies in all of them."),
+        parameters: SET_PARAMETERS,
+        formula: "a + b − √(a² + b²)",
+    },
+    Maker {
+        key: Key::new("difference", Kind::Shapes, Required, "The first without all others."),
+        parameters: SET_PARAMETERS,
+        formula: "a − b − √(a² + b²)",
+    },
+    Maker {
+        key: Key::new("blend", Kind::Shapes, Required, "Two shapes that flow into one another."),
+        parameters: &[
+            Key::length("blend_radius", Number(0.25), "How near they must be to one another to flow together."),
+            Key::new("within", Kind::Shape, Nothing, "The blend stays within this shape (bounded blending)."),
+        ],
+        formula: "a + b + √(a² + b²) + a₀·disp",
+    },
+    Maker {
+        key: Key::new(
+            "facet",
+            Kind::Shape,
+            Required,
+            "A mesh whose surface, cell by cell, is cut by a plane at random.",
+        ),
+        parameters: FACET_PARAMETERS,
+        formula: "",
+    },
+];
+
+const SET_PARAMETERS: &[Key] = &[];
+
+const FACET_PARAMETERS: &[Key] = &[
+    Key::new("cells", Kind::Cells, Required, "The cells that the surface is cut by."),
+    Key::new("tilt", Kind::Constant, Number(20.0), "The most that a plane is tilted.")
+        .limit(Limit::Within(0.0, 80.0))
+        .unit("degrees"),
+    Key::new("cut", Kind::Constant, Number(0.1), "The most that a plane cuts off or adds.")
+        .limit(Limit::NotNegative)
+        .unit("units"),
+];
+
+/// What every shape takes beside its maker. The order of the text does not matter: this is the order of work.
+pub const SHAPE: &[Key] = &[
+    Key::new("at", Kind::Copies, Nothing, "Copies in cells, in place of the one at the origin."),
+    Key::new(
+        "mirror",
+        Kind::Choice(&["x", "y", "z"]),
+        Nothing,
+        "The half on the positive side of the plane through the origin, and its mirror image.",
+    ),
+    Key::new("offset", Kind::Number, Number(0.0), "Grows the shape on all sides; a negative number shrinks it.")
+        .unit("units"),
+    Key::new("shell", Kind::Number, Nothing, "Only a wall of this thickness stays, its middle on the surface.")
+        .limit(Limit::Positive)
+        .unit("units"),
+    Key::new("scale", Kind::Lengths, Number(1.0), "How many times as large.").limit(Limit::Positive),
+    Key::new("rotate", Kind::Vector, Number(0.0), "Turned about the fixed x, then y, then z axis.").unit("degrees"),
+    Key::new("move", Kind::Vector, Number(0.0), "Moved along x, y and z.").unit("units"),
+    Key::new(
+        "bounds",
+        Kind::Box,
+        Nothing,
+        "Cut off outside of this box, in the shape's own space. A shape without end needs it.",
+    ),
+    Key::new("color", Kind::Colour, Words("`#cccccc` where another shape has a colour"), "Its colour.")
+        .also(&["colour"]),
+];
+
+/// Octree cells.
+pub const CELLS: &[Key] = &[
+    Key::new(
+        "octree",
+        Kind::Shape,
+        Required,
+        "The mesh around which the octree stands; its leaves are where its surface is.",
+    ),
+    Key::new("depth", Kind::Depth, Words("`[1, 3]`"), "How often a cell is halved: at least, at most."),
+    Key::new("chance", Kind::Constant, Number(0.5), "That a cell between the two is halved once more.")
+        .limit(Limit::Within(0.0, 1.0)),
+    Key::new(
+        "seed",
+        Kind::Whole,
+        Words("from the scene's `seed` and the name"),
+        "The number that its chances start from.",
+    )
+    .limit(Limit::NotNegative),
+];
+
+/// Copies in cells: the table of `at`.
+pub const COPIES: &[Key] = &[
+    Key::new("cells", Kind::Cells, Required, "The cells that copies stand in, each in its cell's middle."),
+    Key::new("pick", Kind::Constant, Number(1.0), "The share of cells that get one.").limit(Limit::Within(0.0, 1.0)),
+    Key::new(
+        "seed",
+        Kind::Whole,
+        Words("from the scene's `seed` and the name"),
+        "The number that the choice starts from.",
+    )
+    .limit(Limit::NotNegative),
+];
+
+/// A colour written as a table.
+pub const COLOUR: &[Key] = &[
+    Key::new("linear", Kind::Vector, Nothing, "Scene-linear red, green, blue, each 0 or greater."),
+    Key::new("palette", Kind::Palette, Nothing, "A palette's name, or colours."),
+    Key::new(
+        "by",
+        Kind::Choice(&["cell"]),
+        Text("cell"),
+        "What takes one of the palette's colours at random: each cell of `facet` or `at`.",
+    ),
+    Key::new(
+        "seed",
+        Kind::Whole,
+        Words("from the scene's `seed` and the name"),
+        "The number that the choice starts from.",
+    )
+    .limit(Limit::NotNegative),
+];
+
+/// A parameter written as a table.
+pub const PARAMETER: &[Key] = &[
+    Key::new("value", Kind::Number, Required, "Its value."),
+    Key::new("range", Kind::Table, Nothing, "`[least, greatest]`: another value is an error."),
+    Key::new("text", Kind::Text, Nothing, "What it is."),
+];
+
+/// Names of colour spaces that colours are mixed in.
+pub const COLOUR_SPACES: &[&str] = &["rgb", "hsv", "lab", "lch", "oklab"];
+
+/// The morph.
+pub const MORPH: &[Key] = &[
+    Key::new("from", Kind::Shape, Required, "What it is at the first frame."),
+    Key::new("to", Kind::Shape, Required, "What it is at the last frame."),
+    Key::new(
+        "mode",
+        Kind::Choice(&["volume", "paper"]),
+        Text("volume"),
+        "`volume`: the volume runs evenly from the one's to the other's. `paper`: a0 … a3 and s as given.",
+    ),
+    Key::new(
+        "bridge",
+        Kind::Constant,
+        Number(0.5),
+        "How much separate shapes flow through one body: 0.05 is the shortest way.",
+    )
+    .limit(Limit::Within(0.05, 100.0)),
+    Key::new(
+        "pace",
+        Kind::Choice(&["even", "t"]),
+        Text("even"),
+        "`even`: every frame changes as much as the others. `t`: the papers' way.",
+    ),
+    Key::new("color_space", Kind::Choice(COLOUR_SPACES), Text("oklab"), "The space that colours are mixed in.")
+        .also(&["colour_space"]),
+    Key::new("alpha", Kind::Constant, Number(0.3), "How colours come: 0.1 sweep over the shape, 3 everywhere at once.")
+        .limit(Limit::NotNegative),
+    Key::new(
+        "beta",
+        Kind::Constant,
+        Number(0.5),
+        "Which object's distance counts more for colours; 0.5 is both alike.",
+    )
+    .limit(Limit::Within(0.0, 1.0)),
+    Key::new(
+        "over",
+        Kind::Frames,
+        Words("`frames`"),
+        "The frames in which the shape changes; before and after it stands.",
+    ),
+    Key::new("color_over", Kind::Frames, Words("`over`"), "The frames in which the colours change.")
+        .also(&["colour_over"]),
+    Key::new(
+        "ease",
+        Kind::Choice(&["linear", "smooth"]),
+        Text("linear"),
+        "Whether the shape's change starts and ends at rest.",
+    ),
+    Key::new(
+        "octopus",
+        Kind::Flag,
+        Text("false"),
+        "Colours run on past their end: the last one's creeps outward (STTI).",
+    ),
+    Key::new("a0", Kind::Constant, Number(1.0), "`mode = \"paper\"`: how much is added between them.")
+        .limit(Limit::NotZero),
+    Key::new("a1", Kind::Constant, Number(1.0), "`mode = \"paper\"`: how far the first reaches.").limit(Limit::NotZero),
+    Key::new("a2", Kind::Constant, Number(1.0), "`mode = \"paper\"`: how far the second reaches.")
+        .limit(Limit::NotZero),
+    Key::new("a3", Kind::Constant, Number(1.0), "`mode = \"paper\"`: how far the slab of time reaches.")
+        .limit(Limit::NotZero),
+    Key::new("s", Kind::Constant, Number(1.0), "`mode = \"paper\"`: the scale of time against space.")
+        .limit(Limit::Positive)
+        .also(&["time_scale"]),
+    Key::new("slab", Kind::Table, Words("`[0, 1]`"), "`mode = \"paper\"`: the slab of time that bounds the blend."),
+    Key::new(
+        "round",
+        Kind::Flag,
+        Text("false"),
+        "`mode = \"paper\"`: the half-cylinders are rounded where time cuts them.",
+    ),
+];
+
+/// Keys of `[morph]` that only `mode = "paper"` uses.
+pub const PAPER_ONLY: &[&str] = &["a0", "a1", "a2", "a3", "s", "slab", "round"];
+
+/// Grids that a file can hold.
+pub const GRIDS: &[&str] = &["surface", "Cd"];
+
+/// The output.
+pub const OUTPUT: &[Key] = &[
+    Key::new("shape", Kind::Shape, Words("the morph, else the one shape that no other uses"), "What is baked."),
+    Key::new("voxel_size", Kind::Constant, Words("from `resolution`"), "A voxel's edge.")
+        .limit(Limit::Positive)
+        .unit("units"),
+    Key::new(
+        "resolution",
+        Kind::Whole,
+        Number(256.0),
+        "Voxels along the longest side of the box of all that is solid in the whole shot.",
+    )
+    .limit(Limit::Within(4.0, 65536.0)),
+    Key::new("half_width", Kind::Constant, Number(3.0), "Half the band's width.")
+        .limit(Limit::Within(1.5, 100.0))
+        .unit("voxels")
+        .also(&["half_width_voxels"]),
+    Key::new("grids", Kind::Choices(GRIDS), Words("all there are"), "Which grids are written."),
+    Key::new("half", Kind::Choices(GRIDS), Words("none"), "Which grids keep their numbers in 16 bits."),
+    Key::new("compression", Kind::Choice(&["blosc", "zip", "none"]), Text("blosc"), "How files are packed."),
+    Key::new("color_name", Kind::Text, Text("Cd"), "The colour grid's name.").also(&["colour_name"]),
+];
+
+/// Names that the format will know, and where. A message says so instead of calling them unknown.
+pub const LATER: &[(&str, &[&str])] = &[
+    ("scene", &["operation"]),
+    (
+        "shape",
+        &[
+            "vdb", "grid", "velocity", "hold", "deform", "twist", "taper", "bend", "star", "gyroid", "text", "extrude",
+            "revolve", "keep",
+        ],
+    ),
+    ("morph", &["delay", "keep", "weight"]),
+    ("color", &["texture", "sample", "grid", "noise", "wood", "marble"]),
+    ("output", &["adaptive"]),
+    ("grid", &["vel", "density"]),
+];

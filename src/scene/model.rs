@@ -1,0 +1,282 @@
+//! The model: a scene that was checked, its names resolved, no text left but places for messages.
+
+use std::sync::Arc;
+
+use crate::attribute::LinearRgb;
+
+use super::diagnostic::Diagnostics;
+use super::files::FileReference;
+use super::formula::Formula;
+use super::frames::{FrameRange, Shot};
+use super::number::{Moment, Number};
+use super::reader::Setting;
+use super::source::{Sources, Span};
+
+/// A shape's place in [`Model::shapes`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct ShapeId(pub usize);
+
+/// Cells' place in [`Model::cells`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct CellsId(pub usize);
+
+/// A checked scene.
+#[derive(Clone, Debug)]
+pub struct Model {
+    /// What messages call the scene: its path, or its built-in name.
+    pub name: String,
+    /// Its frames.
+    pub shot: Shot,
+    /// The length that 1 stands for: `m`, `cm`, `mm`, `km`, `in` or `ft`.
+    pub unit: &'static str,
+    /// The axis that points up: `y` or `z`.
+    pub up: &'static str,
+    /// What everything at random starts from.
+    pub seed: u64,
+    /// Numbers with names.
+    pub parameters: Vec<Parameter>,
+    /// All shapes, those written in place included.
+    pub shapes: Vec<Shape>,
+    /// All cells, those written in place included.
+    pub cells: Vec<Cells>,
+    /// What is baked.
+    pub content: Content,
+    /// How fine, and which grids.
+    pub output: Output,
+    /// Every value of the scene and who gave it.
+    pub settings: Vec<Setting>,
+    /// What is worth saying though the scene can be used.
+    pub warnings: Diagnostics,
+    pub(super) canonical: String,
+    pub(super) sources: Arc<Sources>,
+}
+
+/// A number with a name.
+#[derive(Clone, Debug)]
+pub struct Parameter {
+    /// Its name.
+    pub name: String,
+    /// Its value.
+    pub value: Number,
+    /// What it is, in the scene's words.
+    pub text: Option<String>,
+}
+
+/// What is baked.
+#[derive(Clone, Debug)]
+pub enum Content {
+    /// One shape.
+    Shape(ShapeId),
+    /// One shape becoming another.
+    Morph(Morph),
+}
+
+/// One shape.
+#[derive(Clone, Debug)]
+pub struct Shape {
+    /// Its name; for one written in place, where that is.
+    pub name: String,
+    /// Its name's place.
+    pub span: Span,
+    /// What it is before its modifiers.
+    pub maker: Maker,
+    /// What is done to it, in this order of fields.
+    pub modifiers: Modifiers,
+    /// The box, in its own space, outside of which it is cut off.
+    pub bounds: Option<Bounds>,
+    /// Its own colour.
+    pub colour: Option<ShapeColour>,
+}
+
+/// What a shape is. Lengths in scene units, directions of any length but 0.
+#[derive(Clone, Debug)]
+#[allow(missing_docs, reason = "each field is the key of its name, described in `keys`")]
+pub enum Maker {
+    /// A ball.
+    Sphere { radius: Number },
+    /// A box by its edge lengths.
+    Box { edges: [Number; 3] },
+    /// An ellipsoid by its half axes.
+    Ellipsoid { half_axes: [Number; 3] },
+    /// A cylinder along z.
+    Cylinder { radius: Number, height: Number },
+    /// A ring around z.
+    Torus { radius: Number, tube: Number },
+    /// All near a straight line along z.
+    Capsule { radius: Number, length: Number },
+    /// All behind a plane.
+    HalfSpace { normal: [Number; 3], offset: Number },
+    /// All between two planes.
+    Slab { thickness: Number, normal: [Number; 3] },
+    /// A heart by its width along x.
+    Heart { width: Number },
+    /// F itself.
+    Formula { formula: Formula, span: Span },
+    /// A mesh.
+    Mesh { file: FileReference },
+    /// All that is in any.
+    Union(Vec<ShapeId>),
+    /// What is in all.
+    Intersection(Vec<ShapeId>),
+    /// The first without the others.
+    Difference(Vec<ShapeId>),
+    /// Shapes that flow together.
+    Blend { operands: Vec<ShapeId>, radius: Number, within: Option<ShapeId> },
+    /// A mesh cut by planes at random, cell by cell.
+    Facet { of: ShapeId, cells: CellsId, tilt: f64, cut: f64 },
+}
+
+/// What is done to a shape after it is made.
+#[derive(Clone, Debug)]
+pub struct Modifiers {
+    /// Copies in place of the one at the origin.
+    pub at: Option<Copies>,
+    /// The axis along which it is mirrored: 0 to 2.
+    pub mirror: Option<usize>,
+    /// How much it is grown.
+    pub offset: Number,
+    /// The thickness of the wall that stays.
+    pub shell: Option<Number>,
+    /// How many times as large.
+    pub scale: [Number; 3],
+    /// Degrees about the fixed x, then y, then z axis.
+    pub rotate: [Number; 3],
+    /// Where to.
+    pub translate: [Number; 3],
+}
+
+/// Copies in cells.
+#[derive(Clone, Debug)]
+pub struct Copies {
+    /// The cells.
+    pub cells: CellsId,
+    /// The share of them that gets one.
+    pub pick: f64,
+    /// What the choice starts from.
+    pub seed: u64,
+}
+
+/// A box to cut off at.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Bounds {
+    /// The box.
+    pub aabb: crate::field::Aabb,
+    /// Where the scene gives it.
+    pub span: Span,
+}
+
+/// A shape's colour.
+#[derive(Clone, Debug, PartialEq)]
+#[allow(missing_docs, reason = "the variants say it all")]
+pub enum ShapeColour {
+    /// One, scene-linear.
+    Solid(LinearRgb),
+    /// One of the palette's for each cell, at random.
+    ByCell { palette: Vec<LinearRgb>, seed: u64 },
+}
+
+/// Octree cells around a mesh.
+#[derive(Clone, Debug)]
+pub struct Cells {
+    /// Their name; for cells written in place, where that is.
+    pub name: String,
+    /// Their name's place.
+    pub span: Span,
+    /// The mesh shape they stand around.
+    pub around: ShapeId,
+    /// How often a cell is halved at least.
+    pub least_depth: u32,
+    /// How often at most.
+    pub most_depth: u32,
+    /// The chance of one more halving between the two.
+    pub chance: f64,
+    /// What the chances start from.
+    pub seed: u64,
+}
+
+/// One shape becoming another.
+#[derive(Clone, Debug)]
+pub struct Morph {
+    /// What it is first.
+    pub from: ShapeId,
+    /// What it is last.
+    pub to: ShapeId,
+    /// How the shape's way is found.
+    pub mode: MorphMode,
+    /// Whether t is re-timed so that every frame changes as much as the others.
+    pub even_pace: bool,
+    /// Whether the shape's change starts and ends at rest.
+    pub smooth: bool,
+    /// Whether colours run on past their end.
+    pub octopus: bool,
+    /// `rgb`, `hsv`, `lab`, `lch` or `oklab`.
+    pub colour_space: &'static str,
+    /// STTI's α.
+    pub alpha: f64,
+    /// STTI's β.
+    pub beta: f64,
+    /// The frames of the shape's change.
+    pub over: FrameRange,
+    /// The frames of the colours' change.
+    pub colour_over: FrameRange,
+    /// Where the scene says so.
+    pub span: Span,
+}
+
+/// How a morph's shape is found.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum MorphMode {
+    /// a₀ from the volume, which runs evenly.
+    Volume {
+        /// How much separate shapes flow through one body.
+        bridge: f64,
+    },
+    /// The STB paper's numbers as given.
+    Paper {
+        /// a₀ to a₃.
+        a: [f64; 4],
+        /// The time scale s.
+        s: f64,
+        /// The slab of time.
+        slab: [f64; 2],
+        /// Whether the half-cylinders are rounded.
+        round: bool,
+    },
+}
+
+/// How fine, and which grids.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Output {
+    /// A voxel's edge, where the scene gives one.
+    pub voxel_size: Option<f64>,
+    /// Voxels along the longest side, where no voxel size is given.
+    pub resolution: u32,
+    /// Half the band's width in voxels.
+    pub half_width: f64,
+    /// Which grids are written; `None` for all there are.
+    pub grids: Option<Vec<&'static str>>,
+    /// Which grids keep 16 bits.
+    pub half: Vec<&'static str>,
+    /// `blosc`, `zip` or `none`.
+    pub compression: &'static str,
+    /// The colour grid's name.
+    pub colour_name: String,
+}
+
+impl Model {
+    /// The names that formulas know beside x, y, z, t, frame, time, with their values at a frame.
+    pub fn moment(&self, frame: f64) -> Moment {
+        let bare = self.shot.moment(frame, Arc::new([]));
+        // Formulas of parameters know time only, so their values do not hang on one another.
+        let values = self.parameters.iter().map(|parameter| match parameter.value.at(&bare) {
+            Ok(value) => value,
+            Err(_) => f64::NAN,
+        });
+        Moment { parameters: values.collect(), ..bare }
+    }
+
+    /// The shape of an id.
+    pub fn shape(&self, id: ShapeId) -> &Shape {
+        &self.shapes[id.0]
+    }
+}

@@ -1,0 +1,147 @@
+//! Numbers of a scene: constants, formulas of time, keys; and the moments at which they are asked.
+
+use std::sync::Arc;
+
+use super::formula::Formula;
+use super::keys::Limit;
+use super::source::Span;
+
+/// A number that may change over time.
+#[derive(Clone, Debug)]
+pub struct Number {
+    /// How its value comes about.
+    pub value: NumberValue,
+    /// What it may be.
+    pub limit: Limit,
+    /// What messages call it, such as `shape.ball.sphere`.
+    pub name: Arc<str>,
+    /// Where it stands.
+    pub span: Span,
+}
+
+/// How a number's value comes about.
+#[derive(Clone, Debug)]
+pub enum NumberValue {
+    /// Always the same.
+    Constant(f64),
+    /// A formula of t, frame, time and parameters.
+    Formula(Formula),
+    /// Keys.
+    Keys(Keys),
+}
+
+/// Values at frames with a rule for what lies between.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Keys {
+    /// Frames, rising, with their values. At least one.
+    pub keys: Vec<(f64, f64)>,
+    /// What lies between.
+    pub ease: Ease,
+}
+
+/// How a value goes from one key to the next.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Ease {
+    /// Straight.
+    Linear,
+    /// Starts and ends at rest: 3u² − 2u³.
+    Smooth,
+    /// Starts at rest: u².
+    In,
+    /// Ends at rest: 1 − (1 − u)².
+    Out,
+    /// Stays until the next key.
+    Hold,
+}
+
+impl Ease {
+    /// The names in a scene, with what they stand for.
+    pub const NAMES: [(&'static str, Self); 5] = [
+        ("linear", Self::Linear),
+        ("smooth", Self::Smooth),
+        ("in", Self::In),
+        ("out", Self::Out),
+        ("hold", Self::Hold),
+    ];
+
+    /// The share of the way at a share of the time, both 0 to 1.
+    pub fn at(self, u: f64) -> f64 {
+        match self {
+            Self::Linear => u,
+            Self::Smooth => u * u * (3.0 - 2.0 * u),
+            Self::In => u * u,
+            Self::Out => u * (2.0 - u),
+            Self::Hold => 0.0,
+        }
+    }
+}
+
+impl Keys {
+    /// The value at a frame; before the first key and after the last one theirs.
+    pub fn at(&self, frame: f64) -> f64 {
+        let next = self.keys.partition_point(|&(at, _)| at <= frame);
+        if next == 0 {
+            return self.keys[0].1;
+        }
+        let (from, a) = self.keys[next - 1];
+        match self.keys.get(next) {
+            None => a,
+            Some(&(to, b)) => a + (b - a) * self.ease.at((frame - from) / (to - from)),
+        }
+    }
+}
+
+/// A point in time, with what a formula knows of it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Moment {
+    /// 0 at the shot's first frame, 1 at its last.
+    pub t: f64,
+    /// The frame; between two frames a fraction.
+    pub frame: f64,
+    /// Seconds since the first frame.
+    pub time: f64,
+    /// The parameters' values, in the order of the names that formulas were read with.
+    pub parameters: Arc<[f64]>,
+}
+
+impl Number {
+    /// A number that stays.
+    pub fn constant(value: f64, name: &str, span: Span) -> Self {
+        Self { value: NumberValue::Constant(value), limit: Limit::Any, name: name.into(), span }
+    }
+
+    /// Its value where it never changes.
+    pub fn as_constant(&self) -> Option<f64> {
+        if let NumberValue::Constant(value) = self.value { Some(value) } else { None }
+    }
+
+    /// Its value at a moment, or what is wrong with it.
+    pub fn at(&self, moment: &Moment) -> Result<f64, BadNumber> {
+        let value = match &self.value {
+            NumberValue::Constant(value) => *value,
+            NumberValue::Formula(formula) => formula.number(moment),
+            NumberValue::Keys(keys) => keys.at(moment.frame),
+        };
+        if self.limit.allows(value) {
+            return Ok(value);
+        }
+        Err(BadNumber {
+            message: format!(
+                "`{}` is {value} at frame {}, and must be {}",
+                self.name,
+                super::frames::plain(moment.frame),
+                self.limit.words()
+            ),
+            span: self.span,
+        })
+    }
+}
+
+/// A number that came out as one that cannot be used.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BadNumber {
+    /// What is wrong.
+    pub message: String,
+    /// Where the number stands.
+    pub span: Span,
+}
