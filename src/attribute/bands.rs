@@ -49,3 +49,28 @@ impl ColourSampler for BandsSampler<'_> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use glam::{DVec3, Vec3};
+
+    use super::*;
+    use crate::field::{Expression, Graph};
+
+    #[test]
+    fn rings_by_value() {
+        let mut graph = Graph::new();
+        let x = graph.x();
+        let colours: Vec<LinearRgb> = (0..3).map(|i| [i as f32, 0.0, 0.0]).collect();
+        let bands = Bands::new(Arc::new(Expression::new(&graph, x)), 0.5, colours).expect("bands");
+        let mut points = Points::new(DVec3::ZERO);
+        [0.1, 0.6, 1.4, 1.6, -0.1, -0.6, -1.4, -1.6].iter().for_each(|x| points.push(Vec3::new(*x, 0.0, 0.0)));
+        let mut out = [[0.0; 3]; BATCH];
+        bands.sampler().sample(&points, &mut out);
+        assert_eq!(
+            out[..8].iter().map(|colour| colour[0]).collect::<Vec<_>>(),
+            [0.0, 1.0, 2.0, 0.0, 2.0, 1.0, 0.0, 2.0]
+        );
+        assert!(Bands::new(Arc::new(Expression::new(&graph, x)), 0.0, vec![[0.0; 3]]).is_none());
+    }
+}

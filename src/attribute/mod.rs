@@ -15,7 +15,7 @@ pub use bands::Bands;
 pub use cells::{ByCell, CellIndex, Choice, CubeLattice};
 pub use colour_space::{ColourSpace, NotAColour, from_srgb, parse, to_srgb};
 pub use constant::Constant;
-pub use formula::{Components, Formula};
+pub use formula::{ByFormula, Components};
 pub use mesh_colour::VertexColours;
 pub use mix::{Mixer, Turn};
 pub use parts::{Part, Parts, Rule};

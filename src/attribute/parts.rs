@@ -153,3 +153,105 @@ impl ColourSampler for PartsSampler<'_> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use glam::{DVec3, Vec3};
+
+    use super::*;
+    use crate::attribute::Constant;
+    use crate::field::Interval;
+
+    const RED: LinearRgb = [1.0, 0.0, 0.0];
+    const BLUE: LinearRgb = [0.0, 0.0, 1.0];
+
+    /// A ball on the x axis.
+    struct Ball(f64, f64);
+
+    impl Field for Ball {
+        fn bounding_box(&self) -> Option<Aabb> {
+            None
+        }
+
+        fn reference(&self, position: DVec3) -> f64 {
+            self.1 - position.distance(DVec3::new(self.0, 0.0, 0.0))
+        }
+
+        fn evaluator(&self) -> Box<dyn Evaluator + '_> {
+            Box::new(BallEvaluator(self))
+        }
+    }
+
+    struct BallEvaluator<'a>(&'a Ball);
+
+    impl Evaluator for BallEvaluator<'_> {
+        fn enter(&mut self, _region: &Aabb) -> Interval {
+            Interval::ALL
+        }
+
+        fn leave(&mut self) {}
+
+        fn values(&mut self, points: &Points, out: &mut [f32; BATCH]) {
+            (0..points.len).for_each(|i| out[i] = self.0.reference(points.position(i)) as f32);
+        }
+
+        fn gradients(&mut self, _points: &Points, _out: &mut crate::field::Gradients) {
+            unreachable!("colours need no gradients")
+        }
+    }
+
+    fn balls(first: LinearRgb, second: LinearRgb, apart: f64, rule: Rule) -> Parts {
+        let part = |x: f64, colour| -> Part { (Arc::new(Ball(x, 1.0)), Arc::new(Constant::new(colour))) };
+        Parts::new(vec![part(0.0, first), part(apart, second)], rule, 1e-6).expect("parts")
+    }
+
+    fn along_x(parts: &Parts, places: &[f64]) -> Vec<LinearRgb> {
+        let mut points = Points::new(DVec3::ZERO);
+        places.iter().for_each(|x| points.push(Vec3::new(*x as f32, 0.0, 0.0)));
+        let mut out = [[0.0; 3]; BATCH];
+        parts.sampler().sample(&points, &mut out);
+        out[..places.len()].to_vec()
+    }
+
+    #[test]
+    fn inside_a_part_its_own_colour_and_the_later_one_in_an_overlap() {
+        let parts = balls(RED, BLUE, 1.5, Rule::Union { seam: 0.0 });
+        let colours = along_x(&parts, &[0.0, 0.49, 0.51, 0.8, 1.0, 2.5]);
+        assert_eq!(colours, [RED, RED, BLUE, BLUE, BLUE, BLUE]);
+        // On the surface, a rounding error outside.
+        assert_eq!(along_x(&parts, &[-1.000_000_4])[0], RED);
+    }
+
+    #[test]
+    fn outside_by_the_inverse_of_the_distances() {
+        let parts = balls(RED, BLUE, 4.0, Rule::Union { seam: 0.0 });
+        for x in [1.1, 1.7, 2.6] {
+            let (one, two) = (1.0 / (x - 1.0), 1.0 / (3.0 - x));
+            let red = along_x(&parts, &[x])[0][0];
+            assert!((f64::from(red) - one / (one + two)).abs() < 1e-5);
+        }
+    }
+
+    #[test]
+    fn parts_of_one_colour_give_that_colour() {
+        let places: Vec<f64> = (0..400).map(|i| f64::from(i) * 0.013 - 2.0).collect();
+        for rule in [Rule::Union { seam: 0.0 }, Rule::Union { seam: 0.3 }, Rule::Blend] {
+            for colour in along_x(&balls(RED, RED, 1.4, rule), &places) {
+                assert!((colour[0] - 1.0).abs() < 1e-6 && colour[1] == 0.0 && colour[2] == 0.0, "{colour:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_seam_and_a_blend_have_no_edges() {
+        let places: Vec<f64> = (0..500).map(|i| f64::from(i) * 0.01 - 1.5).collect();
+        for rule in [Rule::Union { seam: 0.4 }, Rule::Blend] {
+            let colours = along_x(&balls(RED, BLUE, 1.5, rule), &places);
+            let jump = colours.windows(2).map(|two| (two[1][0] - two[0][0]).abs()).fold(0.0, f32::max);
+            assert!(jump < 0.08, "{rule:?} jumps by {jump}");
+        }
+        let soft = balls(RED, BLUE, 1.5, Rule::Union { seam: 0.4 });
+        assert_eq!(along_x(&soft, &[0.0, 1.0]), [RED, BLUE]);
+        assert_eq!(along_x(&balls(RED, BLUE, 3.0, Rule::Blend), &[-1.0, 1.0, 2.0]), [RED, RED, BLUE]);
+    }
+}

@@ -21,7 +21,7 @@ pub struct Settings {
     pub octopus: bool,
     /// STTI's α, ≥ 0: near 0 the shapes drive the colour, from 3 on time alone.
     pub alpha: f64,
-    /// STTI's β in \[0, 1\]: below 0.5 the first object's colour holds on longer, above it the second's comes sooner.
+    /// STTI's β in \[0, 1\]: below 0.5 the second object's colour comes sooner, above it the first's holds on longer.
     pub beta: f64,
     /// Where the two colours are mixed.
     pub colour_space: ColourSpace,

@@ -140,3 +140,96 @@ fn second_weights(weights: &Weights<f32>, per_unit: f32, first: &mut [f32], seco
         *first = weights.second(*first * per_unit, *second * per_unit);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn weight(time: f64, alpha: f64, beta: f64, first: f64, second: f64) -> f64 {
+        Transfer { time, alpha, beta }.weight(first, second)
+    }
+
+    fn places() -> impl Iterator<Item = (f64, f64)> {
+        (-8..=8).flat_map(|one| (-8..=8).map(move |two| (f64::from(one) / 8.0, f64::from(two) / 8.0)))
+    }
+
+    fn parameters() -> impl Iterator<Item = (f64, f64)> {
+        [0.01, 0.1, 0.3, 1.0, 3.0].into_iter().flat_map(|alpha| [0.0, 0.3, 0.5, 1.0].map(move |beta| (alpha, beta)))
+    }
+
+    #[test]
+    fn each_object_keeps_its_own_colour_at_its_end() {
+        for (alpha, beta) in parameters() {
+            for (first, second) in places() {
+                if first >= 0.0 {
+                    assert_eq!(weight(0.0, alpha, beta, first, second), 0.0);
+                }
+                if second >= 0.0 {
+                    assert_eq!(weight(1.0, alpha, beta, first, second), 1.0);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn weights_are_shares_that_rise_with_time() {
+        for (alpha, beta) in parameters() {
+            for (first, second) in places() {
+                let mut last = 0.0;
+                for step in 0..=30 {
+                    let now = weight(f64::from(step) / 20.0, alpha, beta, first, second);
+                    assert!((0.0..=1.0).contains(&now) && now >= last - 1e-12, "{now} after {last}");
+                    last = now;
+                }
+            }
+        }
+    }
+
+    /// By the printed formula, with its plain root, outside both objects.
+    #[test]
+    fn weights_are_the_papers() {
+        let and = |a: f64, b: f64| a + b - (a * a + b * b).sqrt();
+        for (alpha, beta) in parameters() {
+            for (first, second) in places().filter(|(first, second)| *first < 0.0 && *second < 0.0) {
+                for time in [0.1, 0.5, 0.8] {
+                    let g1 = and(first * 2.0 * (1.0 - beta), -alpha * time);
+                    let g2 = and(second * 2.0 * beta, alpha * (time - 1.0));
+                    assert!((weight(time, alpha, beta, first, second) - g1 / (g1 + g2)).abs() < 1e-12);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_small_alpha_goes_by_shape_and_a_large_one_by_time() {
+        for (first, second) in places() {
+            for time in [0.2, 0.5, 0.7] {
+                assert!((weight(time, 1e4, 0.5, first, second) - time).abs() < 1e-3);
+                if first < 0.0 && second < 0.0 {
+                    let by_shape = first / (first + second);
+                    assert!((weight(time, 1e-5, 0.5, first, second) - by_shape).abs() < 1e-3);
+                }
+            }
+        }
+        // Where both overlap and time does not count, nothing but time is left.
+        assert_eq!(weight(0.4, 0.0, 0.5, 0.1, 0.2), 0.4);
+    }
+
+    #[test]
+    fn beta_favours_an_object() {
+        let at = |beta: f64| weight(0.5, 0.3, beta, -0.4, -0.4);
+        assert!((at(0.5) - 0.5).abs() < 1e-12);
+        assert!(at(0.0) > at(0.3) && at(0.3) > at(0.5) && at(0.5) > at(0.8) && at(0.8) > at(1.0));
+    }
+
+    /// Past the end the second object's colour creeps outward, and outside it never takes over in full.
+    #[test]
+    fn the_octopus_creeps_outward() {
+        let at = |time: f64, second: f64| weight(time, 0.3, 0.5, -0.2, second);
+        for second in [-0.05, -0.2, -0.5] {
+            assert!(at(1.0, second) < at(1.3, second) && at(1.3, second) < at(3.0, second) && at(3.0, second) < 1.0);
+        }
+        assert_eq!(at(1.7, 0.1), 1.0);
+        assert!(at(1.3, -0.05) > at(1.3, -0.2));
+    }
+}

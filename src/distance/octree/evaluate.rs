@@ -39,6 +39,8 @@ impl Place {
 pub(super) struct OctreeEvaluator<'a> {
     object: &'a DistanceObject,
     regions: Vec<Place>,
+    /// Bounds of the gradient over each of them.
+    slopes: Vec<[Interval; 3]>,
     located: Box<Located>,
 }
 
@@ -51,7 +53,7 @@ impl<'a> OctreeEvaluator<'a> {
             leaf: [0; BATCH],
             edge: [0.0; BATCH],
         };
-        Self { object, regions: Vec::new(), located: Box::new(located) }
+        Self { object, regions: Vec::new(), slopes: Vec::new(), located: Box::new(located) }
     }
 
     /// Finds the cells of a batch. Returns the leaf where it is one for all, and whether some points lie out of the
@@ -119,11 +121,17 @@ impl Evaluator for OctreeEvaluator<'_> {
         let from = self.regions.last().copied().unwrap_or(self.object.root());
         let (place, bounds) = self.object.region(region, from);
         self.regions.push(place);
+        self.slopes.push(bounds.gradient);
         bounds.value
     }
 
     fn leave(&mut self) {
         self.regions.pop();
+        self.slopes.pop();
+    }
+
+    fn gradient_bounds(&mut self) -> Option<[Interval; 3]> {
+        self.slopes.last().copied()
     }
 
     fn values(&mut self, points: &Points, out: &mut [f32; BATCH]) {
