@@ -56,20 +56,24 @@ impl Curve {
 }
 
 /// What re-timing came to.
-pub(super) struct Even {
+pub(super) struct Even<T> {
     /// t at each sample.
     pub times: Vec<f64>,
     /// The change from each sample to the next.
     pub changes: Vec<f64>,
+    /// What else was measured there.
+    pub measured: T,
 }
 
 /// Re-times t so that the sum of changes runs as `progress` does (rising from 0 to 1, one entry a sample). `changes`
 /// gives the change between neighbouring samples for t at each sample. The most even of all passes is kept.
-pub(super) fn even(progress: &[f64], changes: impl Fn(&[f64]) -> Vec<f64>) -> Even {
-    let measure = |times: Vec<f64>| Even { changes: changes(&times), times };
+pub(super) fn even<T>(progress: &[f64], changes: impl Fn(&[f64]) -> (Vec<f64>, T)) -> Even<T> {
+    let measure = |times: Vec<f64>| {
+        let (changes, measured) = changes(&times);
+        Even { times, changes, measured }
+    };
     let mut best = measure(progress.to_vec());
-    let mut last = best.times.clone();
-    let mut last_changes = best.changes.clone();
+    let (mut last, mut last_changes) = (best.times.clone(), best.changes.clone());
     for _ in 0..PASSES {
         let Some(times) = retimed(progress, &last, &last_changes) else { break };
         let even = measure(times);

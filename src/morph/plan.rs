@@ -13,7 +13,7 @@ use super::section::Section;
 use super::settings::{Error, Mode, Pace, Settings, Side};
 use super::stb::Stb;
 use super::stti::{MorphColour, Transfer};
-use super::volume::{Enclosing, Volume, difference, object_fractions, total};
+use super::volume::{Enclosing, Volume, difference, object_cells, object_fractions, total};
 use crate::attribute::{Colour, LinearRgb, Mixer, Turn};
 use crate::distance::Distance;
 use crate::field::{Aabb, BATCH, Field, Points};
@@ -295,7 +295,7 @@ impl Morph {
 
     /// The volume at t, in cells.
     fn target(&self, measured: &Measured, t: f64) -> f64 {
-        let own = |distances: &[f32]| total(&object_fractions(&self.plan.grid, distances, self.plan.unit));
+        let own = |distances: &[f32]| object_cells(&self.plan.grid, distances, self.plan.unit);
         let (first, second) = (own(&measured.first), own(&measured.second));
         let factor = match &self.settings.mode {
             Mode::Flow(flow) => flow.volume.as_ref().map_or(1.0, |curve| curve.at(t)),
@@ -351,15 +351,16 @@ impl Morph {
             let step = |step: usize| self.enclosing(at(step), times[step]).fractions;
             (0..=STEPS).into_par_iter().map(step).collect()
         };
-        let changes = |fractions: &[Vec<f32>]| -> Vec<f64> {
-            fractions.par_windows(2).map(|two| difference(&two[0], &two[1])).collect()
+        let changes = |times: &[f64]| -> (Vec<f64>, Vec<Vec<f32>>) {
+            let fractions = all(times);
+            (fractions.par_windows(2).map(|two| difference(&two[0], &two[1])).collect(), fractions)
         };
-        let Even { times, changes: in_cells } = if self.paced() {
-            even(&progress, |times| changes(&all(times)))
+        let Even { times, changes: in_cells, measured: fractions } = if self.paced() {
+            even(&progress, changes)
         } else {
-            Even { changes: changes(&all(&progress)), times: progress }
+            let (changes, measured) = changes(&progress);
+            Even { times: progress, changes, measured }
         };
-        let fractions = all(&times);
         let [start, end] = self.settings.over;
         let from = self.mean_colour(&self.from, start, &at(0).first);
         let to = self.mean_colour(&self.to, end, &at(STEPS).second);

@@ -1,6 +1,6 @@
 //! The promises of a morph, on exact shapes and on one built as an octree.
 
-use std::sync::Arc;
+use std::sync::{Arc, LazyLock};
 
 use glam::DVec3;
 
@@ -54,6 +54,13 @@ fn random_points(seed: u64, reach: f64) -> Points {
         points.push(DVec3::new(next() - 0.5, next() - 0.5, next() - 0.5).as_vec3() * (2.0 * reach) as f32);
     }
     points
+}
+
+/// A morph that several tests look at, planned once.
+fn usual() -> &'static Morph {
+    static USUAL: LazyLock<Morph> =
+        LazyLock::new(|| morph_with(Exact::cube(-0.4, 0.5), Exact::torus(0.8, 0.3), Settings::default()));
+    &USUAL
 }
 
 fn pairs() -> Vec<(&'static str, Arc<Exact>, Arc<Exact>)> {
@@ -122,8 +129,8 @@ fn dense_volume(field: &dyn Field, aabb: Aabb, cells: i32) -> f64 {
 
 #[test]
 fn the_frames_own_field_has_the_volume_asked_for() {
-    let morph = morph_with(Exact::cube(0.0, 0.8), Exact::torus(1.0, 0.3), Settings::default());
-    let volumes = [4.096, 2.0 * (std::f64::consts::PI * 0.3).powi(2)];
+    let morph = usual();
+    let volumes = [1.0, 2.0 * 0.8 * (std::f64::consts::PI * 0.3).powi(2)];
     for time in [0.05, 0.3, 0.5, 0.8, 0.97] {
         let field = morph.field(time);
         let t = morph.stage(time).t();
@@ -135,8 +142,7 @@ fn the_frames_own_field_has_the_volume_asked_for() {
 
 #[test]
 fn ends_are_the_objects() {
-    let (from, to) = (Exact::cube(0.0, 0.8), Exact::torus(1.0, 0.3));
-    let morph = morph_with(from.clone(), to.clone(), Settings::default());
+    let (morph, from, to) = (usual(), Exact::cube(-0.4, 0.5), Exact::torus(0.8, 0.3));
     let points = random_points(1, 1.5);
     for (time, own, colour) in [(0.0, &from, YELLOW), (-0.5, &from, YELLOW), (1.0, &to, PINK), (2.0, &to, PINK)] {
         let (mut values, mut expected) = ([0.0; BATCH], [0.0; BATCH]);
@@ -151,8 +157,7 @@ fn ends_are_the_objects() {
 
 #[test]
 fn frames_near_the_ends_are_near_the_objects() {
-    let (from, to) = (Exact::cube(-0.3, 0.5), Exact::ball(0.4, 0.4));
-    let morph = morph_with(from.clone(), to.clone(), Settings::default());
+    let (morph, from, to) = (usual(), Exact::cube(-0.4, 0.5), Exact::torus(0.8, 0.3));
     let points = random_points(2, 1.2);
     for (time, own) in [(1e-4, &from), (1.0 - 1e-4, &to)] {
         let mut values = [0.0; BATCH];
@@ -166,7 +171,7 @@ fn frames_near_the_ends_are_near_the_objects() {
 
 #[test]
 fn an_object_morphed_into_itself_does_not_move() {
-    for bridge in [0.05, 0.5, 1.5] {
+    for bridge in [0.05, 1.5] {
         let cube = Exact::cube(0.1, 0.5);
         let morph = morph_with(cube.clone(), cube.clone(), flow(Flow { bridge, ..Flow::default() }));
         let points = random_points(3, 0.9);
@@ -283,9 +288,8 @@ fn a_sections_bounds_hold_its_values_and_slopes() {
 
 #[test]
 fn a_frames_gradients_are_those_of_its_values() {
-    let morph = morph_with(Exact::cube(-0.4, 0.5), Exact::torus(0.8, 0.3), Settings::default());
     for time in [0.1, 0.5, 0.85] {
-        let field = morph.field(time);
+        let field = usual().field(time);
         let mut evaluator = field.evaluator();
         let (points, mut gradients, mut values) = (random_points(7, 1.2), Gradients::new(), [0.0; BATCH]);
         evaluator.gradients(&points, &mut gradients);
@@ -311,10 +315,9 @@ fn bounds_hold_all_samples() {
     let turned = Similarity::new(1.3, DVec3::new(30.0, -40.0, 75.0), DVec3::new(0.2, 0.1, -0.1)).expect("sound");
     let from = object(Exact::ball(-0.4, 0.4), YELLOW, Motion::still(turned));
     let by_ball = Morph::new(from, still(Exact::ball(0.5, 0.3), PINK), Settings::default()).expect("a morph");
-    let by_cube = morph_with(Exact::cube(-0.4, 0.5), Exact::torus(0.8, 0.3), Settings::default());
     let by_hand = Paper { a: [-0.3, 1.0, 1.0, 1.0], ..Paper::default() };
     let by_hand = morph_with(Exact::cube(-0.4, 0.5), Exact::ball(0.5, 0.4), paper(by_hand));
-    for (morph, time) in [(&by_ball, 0.5), (&by_ball, 0.1), (&by_cube, 0.4), (&by_hand, 0.3)] {
+    for (morph, time) in [(&by_ball, 0.5), (&by_ball, 0.1), (usual(), 0.4), (&by_hand, 0.3)] {
         let field = morph.field(time);
         let mut evaluator = field.evaluator();
         let mut next = random(8);
@@ -337,24 +340,19 @@ fn bounds_hold_all_samples() {
 
 #[test]
 fn nothing_lies_outside_the_box() {
-    for (name, from, to) in pairs().into_iter().take(5) {
-        let morph = morph_with(from, to, Settings::default());
-        for time in [0.2, 0.5, 0.9] {
-            let field = morph.field(time);
-            let aabb = field.bounding_box().expect("a box");
-            let mut evaluator = field.evaluator();
-            for axis in DVec3::AXES {
-                for side in [-1.0, 1.0] {
-                    let push = axis * side * aabb.size();
-                    let bounds = evaluator.enter(&Aabb::new(aabb.min + push, aabb.max + push));
-                    evaluator.leave();
-                    let centre = field.reference(aabb.centre() + push);
-                    assert!(centre < 0.0 && bounds.lo < 0.0, "{name}");
-                }
-            }
-            let extent = morph.extent();
-            assert!(aabb.contains(extent.min + morph.plan().grid.edge()), "{name}: {extent:?} {aabb:?}");
-            assert!(aabb.contains(extent.max - morph.plan().grid.edge()), "{name}: {extent:?} {aabb:?}");
+    for time in [0.2, 0.5, 0.9] {
+        let field = usual().field(time);
+        let aabb = field.bounding_box().expect("a box");
+        let points = (0..40).map(|seed| random_points(seed, 3.0));
+        for position in points.flat_map(|points| (0..BATCH).map(move |i| points.position(i))) {
+            assert!(aabb.contains(position) || field.reference(position) < 0.0, "{position} at {time}");
+        }
+        // The plan's box holds what is inside, to within a cell.
+        let extent = usual().extent().grown(usual().plan().grid.edge());
+        for position in
+            (0..40).map(|seed| random_points(seed, 1.5)).flat_map(|points| (0..BATCH).map(move |i| points.position(i)))
+        {
+            assert!(extent.contains(position) || field.reference(position) < 0.0, "{position} at {time}");
         }
     }
 }
@@ -412,8 +410,7 @@ fn few_leaves_are_opened_in_vain() {
     let morph = Morph::new(placed(cube, YELLOW), placed(ball, PINK), Settings::default()).expect("a morph");
     for time in [0.1, 0.3, 0.5, 0.7, 0.9] {
         let [opened, needed] = leaves(morph.field(time).as_ref(), morph.extent().grown(0.1), 1.6 / 256.0);
-        println!("{time}: {opened} / {needed} = {:.3}", opened as f64 / needed as f64);
-        assert!(needed > 1000);
+        assert!(needed > 1000 && opened as f64 <= 1.4 * needed as f64, "{opened} opened, {needed} needed at {time}");
     }
 }
 
@@ -430,12 +427,6 @@ fn moving_objects_change_evenly_too() {
     let to = object(Exact::ball(0.0, 0.45), PINK, swing(0.7, -1.0));
     let morph = Morph::new(from.clone(), to, Settings::default()).expect("a morph");
     let report = morph.report(&frames(48));
-    println!(
-        "moving: {} first {} last {}",
-        report.largest_over_median,
-        report.frames[1].change / report.median_change,
-        report.frames[47].change / report.median_change
-    );
     assert!(report.frames.iter().all(|frame| frame.volume > 0.1));
     assert!(report.largest_over_median < 2.0, "{}", report.largest_over_median);
     for frame in &report.frames {
@@ -489,12 +480,12 @@ fn the_same_bits_on_one_thread_and_two() {
 
 #[test]
 fn a_plan_outlives_its_morph() {
-    let (from, to) = (still(Exact::cube(-0.5, 0.5), YELLOW), still(Exact::torus(0.8, 0.3), PINK));
-    let morph = Morph::new(from.clone(), to.clone(), Settings::default()).expect("a morph");
-    let text = serde_json::to_string(morph.plan()).expect("written");
+    let (from, to) = (still(Exact::cube(-0.4, 0.5), YELLOW), still(Exact::torus(0.8, 0.3), PINK));
+    let text = serde_json::to_string(usual().plan()).expect("written");
     let plan = serde_json::from_str(&text).expect("read");
     let again = Morph::with_plan(from, to, Settings::default(), plan).expect("a morph");
-    assert_eq!(morph.stage(0.61), again.stage(0.61));
+    assert_eq!(usual().plan(), again.plan());
+    assert_eq!(usual().stage(0.61), again.stage(0.61));
 }
 
 #[test]
