@@ -26,5 +26,4 @@ pub trait ColourSampler {
 }
 mod colour_space;
 pub use colour_space::ColourSpace;
-mod constant;
-pub use constant::Constant;
+mod constant; pub use constant::Constant;

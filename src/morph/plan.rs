@@ -179,9 +179,12 @@ impl Morph {
         match self.stage(time) {
             Stage::From => own(&self.from),
             Stage::To => own(&self.to),
-            Stage::Between(section) => {
-                Arc::new(Stb::new(Arc::new(placed(&self.from)), Arc::new(placed(&self.to)), self.plan.unit, &section))
-            }
+            Stage::Between(section) => Arc::new(Stb::new(
+                Arc::new(placed(&self.from)),
+                Arc::new(placed(&self.to)),
+                self.plan.unit,
+                &section,
+            )),
         }
     }
 
@@ -241,8 +244,7 @@ impl Morph {
     /// The blend's amount at t and what it encloses; at the ends, 0 and the object.
     fn enclosing(&self, measured: &Measured, t: f64) -> Enclosing {
         let grid = &self.plan.grid;
-        let own =
-            |distances: &[f32]| Enclosing { a0: 0.0, fractions: object_fractions(grid, distances, self.plan.unit) };
+        let own = |distances: &[f32]| Enclosing { a0: 0.0, fractions: object_fractions(grid, distances, self.plan.unit) };
         if t <= 0.0 {
             return own(&measured.first);
         }
@@ -251,9 +253,7 @@ impl Morph {
         }
         match &self.settings.mode {
             Mode::Paper(paper) => {
-                let section = paper.section(t);
-                let volume = Volume::new(grid, measured, self.plan.unit, section);
-                Enclosing { a0: section.a0, fractions: volume.fractions() }
+                Volume::new(grid, measured, self.plan.unit, paper.section(t)).as_it_is()
             }
             Mode::Flow(flow) => {
                 let volume = Volume::new(grid, measured, self.plan.unit, flow.section(t));
