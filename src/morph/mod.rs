@@ -12,17 +12,10 @@ mod real;
 mod section;
 mod settings;
 mod stb;
+mod stti;
 mod volume;
 
 #[cfg(test)]
 mod exact;
 #[cfg(test)]
 mod tests;
-
-pub use coarse::CoarseGrid;
-pub use motion::{Motion, Moved, Similarity};
-pub use pace::Curve;
-pub use plan::{FrameReport, Morph, MorphObject, Plan, Report, Stage};
-pub use section::{Round, Section};
-pub use settings::{Ease, Error, Flow, Mode, Pace, Paper, Settings, Side};
-pub use stb::Stb;
