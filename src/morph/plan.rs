@@ -253,9 +253,7 @@ impl Morph {
         }
         match &self.settings.mode {
             Mode::Paper(paper) => {
-                let section = paper.section(t);
-                let volume = Volume::new(grid, measured, self.plan.unit, section);
-                Enclosing { a0: section.a0, fractions: volume.fractions() }
+                Volume::new(grid, measured, self.plan.unit, paper.section(t)).as_it_is()
             }
             Mode::Flow(flow) => {
                 let volume = Volume::new(grid, measured, self.plan.unit, flow.section(t));
