@@ -37,7 +37,7 @@ pub fn styled() -> bool {
 pub fn prepare(
     model: &Arc<Model>,
     sampling: &Sampling,
-    default_resolution: Option<f64>,
+    default_resolution: Option<u32>,
     interrupt: &Interrupt,
     progress: &Progress,
     global: &Global,
@@ -47,7 +47,6 @@ pub fn prepare(
         voxel_size: sampling.voxel_size,
         resolution: sampling.resolution.or(default_resolution),
         half_width: sampling.half_width,
-        max_memory: limit(sampling).0,
         cancel: interrupt.flag(),
         progress: &|_| {},
     };

@@ -9,7 +9,6 @@ mod check;
 mod failure;
 mod info;
 mod job;
-mod morph;
 mod options;
 mod preview;
 mod progress;
@@ -47,8 +46,6 @@ struct Program {
 enum Command {
     /// Bake frames of a scene into .vdb files
     Bake(bake::Arguments),
-    /// Morph one mesh into another, without a scene file
-    Morph(morph::Arguments),
     /// Check a scene and estimate its voxels, memory and file size, or check a .vdb file
     Check(check::Arguments),
     /// Show what a .vdb file holds
@@ -74,7 +71,6 @@ pub fn run() -> ExitCode {
     let global = program.global;
     let result = set_threads(&global).and_then(|()| match program.command {
         Command::Bake(arguments) => bake::run(&arguments, &global),
-        Command::Morph(arguments) => morph::run(&arguments, &global),
         Command::Check(arguments) => check::run(&arguments, &global),
         Command::Info(arguments) => info::run(&arguments, &global),
         Command::Scenes(arguments) => scenes::run(&arguments, &global),
@@ -96,7 +92,7 @@ fn set_threads(global: &Global) -> Result<(), Failure> {
         .num_threads(threads)
         .build_global()
         .map_err(|error| Failure::work(format!("cannot start {threads} threads: {error}; try fewer with --threads")))?;
-    crate::vdb::set_threads(threads);
+    crate::vdb::set_threads(threads)?;
     Ok(())
 }
 

@@ -53,8 +53,8 @@ pub struct SceneChanges {
 #[derive(Args, Clone, Debug)]
 pub struct Sampling {
     /// Voxels along the longest side of the object over the whole shot [default: the scene's, else 256]
-    #[arg(long, value_name = "N", conflicts_with = "voxel_size", value_parser = resolution)]
-    pub resolution: Option<f64>,
+    #[arg(long, value_name = "N", conflicts_with = "voxel_size", value_parser = clap::value_parser!(u32).range(1..=1_000_000_000))]
+    pub resolution: Option<u32>,
 
     /// Edge of a voxel, in the scene's unit, instead of a resolution
     #[arg(long, value_name = "LENGTH", value_parser = positive, allow_negative_numbers = true)]
@@ -118,12 +118,6 @@ fn number(text: &str) -> Result<f64, String> {
 pub fn positive(text: &str) -> Result<f64, String> {
     number(text).and_then(|value| {
         if value > 0.0 { Ok(value) } else { Err("it must be greater than 0; try --resolution 256".into()) }
-    })
-}
-
-fn resolution(text: &str) -> Result<f64, String> {
-    number(text).and_then(|value| {
-        if value >= 1.0 { Ok(value) } else { Err("it must be at least 1; 64 is a quick look, 256 the default".into()) }
     })
 }
 

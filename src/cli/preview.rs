@@ -18,7 +18,7 @@ use crate::render::{Camera, ContactSheet, Image, Look, Scene, SheetFrame, View, 
 use crate::vdb::{self, Voxels};
 
 /// Voxels along the longest side where nobody says otherwise: enough for a picture, in a fraction of a bake's time.
-const RESOLUTION: f64 = 128.0;
+const RESOLUTION: u32 = 128;
 
 /// Arguments of `hfvdb preview`.
 #[derive(Args)]

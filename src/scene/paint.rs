@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use glam::{DAffine3, DVec3};
 
-use crate::attribute::{ByCell, CellIndex, Choice, Part, Parts, Rule};
 use super::pending::surface_points;
+use crate::attribute::{ByCell, CellIndex, Choice, Part, Parts, Rule};
 use crate::attribute::{Colour, Constant, LinearRgb, VertexColours};
 use crate::field::Field;
 use crate::field::cells::Cells;
