@@ -9,6 +9,7 @@ pub mod extent;
 pub mod nearest;
 pub mod octree;
 pub mod polish;
+mod staged;
 
 #[cfg(test)]
 mod testing;

@@ -1,16 +1,32 @@
 //! Closest points on a surface, wherever the asker stands.
+//!
+//! [`ClosestPoint`] is what a distance object is built from. Distances (exact solids, meshes) answer by themselves;
+//! any other field does through [`FieldFeet`]: feet of the band around its zero set are seeds, the nearest seed is
+//! found in a k-d tree, and the answer is polished on the true field around that seed.
+//!
+//! **Guaranteed:** an answer lies on the surface and is no farther than the nearest seed; seeds stand about a
+//! spacing apart on all of the surface that is in the region (intervals miss no piece of it). **Not guaranteed:**
+//! beside the medial axis, where the feet on two sides are equally far to within the spacing's square over the
+//! distance, the answer may be the other one.
+
+mod seeds;
 
 use std::sync::atomic::AtomicBool;
 
 use glam::DVec3;
 
+use self::seeds::SeedTree;
+use super::band;
+use super::polish::{Polisher, Request};
 use super::{Distance, Foot};
+use crate::field::{Aabb, BATCH, Evaluator, Field, Gradients, Points, Slope};
+use crate::grid::{Lattice, VoxelSize};
 
 /// Answers closest points, in batches, from any thread.
 pub trait ClosestPoint: Sync {
     /// The closest surface point to each position. Positions of one call lie near each other. `feet` has the
-    /// length of `positions` and is overwritten; the answer to one position does not depend on the others, so
-    /// that results are the same for any split into batches.
+    /// length of `positions` and is overwritten. A position where the field is not a number gets a distance that
+    /// is not one.
     fn feet(&self, positions: &[DVec3], feet: &mut [Foot]);
 }
 
@@ -38,3 +54,181 @@ impl Watch<'_> {
         self.cancel.load(std::sync::atomic::Ordering::Relaxed)
     }
 }
+
+/// Half the width of the band that seeds are taken from, in spacings: the surface then lies nearer than this to some
+/// voxel, even at a corner. Wider gives more seeds than are of use.
+const SEED_BAND: f32 = 0.9;
+
+/// Seeds in one cube of this many spacings are polished in one call. Smaller makes calls of few points, larger keeps
+/// more branches of the field.
+const GROUP: f64 = 4.0;
+
+/// How far feet may move from their seeds, in spacings.
+const ROOM: f64 = 3.0;
+
+/// Nearer than this to its foot, in spacings, a point takes the field's gradient for its direction: the foot is right
+/// to a thousandth, too little to aim with.
+const TOO_NEAR: f64 = 0.05;
+
+/// Closest points on the zero set of any field.
+pub struct FieldFeet<'a> {
+    field: &'a dyn Field,
+    outside: bool,
+    inside: bool,
+    seeds: SeedTree,
+    spacing: f64,
+}
+
+impl<'a> FieldFeet<'a> {
+    /// Finds seeds about `spacing` apart on the surface, all of which is to lie in the region. A spacing of a voxel
+    /// or two: where the surface has detail finer than that, feet may be those of a neighbouring detail.
+    pub fn new(field: &'a dyn Field, region: &Aabb, spacing: f64, watch: &Watch) -> Result<Self, band::Error> {
+        let (outside, inside) = match field.slope() {
+            Slope::Exact { outside, inside } => (outside, inside),
+            _ => (false, false),
+        };
+        let mut points = Vec::new();
+        // A field that is exact on both sides needs none, but one without a surface is still to be told.
+        if let Some(voxel_size) = VoxelSize::new(spacing).filter(|_| !(outside && inside)) {
+            let lattice = Lattice { voxel_size };
+            let settings = band::Settings {
+                lattice,
+                half_width: SEED_BAND,
+                region: region.grown(2.0 * spacing),
+                cancel: watch.cancel,
+                progress: watch.progress,
+            };
+            let measured = band::measure(field, &settings, || {
+                |block: &band::MeasuredBlock| -> Vec<DVec3> {
+                    let active = |i: &usize| block.active[i >> 6] >> (i & 63) & 1 == 1;
+                    (0..BATCH).filter(active).map(|i| block.feet.position(i)).collect()
+                }
+            })?;
+            points = measured.visits.concat();
+        }
+        Ok(Self { field, outside, inside, seeds: SeedTree::new(points), spacing })
+    }
+
+    /// How many seeds there are.
+    pub fn seeds(&self) -> usize {
+        self.seeds.len()
+    }
+}
+
+/// A position that is still without a foot, and its nearest seed.
+struct Open {
+    query: usize,
+    seed: DVec3,
+    group: [i64; 3],
+}
+
+/// What one call works with.
+struct Work<'a> {
+    evaluator: Box<dyn Evaluator + 'a>,
+    polisher: Polisher,
+    at: Box<Gradients>,
+    queries: Points,
+    feet: Points,
+    distances: Box<[f32; BATCH]>,
+}
+
+impl ClosestPoint for FieldFeet<'_> {
+    fn feet(&self, positions: &[DVec3], feet: &mut [Foot]) {
+        let mut work = Work {
+            evaluator: self.field.evaluator(),
+            polisher: Polisher::new(),
+            at: Box::default(),
+            queries: Points::new(DVec3::ZERO),
+            feet: Points::new(DVec3::ZERO),
+            distances: Box::new([0.0; BATCH]),
+        };
+        for (positions, feet) in positions.chunks(BATCH).zip(feet.chunks_mut(BATCH)) {
+            self.batch(positions, feet, &mut work);
+        }
+    }
+}
+
+fn box_of(points: impl Iterator<Item = DVec3>) -> Aabb {
+    let none = Aabb::new(DVec3::INFINITY, DVec3::NEG_INFINITY);
+    points.fold(none, |all, p| Aabb::new(all.min.min(p), all.max.max(p)))
+}
+
+impl FieldFeet<'_> {
+    fn batch(&self, positions: &[DVec3], feet: &mut [Foot], work: &mut Work) {
+        let around = box_of(positions.iter().copied());
+        work.queries.origin = around.centre();
+        work.queries.len = 0;
+        for position in positions {
+            work.queries.push((*position - around.centre()).as_vec3());
+        }
+        // Pruning keeps signs, but not distances away from the surface.
+        let prune = !(self.outside || self.inside);
+        if prune {
+            work.evaluator.enter(&around.grown(1e-6 * around.size().length()));
+        }
+        work.evaluator.gradients(&work.queries, &mut work.at);
+        if prune {
+            work.evaluator.leave();
+        }
+        let mut open = Vec::new();
+        let mut last = None;
+        for (query, (position, foot)) in positions.iter().zip(feet.iter_mut()).enumerate() {
+            let (value, slope) = (f64::from(work.at.value[query]), work.at.gradient(query).as_dvec3());
+            let gradient = slope.normalize_or_zero();
+            let exact = if value < 0.0 { self.outside } else { self.inside };
+            *foot = Foot { point: *position, distance: value, gradient, part: 0 };
+            if value.is_nan() {
+                continue;
+            }
+            if exact && gradient != DVec3::ZERO {
+                foot.point = *position - gradient * value;
+            } else if let Some((index, seed)) = self.seeds.nearest(*position, last) {
+                last = Some(index);
+                let group = (seed / (GROUP * self.spacing)).floor().as_i64vec3().to_array();
+                open.push(Open { query, seed, group });
+            }
+        }
+        open.sort_unstable_by_key(|open| (open.group, open.query));
+        for group in open.chunk_by(|a, b| a.group == b.group) {
+            self.polish(positions, group, feet, work);
+        }
+    }
+
+    /// Feet around seeds that lie close together; the positions may be far away.
+    fn polish(&self, positions: &[DVec3], group: &[Open], feet: &mut [Foot], work: &mut Work) {
+        let region = box_of(group.iter().map(|open| open.seed)).grown(ROOM * self.spacing);
+        let origin = region.centre();
+        (work.queries.origin, work.feet.origin) = (origin, origin);
+        (work.queries.len, work.feet.len) = (0, 0);
+        let mut reach = 0.0_f32;
+        for open in group {
+            let (query, seed) = ((positions[open.query] - origin).as_vec3(), (open.seed - origin).as_vec3());
+            work.queries.push(query);
+            work.feet.push(seed);
+            reach = reach.max(query.distance(seed));
+        }
+        let request = Request { unit: self.spacing as f32, reach: reach * 1.01, region };
+        work.evaluator.enter(&region);
+        work.polisher.closest(&mut *work.evaluator, &request, &work.queries, &mut work.feet, &mut work.distances);
+        work.evaluator.leave();
+        for (lane, open) in group.iter().enumerate() {
+            let position = positions[open.query];
+            let polished = work.feet.position(lane);
+            let found = work.distances[lane].is_finite() && region.contains(polished);
+            let point =
+                if found && polished.distance(position) < open.seed.distance(position) { polished } else { open.seed };
+            let foot = &mut feet[open.query];
+            let sign = if foot.distance < 0.0 { -1.0 } else { 1.0 };
+            let away = position - point;
+            let length = away.length();
+            foot.point = point;
+            foot.distance = sign * length;
+            if length > TOO_NEAR * self.spacing || foot.gradient == DVec3::ZERO {
+                foot.gradient = (away * sign).normalize_or(DVec3::X);
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

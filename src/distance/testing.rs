@@ -187,6 +187,58 @@ fn put(out: &mut Gradients, i: usize, (value, gradient): (f64, DVec3)) {
     (out.dx[i], out.dy[i], out.dz[i]) = gradient.as_vec3().into();
 }
 
+/// Another field seen through s ↦ tanh(s/width): the same surface, hardly a slope a few widths away.
+pub struct Saturated {
+    pub inner: Joined,
+    pub width: f64,
+}
+
+impl Field for Saturated {
+    fn bounding_box(&self) -> Option<Aabb> {
+        self.inner.bounding_box()
+    }
+
+    fn reference(&self, position: DVec3) -> f64 {
+        (self.inner.reference(position) / self.width).tanh()
+    }
+
+    fn evaluator(&self) -> Box<dyn Evaluator + '_> {
+        Box::new(SaturatedEvaluator { inner: self.inner.evaluator(), width: self.width as f32 })
+    }
+}
+
+struct SaturatedEvaluator<'a> {
+    inner: Box<dyn Evaluator + 'a>,
+    width: f32,
+}
+
+impl Evaluator for SaturatedEvaluator<'_> {
+    fn enter(&mut self, region: &Aabb) -> Interval {
+        self.inner.enter(region)
+    }
+
+    fn leave(&mut self) {
+        self.inner.leave();
+    }
+
+    fn values(&mut self, points: &Points, out: &mut [f32; BATCH]) {
+        self.inner.values(points, out);
+        out[..points.len].iter_mut().for_each(|value| *value = (*value / self.width).tanh());
+    }
+
+    fn gradients(&mut self, points: &Points, out: &mut Gradients) {
+        self.inner.gradients(points, out);
+        for i in 0..points.len {
+            let value = (out.value[i] / self.width).tanh();
+            let factor = (1.0 - value * value) / self.width;
+            out.value[i] = value;
+            out.dx[i] *= factor;
+            out.dy[i] *= factor;
+            out.dz[i] *= factor;
+        }
+    }
+}
+
 /// Signed distances, positive inside, by other means than the code under test.
 pub mod exact {
     use glam::{DMat3, DVec3};

@@ -9,20 +9,17 @@ use super::section::{Kernel, Section};
 
 /// The sum of squares below which both slopes are taken as zero.
 const NO_SLOPE: f32 = 1e-20;
-
-/// How both distances change along the surface's normal, per unit of D, at one cell.
-#[derive(Clone, Copy, Debug, Default)]
-struct Along {
-    first: f32,
-    second: f32,
-}
+/// Cells whose zeros are searched side by side.
+const LANES: usize = 16;
+/// Steps of that search. Six leave 1e-3 of a cell where F_b bends most (near both ends of a morph).
+const ZERO_STEPS: usize = 7;
 
 /// A section of a morph over the coarse grid.
 pub(super) struct Volume<'a> {
     measured: &'a Measured,
     section: Section,
     /// Half a cell's edge in units of D.
-    half_edge: f64,
+    half_edge: f32,
 }
 
 /// A blend's amount and what it encloses.
@@ -32,74 +29,41 @@ pub(super) struct Enclosing {
     pub fractions: Vec<f32>,
 }
 
-/// A cell that the surface may cross.
-struct Crossed {
-    /// φ, or F_b, over the segment.
-    range: [f64; 2],
-    /// The distances at the segment's ends.
-    first: [f64; 2],
-    second: [f64; 2],
-}
-
 impl<'a> Volume<'a> {
     pub(super) fn new(grid: &CoarseGrid, measured: &'a Measured, unit: f64, section: Section) -> Self {
-        Self { measured, section, half_edge: 0.5 * grid.edge() / unit }
+        Self { measured, section, half_edge: (0.5 * grid.edge() / unit) as f32 }
     }
 
-    /// The a₀ whose section holds `target` cells, at a rising section whose own a₀ does not matter, and the fraction
-    /// inside of each cell.
+    /// The a₀ whose section holds `target` cells, at a rising section whose own a₀ does not matter.
     pub(super) fn enclosing(&self, target: f64) -> Enclosing {
         let kernel = Kernel::<f32>::new(&Section { a0: 1.0, ..self.section });
-        let cells = self.measured.first.len();
-        let (mut least, mut most) = (vec![0.0; cells], vec![0.0; cells]);
-        let mut along = vec![Along::default(); cells];
-        level_ranges(&kernel, self.half_edge as f32, self.measured, &mut least, &mut most, &mut along);
-        let rank = |rank: f64| (rank.max(0.0) as usize).min(cells - 1);
-        let low = nth(&least, rank(target.floor()));
-        let high = nth(&most, rank(target.ceil() - 1.0)).max(low);
-        let crossed = (0..cells).filter(|&i| least[i] < high && most[i] > low);
-        let mut search = Search {
-            volume: self,
-            inside: most.iter().filter(|level| **level <= low).count() as f64 - target,
-            crossed: crossed.map(|i| self.crossed(i, along[i], [least[i], most[i]])).collect(),
-        };
-        let a0 = search.run([f64::from(low), f64::from(high)], target * 1e-7);
-        let kernel = Kernel::<f64>::new(&Section { a0, ..self.section });
-        let fraction = |i: usize| match (f64::from(least[i]) >= a0, f64::from(most[i]) <= a0) {
-            (_, true) => 1.0,
-            (true, _) => 0.0,
-            _ => fraction_inside(&kernel, &self.crossed(i, along[i], [least[i], most[i]])) as f32,
-        };
-        Enclosing { a0, fractions: (0..cells).map(fraction).collect() }
+        let mut ranges = Ranges::new(self.measured.first.len());
+        level_ranges(&kernel, self.half_edge, self.measured, &mut ranges);
+        let (low, high) = (around_rank(&ranges.least, target)[0], around_rank(&ranges.most, target)[1]);
+        let mut fractions: Vec<f32> = ranges.most.iter().map(|level| f32::from(u8::from(*level <= low))).collect();
+        let missing = target - total(&fractions);
+        let crossed = (0..fractions.len()).filter(|&i| ranges.least[i] < high && ranges.most[i] > low);
+        let mut crossed = Crossed::new(self, &ranges, crossed);
+        let a0 = zero(f64::from(low), f64::from(high), target * 1e-7, |a0| {
+            crossed.fill(&Kernel::new(&Section { a0, ..self.section }));
+            crossed.total() - missing
+        });
+        crossed.fill(&Kernel::new(&Section { a0, ..self.section }));
+        crossed.put_into(&mut fractions);
+        Enclosing { a0, fractions }
     }
 
-    /// The fraction inside of each cell.
-    pub(super) fn fractions(&self) -> Vec<f32> {
-        let fast = Kernel::<f32>::new(&self.section);
-        let exact = Kernel::<f64>::new(&self.section);
-        let cells = self.measured.first.len();
-        let (mut least, mut most) = (vec![0.0; cells], vec![0.0; cells]);
-        let mut along = vec![Along::default(); cells];
-        value_ranges(&fast, self.half_edge as f32, self.measured, &mut least, &mut most, &mut along);
-        (0..cells)
-            .map(|i| match (least[i] >= 0.0, most[i] < 0.0) {
-                (true, _) => 1.0,
-                (_, true) => 0.0,
-                _ => fraction_inside(&exact, &self.crossed(i, along[i], [least[i], most[i]])) as f32,
-            })
-            .collect()
-    }
-
-    fn crossed(&self, cell: usize, along: Along, range: [f32; 2]) -> Crossed {
-        let ends = |middle: f32, slope: f32| {
-            let reach = f64::from(slope) * self.half_edge;
-            [f64::from(middle) - reach, f64::from(middle) + reach]
-        };
-        Crossed {
-            range: range.map(f64::from),
-            first: ends(self.measured.first[cell], along.first),
-            second: ends(self.measured.second[cell], along.second),
-        }
+    /// What the section's own a₀ encloses.
+    pub(super) fn as_it_is(&self) -> Enclosing {
+        let kernel = Kernel::<f32>::new(&self.section);
+        let mut ranges = Ranges::new(self.measured.first.len());
+        value_ranges(&kernel, self.half_edge, self.measured, &mut ranges);
+        let mut fractions: Vec<f32> = ranges.least.iter().map(|value| f32::from(u8::from(*value >= 0.0))).collect();
+        let crossed = (0..fractions.len()).filter(|&i| ranges.least[i] < 0.0 && ranges.most[i] >= 0.0);
+        let mut crossed = Crossed::new(self, &ranges, crossed);
+        crossed.fill(&kernel);
+        crossed.put_into(&mut fractions);
+        Enclosing { a0: self.section.a0, fractions }
     }
 }
 
@@ -119,27 +83,45 @@ pub(super) fn difference(one: &[f32], other: &[f32]) -> f64 {
     one.iter().zip(other).map(|(a, b)| f64::from((a - b).abs())).sum()
 }
 
-fn nth(levels: &[f32], rank: usize) -> f32 {
-    let mut levels = levels.to_vec();
-    *levels.select_nth_unstable_by(rank, f32::total_cmp).1
+/// Two values, within 1 %, that have fewer and more than `rank` of the levels (≥ 0) below them.
+fn around_rank(levels: &[f32], rank: f64) -> [f32; 2] {
+    // The bits of floats ≥ 0 rise as they do: their upper half is a bin.
+    let mut bins = vec![0u32; 1 << 15];
+    levels.iter().for_each(|level| bins[(level.max(0.0).to_bits() >> 16) as usize] += 1);
+    let mut below = 0.0;
+    let holds_rank = |count: &u32| {
+        below += f64::from(*count);
+        below >= rank
+    };
+    let bin = bins.iter().position(holds_rank).unwrap_or(bins.len() - 1) as u32;
+    [f32::from_bits(bin << 16), f32::from_bits((bin + 1) << 16).min(f32::MAX)]
 }
 
-/// Fills, for each cell, φ at both ends of its segment, sorted, and the distances' slopes on it.
+/// φ, or F_b, over each cell's segment, and how both distances change along it per unit of D.
+struct Ranges {
+    least: Vec<f32>,
+    most: Vec<f32>,
+    first: Vec<f32>,
+    second: Vec<f32>,
+}
+
+impl Ranges {
+    fn new(cells: usize) -> Self {
+        let zeros = || vec![0.0; cells];
+        Self { least: zeros(), most: zeros(), first: zeros(), second: zeros() }
+    }
+}
+
+/// Fills, for each cell, the range of φ and the distances' slopes.
 #[multiversion::multiversion(targets = "simd")]
-fn level_ranges(
-    kernel: &Kernel<f32>,
-    half_edge: f32,
-    measured: &Measured,
-    least: &mut [f32],
-    most: &mut [f32],
-    along: &mut [Along],
-) {
+fn level_ranges(kernel: &Kernel<f32>, half_edge: f32, measured: &Measured, ranges: &mut Ranges) {
     let cells = measured.first.iter().zip(&measured.second).zip(&measured.cosine);
-    let out = least.iter_mut().zip(most).zip(along);
-    for (((&first, &second), &cosine), ((least, most), along)) in cells.zip(out) {
+    let slopes = ranges.first.iter_mut().zip(&mut ranges.second);
+    let out = ranges.least.iter_mut().zip(&mut ranges.most).zip(slopes);
+    for (((&first, &second), &cosine), ((least, most), (along_first, along_second))) in cells.zip(out) {
         let slopes = kernel.level_slopes(first, second);
-        *along = along_normal(slopes.by_first, slopes.by_second, cosine);
-        let (one, two) = (along.first * half_edge, along.second * half_edge);
+        [*along_first, *along_second] = along_normal(slopes.by_first, slopes.by_second, cosine);
+        let (one, two) = (*along_first * half_edge, *along_second * half_edge);
         let (behind, ahead) = (kernel.level(first - one, second - two), kernel.level(first + one, second + two));
         *least = if ahead < behind { ahead } else { behind };
         *most = if ahead < behind { behind } else { ahead };
@@ -148,20 +130,14 @@ fn level_ranges(
 
 /// As [`level_ranges`], of F_b.
 #[multiversion::multiversion(targets = "simd")]
-fn value_ranges(
-    kernel: &Kernel<f32>,
-    half_edge: f32,
-    measured: &Measured,
-    least: &mut [f32],
-    most: &mut [f32],
-    along: &mut [Along],
-) {
+fn value_ranges(kernel: &Kernel<f32>, half_edge: f32, measured: &Measured, ranges: &mut Ranges) {
     let cells = measured.first.iter().zip(&measured.second).zip(&measured.cosine);
-    let out = least.iter_mut().zip(most).zip(along);
-    for (((&first, &second), &cosine), ((least, most), along)) in cells.zip(out) {
+    let slopes = ranges.first.iter_mut().zip(&mut ranges.second);
+    let out = ranges.least.iter_mut().zip(&mut ranges.most).zip(slopes);
+    for (((&first, &second), &cosine), ((least, most), (along_first, along_second))) in cells.zip(out) {
         let slopes = kernel.slopes(first, second);
-        *along = along_normal(slopes.by_first, slopes.by_second, cosine);
-        let (one, two) = (along.first * half_edge, along.second * half_edge);
+        [*along_first, *along_second] = along_normal(slopes.by_first, slopes.by_second, cosine);
+        let (one, two) = (*along_first * half_edge, *along_second * half_edge);
         let (behind, ahead) = (kernel.value(first - one, second - two), kernel.value(first + one, second + two));
         *least = if ahead < behind { ahead } else { behind };
         *most = if ahead < behind { behind } else { ahead };
@@ -171,100 +147,148 @@ fn value_ranges(
 /// The slopes of both distances along ∇F_b, whose two parts are the distances' gradients, of length one and at a known
 /// angle.
 #[inline(always)]
-fn along_normal(by_first: f32, by_second: f32, cosine: f32) -> Along {
+fn along_normal(by_first: f32, by_second: f32, cosine: f32) -> [f32; 2] {
     let square = by_first * by_first + by_second * by_second + 2.0 * by_first * by_second * cosine;
     let per_length = 1.0 / square.max(NO_SLOPE).sqrt();
-    Along {
-        first: (by_first + by_second * cosine) * per_length,
-        second: (by_first * cosine + by_second) * per_length,
+    [(by_first + by_second * cosine) * per_length, (by_first * cosine + by_second) * per_length]
+}
+
+/// Sixteen cells' segments: both distances at one end, and what they gain to the other.
+#[derive(Clone, Copy)]
+struct Segments {
+    first: [f32; LANES],
+    first_gain: [f32; LANES],
+    second: [f32; LANES],
+    second_gain: [f32; LANES],
+}
+
+impl Segments {
+    /// F_b at a share of the way along one lane's segment.
+    #[inline(always)]
+    fn value(&self, kernel: &Kernel<f32>, lane: usize, share: f32) -> f32 {
+        let first = self.first[lane] + self.first_gain[lane] * share;
+        kernel.value(first, self.second[lane] + self.second_gain[lane] * share)
     }
 }
 
-/// How much of a cell's segment lies where F_b ≥ 0, by regula falsi (Illinois).
-fn fraction_inside(kernel: &Kernel<f64>, cell: &Crossed) -> f64 {
-    let at = |s: f64| {
-        let along = |ends: [f64; 2]| ends[0] + (ends[1] - ends[0]) * s;
-        kernel.value(along(cell.first), along(cell.second))
-    };
-    let (mut low, mut high) = (0.0, 1.0);
-    let (mut at_low, mut at_high) = (at(low), at(high));
-    if (at_low >= 0.0) == (at_high >= 0.0) {
-        return if at_low >= 0.0 { 1.0 } else { 0.0 };
-    }
-    let rising = at_high >= 0.0;
-    // Which end stayed in the last step: its value is halved when it stays again.
-    let mut stayed = None;
-    for _ in 0..24 {
-        let middle = (low * at_high - high * at_low) / (at_high - at_low);
-        let at_middle = at(middle);
-        let step;
-        if (at_middle >= 0.0) == rising {
-            step = high - middle;
-            (high, at_high) = (middle, at_middle);
-            at_low *= if stayed == Some(false) { 0.5 } else { 1.0 };
-            stayed = Some(false);
-        } else {
-            step = middle - low;
-            (low, at_low) = (middle, at_middle);
-            at_high *= if stayed == Some(true) { 0.5 } else { 1.0 };
-            stayed = Some(true);
-        }
-        if step < 1e-5 {
-            break;
-        }
-    }
-    let root = if at_high == at_low { low } else { (low * at_high - high * at_low) / (at_high - at_low) };
-    if rising { 1.0 - root } else { root }
+/// The cells that the surface may cross.
+struct Crossed {
+    cells: Vec<usize>,
+    segments: Vec<Segments>,
+    fractions: Vec<[f32; LANES]>,
 }
 
-/// The search for a₀ among the cells that it decides on.
-struct Search<'a> {
-    volume: &'a Volume<'a>,
-    /// Cells inside whatever a₀ is, less those to be enclosed.
-    inside: f64,
-    crossed: Vec<Crossed>,
-}
-
-impl Search<'_> {
-    /// Two steps of regula falsi, then one of bisection, in turn, until the volume is within `tolerance` cells.
-    fn run(&mut self, [mut low, mut high]: [f64; 2], tolerance: f64) -> f64 {
-        let (mut at_low, mut at_high) = (self.excess(low), self.excess(high));
-        if at_low >= 0.0 {
-            return low;
-        }
-        if at_high <= 0.0 {
-            return high;
-        }
-        for step in 0..60 {
-            let bisect = step % 3 == 2;
-            let middle = if bisect { 0.5 * (low + high) } else { (low * at_high - high * at_low) / (at_high - at_low) };
-            let value = self.excess(middle);
-            if value.abs() <= tolerance || high - low <= 1e-12 * high {
-                return middle;
+impl Crossed {
+    fn new(volume: &Volume<'_>, ranges: &Ranges, cells: impl Iterator<Item = usize>) -> Self {
+        let cells: Vec<usize> = cells.collect();
+        let segments = cells.chunks(LANES).map(|lanes| {
+            let mut out = Segments {
+                first: [0.0; LANES],
+                first_gain: [0.0; LANES],
+                second: [0.0; LANES],
+                second_gain: [0.0; LANES],
+            };
+            for (lane, &cell) in lanes.iter().enumerate() {
+                let reach = [ranges.first[cell] * volume.half_edge, ranges.second[cell] * volume.half_edge];
+                out.first[lane] = volume.measured.first[cell] - reach[0];
+                out.second[lane] = volume.measured.second[cell] - reach[1];
+                out.first_gain[lane] = 2.0 * reach[0];
+                out.second_gain[lane] = 2.0 * reach[1];
             }
-            if value < 0.0 {
-                (low, at_low) = (middle, value);
-            } else {
-                (high, at_high) = (middle, value);
-            }
-            self.narrow(low, high);
-        }
-        0.5 * (low + high)
-    }
-
-    fn excess(&self, a0: f64) -> f64 {
-        let kernel = Kernel::<f64>::new(&Section { a0, ..self.volume.section });
-        self.inside + self.crossed.iter().map(|cell| fraction_inside(&kernel, cell)).sum::<f64>()
-    }
-
-    /// Drops the cells that are wholly in or out for every a₀ left.
-    fn narrow(&mut self, low: f64, high: f64) {
-        let mut inside = 0.0;
-        self.crossed.retain(|cell| {
-            let within = cell.range[1] <= low;
-            inside += f64::from(u8::from(within));
-            !within && cell.range[0] < high
+            out
         });
-        self.inside += inside;
+        let segments: Vec<Segments> = segments.collect();
+        Self { fractions: vec![[0.0; LANES]; segments.len()], cells, segments }
     }
+
+    /// Finds how much of each segment lies inside.
+    fn fill(&mut self, kernel: &Kernel<f32>) {
+        fractions_inside(kernel, &self.segments, &mut self.fractions);
+    }
+
+    fn each(&self) -> impl Iterator<Item = (usize, f32)> {
+        self.cells.iter().copied().zip(self.fractions.iter().flatten().copied())
+    }
+
+    fn total(&self) -> f64 {
+        self.each().map(|(_, fraction)| f64::from(fraction)).sum()
+    }
+
+    fn put_into(&self, fractions: &mut [f32]) {
+        self.each().for_each(|(cell, fraction)| fractions[cell] = fraction);
+    }
+}
+
+/// How much of each segment lies where F_b ≥ 0: its zero by regula falsi (Illinois), the same number of steps in every
+/// lane.
+#[multiversion::multiversion(targets = "simd")]
+fn fractions_inside(kernel: &Kernel<f32>, segments: &[Segments], fractions: &mut [[f32; LANES]]) {
+    for (segment, fractions) in segments.iter().zip(fractions) {
+        let (mut low, mut high) = ([0.0f32; LANES], [1.0f32; LANES]);
+        let (mut at_low, mut at_high) = ([0.0f32; LANES], [0.0f32; LANES]);
+        // −1 where the low end stayed in the last step, 1 where the high end did.
+        let mut stayed = [0.0f32; LANES];
+        for lane in 0..LANES {
+            at_low[lane] = segment.value(kernel, lane, 0.0);
+            at_high[lane] = segment.value(kernel, lane, 1.0);
+        }
+        let ends = (at_low, at_high);
+        for _ in 0..ZERO_STEPS {
+            for lane in 0..LANES {
+                let middle = zero_of_line(low[lane], high[lane], at_low[lane], at_high[lane]);
+                let at_middle = segment.value(kernel, lane, middle);
+                let high_moves = (at_middle >= 0.0) == (at_high[lane] >= 0.0);
+                let stays = if high_moves { -1.0 } else { 1.0 };
+                let halved = if stays == stayed[lane] { 0.5 } else { 1.0 };
+                low[lane] = if high_moves { low[lane] } else { middle };
+                high[lane] = if high_moves { middle } else { high[lane] };
+                at_low[lane] = if high_moves { at_low[lane] * halved } else { at_middle };
+                at_high[lane] = if high_moves { at_middle } else { at_high[lane] * halved };
+                stayed[lane] = stays;
+            }
+        }
+        for lane in 0..LANES {
+            let (inside_low, inside_high) = (ends.0[lane] >= 0.0, ends.1[lane] >= 0.0);
+            let zero = zero_of_line(low[lane], high[lane], at_low[lane], at_high[lane]);
+            let crossed = if inside_high { 1.0 - zero } else { zero };
+            let whole = if inside_high { 1.0 } else { 0.0 };
+            fractions[lane] = if inside_low == inside_high { whole } else { crossed.clamp(0.0, 1.0) };
+        }
+    }
+}
+
+/// Where the line through two values is zero; `low` where it is level.
+#[inline(always)]
+fn zero_of_line(low: f32, high: f32, at_low: f32, at_high: f32) -> f32 {
+    let rise = at_high - at_low;
+    if rise == 0.0 { low } else { low - at_low * ((high - low) / rise) }
+}
+
+/// The zero of a rising function between two ends, to `tolerance` in its value, or the end that is nearest to having
+/// one: regula falsi (Illinois), and a bisection now and then.
+fn zero(mut low: f64, mut high: f64, tolerance: f64, mut rising: impl FnMut(f64) -> f64) -> f64 {
+    let (mut at_low, mut at_high) = (rising(low), rising(high));
+    if at_low >= 0.0 {
+        return low;
+    }
+    if at_high <= 0.0 {
+        return high;
+    }
+    let mut high_stayed = None;
+    for step in 1..=60 {
+        let middle =
+            if step % 5 == 0 { 0.5 * (low + high) } else { (low * at_high - high * at_low) / (at_high - at_low) };
+        let value = rising(middle);
+        if value.abs() <= tolerance || high - low <= 1e-12 * high {
+            return middle;
+        }
+        if value < 0.0 {
+            at_high *= if high_stayed == Some(true) { 0.5 } else { 1.0 };
+            (low, at_low, high_stayed) = (middle, value, Some(true));
+        } else {
+            at_low *= if high_stayed == Some(false) { 0.5 } else { 1.0 };
+            (high, at_high, high_stayed) = (middle, value, Some(false));
+        }
+    }
+    0.5 * (low + high)
 }
