@@ -26,4 +26,5 @@ pub trait ColourSampler {
 }
 mod colour_space;
 pub use colour_space::ColourSpace;
-mod constant; pub use constant::Constant;
+mod constant;
+pub use constant::Constant;

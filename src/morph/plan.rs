@@ -179,12 +179,9 @@ impl Morph {
         match self.stage(time) {
             Stage::From => own(&self.from),
             Stage::To => own(&self.to),
-            Stage::Between(section) => Arc::new(Stb::new(
-                Arc::new(placed(&self.from)),
-                Arc::new(placed(&self.to)),
-                self.plan.unit,
-                &section,
-            )),
+            Stage::Between(section) => {
+                Arc::new(Stb::new(Arc::new(placed(&self.from)), Arc::new(placed(&self.to)), self.plan.unit, &section))
+            }
         }
     }
 
@@ -244,7 +241,8 @@ impl Morph {
     /// The blend's amount at t and what it encloses; at the ends, 0 and the object.
     fn enclosing(&self, measured: &Measured, t: f64) -> Enclosing {
         let grid = &self.plan.grid;
-        let own = |distances: &[f32]| Enclosing { a0: 0.0, fractions: object_fractions(grid, distances, self.plan.unit) };
+        let own =
+            |distances: &[f32]| Enclosing { a0: 0.0, fractions: object_fractions(grid, distances, self.plan.unit) };
         if t <= 0.0 {
             return own(&measured.first);
         }

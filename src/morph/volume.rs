@@ -174,10 +174,7 @@ fn value_ranges(
 fn along_normal(by_first: f32, by_second: f32, cosine: f32) -> Along {
     let square = by_first * by_first + by_second * by_second + 2.0 * by_first * by_second * cosine;
     let per_length = 1.0 / square.max(NO_SLOPE).sqrt();
-    Along {
-        first: (by_first + by_second * cosine) * per_length,
-        second: (by_first * cosine + by_second) * per_length,
-    }
+    Along { first: (by_first + by_second * cosine) * per_length, second: (by_first * cosine + by_second) * per_length }
 }
 
 /// How much of a cell's segment lies where F_b ≥ 0, by regula falsi (Illinois).
