@@ -463,4 +463,3 @@ fn what_cannot_be_built_says_why() {
     let nothing = Sphere(DVec3::ZERO, -0.5);
     assert_eq!(go(&nothing, good, false), Some(BuildError::NoSurface));
 }
-
