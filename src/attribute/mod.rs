@@ -7,6 +7,7 @@ mod cells;
 mod colour_space;
 mod constant;
 mod formula;
+mod mesh_colour;
 mod mix;
 mod parts;
 
@@ -15,12 +16,9 @@ pub use cells::{ByCell, CellIndex, Choice, CubeLattice};
 pub use colour_space::{ColourSpace, NotAColour, from_srgb, parse, to_srgb};
 pub use constant::Constant;
 pub use formula::{Components, Formula};
+pub use mesh_colour::VertexColours;
 pub use mix::{Mixer, Turn};
 pub use parts::{Part, Parts, Rule};
-
-mod mesh_colour;
-
-pub use mesh_colour::VertexColours;
 
 use crate::field::{Aabb, BATCH, Points};
 

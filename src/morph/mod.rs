@@ -15,6 +15,15 @@ mod stb;
 mod stti;
 mod volume;
 
+pub use coarse::CoarseGrid;
+pub use motion::{Motion, Moved, Similarity};
+pub use pace::Curve;
+pub use plan::{FrameReport, Morph, MorphObject, Plan, Report, Stage};
+pub use section::{Round, Section};
+pub use settings::{Ease, Error, Flow, Mode, Pace, Paper, Settings, Side};
+pub use stb::Stb;
+pub use stti::{MorphColour, Transfer};
+
 #[cfg(test)]
 mod exact;
 #[cfg(test)]

@@ -26,4 +26,3 @@ pub fn scatter(_graph: &mut Graph, shape: Node, _host: &dyn Field, _cells: &Cell
 pub fn surface_points(_host: &dyn Field, cells: &Cells, picked: &[CellId]) -> Vec<DVec3> {
     picked.iter().map(|id| cells.cell(*id).bounds.centre()).collect()
 }
-
