@@ -541,16 +541,10 @@ pub const MORPH: &[Key] = &[
         .limit(Limit::Positive)
         .also(&["time_scale"]),
     Key::new("slab", Kind::Table, Words("`[0, 1]`"), "`mode = \"paper\"`: the slab of time that bounds the blend."),
-    Key::new(
-        "round",
-        Kind::Flag,
-        Text("false"),
-        "`mode = \"paper\"`: the half-cylinders are rounded where time cuts them.",
-    ),
 ];
 
 /// Keys of `[morph]` that only `mode = "paper"` uses.
-pub const PAPER_ONLY: &[&str] = &["a0", "a1", "a2", "a3", "s", "slab", "round"];
+pub const PAPER_ONLY: &[&str] = &["a0", "a1", "a2", "a3", "s", "slab"];
 
 /// Grids that a file can hold.
 pub const GRIDS: &[&str] = &["surface", "Cd"];
@@ -588,7 +582,7 @@ pub const LATER: &[(&str, &[&str])] = &[
             "revolve", "keep",
         ],
     ),
-    ("morph", &["delay", "keep", "weight"]),
+    ("morph", &["delay", "keep", "round", "volume", "weight"]),
     ("color", &["texture", "sample", "grid", "noise", "wood", "marble"]),
     ("output", &["adaptive"]),
     ("grid", &["vel", "density"]),

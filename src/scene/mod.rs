@@ -15,6 +15,7 @@ mod hash;
 pub mod keys;
 mod load;
 mod model;
+mod morphing;
 mod number;
 mod overrides;
 mod paint;
@@ -29,6 +30,8 @@ mod source;
 mod value;
 mod variation;
 
+#[cfg(test)]
+mod frame_tests;
 #[cfg(test)]
 mod tests;
 

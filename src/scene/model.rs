@@ -239,8 +239,6 @@ pub enum MorphMode {
         s: f64,
         /// The slab of time.
         slab: [f64; 2],
-        /// Whether the half-cylinders are rounded.
-        round: bool,
     },
 }
 

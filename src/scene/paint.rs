@@ -12,7 +12,7 @@ use crate::field::cells::Cells;
 
 use super::colour::{GREY, css};
 use super::error::Problem;
-use super::model::{Maker, Model, Shape, ShapeColour, ShapeId};
+use super::model::{Maker, Shape, ShapeColour, ShapeId};
 use super::placed_colour::{PlacedColour, Way};
 use super::solid::{Solids, Stage};
 
@@ -53,14 +53,6 @@ impl Paint {
     }
 }
 
-impl Model {
-    /// Whether a shape has a colour, its own or that of its parts. Vertex colours of meshes are found when they are
-    /// read.
-    pub(super) fn has_colour(&self, id: ShapeId, is_coloured_mesh: &dyn Fn(ShapeId) -> bool) -> bool {
-        self.with_parts(&[id]).into_iter().any(|id| self.shape(id).colour.is_some() || is_coloured_mesh(id))
-    }
-}
-
 impl Solids<'_> {
     /// A shape's colour; `None` where neither it nor a part of it has one. `voxel` is a voxel's edge.
     pub fn paint(&mut self, id: ShapeId, stage: Stage, voxel: f64) -> Result<Option<Paint>, Problem> {
@@ -68,9 +60,9 @@ impl Solids<'_> {
         let shape = model.shape(id);
         match stage {
             Stage::Own => self.own_paint(id, shape, voxel),
-            Stage::Placed => {
+            Stage::Scaled | Stage::Placed => {
                 let Some(own) = self.paint(id, Stage::Own, voxel)? else { return Ok(None) };
-                let map = self.placement(&shape.modifiers)?;
+                let map = self.placement(&shape.modifiers, stage)?;
                 Ok(Some(if map == DAffine3::IDENTITY { own } else { own.through(Way::Back(map.inverse())) }))
             }
         }

@@ -7,6 +7,7 @@ use rayon::prelude::*;
 
 use crate::attribute::Colour;
 use crate::distance::extent::{self, extent};
+use crate::distance::nearest::Watch;
 use crate::field::{Aabb, Field};
 use crate::grid::{Lattice, VoxelSize};
 
@@ -14,7 +15,8 @@ use super::assets::Assets;
 use super::diagnostic::{Diagnostic, Diagnostics};
 use super::error::{Error, Problem};
 use super::frames::Shot;
-use super::model::{Content, Model, ShapeId};
+use super::model::{Content, Model, Morph, ShapeId};
+use super::morphing::{Planned, extent_over_shot, pair, plan};
 use super::paint::Scenery;
 use super::solid::{Solids, Stage};
 use super::variation::Variation;
@@ -33,6 +35,8 @@ pub struct PrepareOptions<'a> {
     pub resolution: Option<u32>,
     /// Half the band's width in voxels.
     pub half_width: Option<f64>,
+    /// The most memory that measuring one object of a morph may take, in bytes; `None` for 4 GiB.
+    pub memory_limit: Option<usize>,
     /// Set it to stop: the result is [`Error::Cancelled`].
     pub cancel: &'a AtomicBool,
     /// Told the share done, 0 to 1, from any thread.
@@ -61,6 +65,8 @@ enum Ready {
     Still(Scenery),
     /// A shape that is built for each frame.
     Changing(ShapeId),
+    /// A morph.
+    Morph(Box<Planned>),
 }
 
 /// All that a frame's grids are computed from.
@@ -117,31 +123,53 @@ fn prepare(model: &Arc<Model>, options: &PrepareOptions<'_>) -> Result<Prepared,
     let assets = Arc::new(Assets::load(model, &model.with_parts(&roots))?);
     let variation = Variation::of(model);
     stop_if(options.cancel)?;
-    let Content::Shape(id) = model.content else {
-        return Err(Problem::new(Default::default(), "morphs are not built yet").into());
-    };
     let mut solids = Solids::new(model, &assets, model.moment(model.shot.range.first as f64));
-    let mut warnings = Vec::new();
-    let box_of_all = if variation.placed(id) {
-        box_over_shot(model, &solids, &variation, id, options)?
-    } else {
-        solid_box(model, id, solids.field(id, Stage::Placed)?.as_ref())?
+    let (content, extent, lattice) = match &model.content {
+        Content::Shape(id) => ready_shape(model, &mut solids, &variation, *id, options)?,
+        Content::Morph(morph) => ready_morph(model, &mut solids, &variation, morph, options)?,
     };
-    let lattice = lattice(model, options, box_of_all)?;
-    let content =
-        if variation.placed(id) { Ready::Changing(id) } else { Ready::Still(scenery(&mut solids, id, &lattice)?) };
-    let half_width = options.half_width.unwrap_or(model.output.half_width) as f32;
-    warnings.sort_by_key(|_: &Diagnostic| 0);
     Ok(Prepared {
         lattice,
-        half_width,
-        extent: box_of_all,
-        warnings: Diagnostics::new(warnings, model.sources.clone()),
+        half_width: options.half_width.unwrap_or(model.output.half_width) as f32,
+        extent,
+        warnings: Diagnostics::new(Vec::new(), model.sources.clone()),
         model: Arc::clone(model),
         assets,
         variation,
         content,
     })
+}
+
+fn ready_shape(
+    model: &Model,
+    solids: &mut Solids<'_>,
+    variation: &Variation,
+    id: ShapeId,
+    options: &PrepareOptions<'_>,
+) -> Result<(Ready, Aabb, Lattice), Stop> {
+    if variation.placed(id) {
+        let extent = box_over_shot(model, solids, variation, id, options)?;
+        return Ok((Ready::Changing(id), extent, lattice(model, options, extent)?));
+    }
+    let extent = solid_box(model, id, solids.field(id, Stage::Placed)?.as_ref())?;
+    let lattice = lattice(model, options, extent)?;
+    Ok((Ready::Still(scenery(solids, id, &lattice)?), extent, lattice))
+}
+
+fn ready_morph(
+    model: &Arc<Model>,
+    solids: &mut Solids<'_>,
+    variation: &Variation,
+    morph: &Morph,
+    options: &PrepareOptions<'_>,
+) -> Result<(Ready, Aabb, Lattice), Stop> {
+    let pair = pair(model, solids, variation, morph)?;
+    // The in-betweens' box is known only once the objects are measured; about a voxel is enough for that.
+    let about = lattice(model, options, pair.both)?;
+    let watch = Watch { cancel: options.cancel, progress: options.progress };
+    let planned = plan(model, solids, morph, pair, about.voxel_size.get(), options.memory_limit, &watch)?;
+    let extent = extent_over_shot(model, morph, &planned.morph)?;
+    Ok((Ready::Morph(Box::new(planned)), extent, lattice(model, options, extent)?))
 }
 
 fn stop_if(cancel: &AtomicBool) -> Result<(), Stop> {
@@ -155,10 +183,15 @@ fn scenery(solids: &mut Solids<'_>, id: ShapeId, lattice: &Lattice) -> Result<Sc
     Ok(Scenery { field, colour: paint.map(|paint| paint.colour) })
 }
 
+/// The box of F ≥ 0.
+pub(super) fn box_of(field: &dyn Field) -> Result<Aabb, extent::Error> {
+    extent(field, None).map(|extent| extent.solid)
+}
+
 /// The box of F ≥ 0, or what is wrong with the shape.
-fn solid_box(model: &Model, id: ShapeId, field: &dyn Field) -> Result<Aabb, Problem> {
+pub(super) fn solid_box(model: &Model, id: ShapeId, field: &dyn Field) -> Result<Aabb, Problem> {
     let shape = model.shape(id);
-    extent(field, None).map(|extent| extent.solid).map_err(|error| match error {
+    box_of(field).map_err(|error| match error {
         extent::Error::Unbounded => {
             let culprit = model.unbounded_part(id);
             let problem = format!("`{}` may reach to infinity", model.shape(culprit).name);
@@ -190,7 +223,7 @@ fn box_over_shot(
 }
 
 /// All frames of a shot, or as many as are looked at, evenly, with both ends.
-fn sampled_frames(shot: &Shot) -> Vec<f64> {
+pub(super) fn sampled_frames(shot: &Shot) -> Vec<f64> {
     let count = shot.range.count();
     if count <= MOST_BOXES {
         return (shot.range.first..=shot.range.last).map(|frame| frame as f64).collect();
@@ -256,6 +289,10 @@ impl Prepared {
         let scenery = match &self.content {
             Ready::Still(scenery) => scenery.clone(),
             Ready::Changing(id) => self.changing(*id, frame).map_err(|problem| self.model.error(problem))?,
+            Ready::Morph(planned) => {
+                let colour = planned.has_colour.then(|| planned.morph.colour(info.t));
+                Scenery { field: planned.morph.field(info.t), colour }
+            }
         };
         let margin = (f64::from(self.half_width) + 2.0) * self.lattice.voxel_size.get();
         let region = scenery.field.bounding_box().unwrap_or(self.extent).grown(margin);
@@ -276,6 +313,7 @@ impl Prepared {
 
     /// About how much memory the prepared scene itself holds, in bytes: frames come on top.
     pub fn memory_estimate(&self) -> u64 {
-        self.assets.bytes()
+        let distances = if let Ready::Morph(planned) = &self.content { planned.bytes } else { 0 };
+        self.assets.bytes() + distances
     }
 }

@@ -31,6 +31,8 @@ pub(super) struct Solids<'m> {
 pub(super) enum Stage {
     /// All but scale, rotate and move: the shape in its own space.
     Own,
+    /// Scaled, but neither turned nor moved.
+    Scaled,
     /// All of it.
     Placed,
 }
@@ -46,7 +48,7 @@ impl<'m> Solids<'m> {
         let mut other = Self { moment, ..self.clone() };
         other.made.retain(|(id, stage), _| match stage {
             Stage::Own => !variation.own(*id),
-            Stage::Placed => !variation.placed(*id),
+            Stage::Scaled | Stage::Placed => !variation.placed(*id),
         });
         other.cells.retain(|id, _| !variation.placed(self.model.cells[id.0].around));
         other
@@ -91,9 +93,9 @@ impl<'m> Solids<'m> {
         let shape = self.model.shape(id);
         let node = match stage {
             Stage::Own => self.own(id, shape)?,
-            Stage::Placed => {
+            Stage::Scaled | Stage::Placed => {
                 let own = self.node(id, Stage::Own)?;
-                let map = self.placement(&shape.modifiers)?;
+                let map = self.placement(&shape.modifiers, stage)?;
                 self.transformed(own, &map, shape)?
             }
         };
@@ -102,8 +104,11 @@ impl<'m> Solids<'m> {
     }
 
     /// Scale, then rotate, then move: from the shape's own space to where it stands.
-    pub fn placement(&self, modifiers: &Modifiers) -> Result<DAffine3, Problem> {
+    pub fn placement(&self, modifiers: &Modifiers, stage: Stage) -> Result<DAffine3, Problem> {
         let scale = self.vector(&modifiers.scale)?;
+        if stage == Stage::Scaled {
+            return Ok(DAffine3::from_scale(scale));
+        }
         let degrees = self.vector(&modifiers.rotate)?;
         let by = self.vector(&modifiers.translate)?;
         let turn = DAffine3::from_mat3_translation(rotation(degrees), by);

@@ -313,11 +313,11 @@ fn keys_and_easing() {
 #[test]
 fn formulas_point_into_the_text() {
     only("[shape.a]\nsphere = \"1 + tt\"\n", "2:15 nothing here is called `tt`; did you mean `t`?");
-    only("[shape.a]\nformula = \"1 - x^2 - y^ - z\"\n", "");
-    only("[param]\nsize = 2\n[shape.a]\nformula = \"sise - x^2\"\n", "");
-    only("[shape.a]\nsphere = \"1 + x\"\n", "");
-    only("[shape.a]\nmove = [0, \"sin(t\", 0]\n", "");
-    only("[shape.a]\nsphere = 1\nmove = [0, '', 0]\n", "");
+    only("[shape.a]\nformula = \"1 - x^2 - (y^2\"\n", "A");
+    only("[param]\nsize = 2\n[shape.a]\nformula = \"sise - x^2\"\n", "B");
+    only("[shape.a]\nsphere = \"1 + x\"\n", "C");
+    only("[shape.a]\nmove = [0, \"sin(t\", 0]\n", "D");
+    only("[shape.a]\nsphere = 1\nmove = [0, '', 0]\n", "E");
     only("[param]\nt = 2\n[shape.a]\nsphere = 1\n", "2:1 `t` already means something in formulas");
     let model = model(
         "frames='1-5'\n[param]\nsize = 3\nslow = \"t/2\"\n[shape.a]\nsphere = 1\nmove = [\"size*t\", \"frame + time\", \"cos(pi*slow)\"]\n",
