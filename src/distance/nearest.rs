@@ -13,7 +13,7 @@ mod seeds;
 
 use std::sync::atomic::AtomicBool;
 
-use glam::{DVec3, Vec3};
+use glam::DVec3;
 
 use self::seeds::SeedTree;
 use super::band;

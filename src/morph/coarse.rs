@@ -78,8 +78,8 @@ impl CoarseGrid {
 
     fn block_points(&self, index: usize) -> (Points, Aabb) {
         let half_block = self.edge * f64::from(BLOCK_EDGE) * 0.5;
-        let middle = DVec3::from_array(self.least)
-            + (self.block(index).as_dvec3() + 0.5) * (self.edge * f64::from(BLOCK_EDGE));
+        let middle =
+            DVec3::from_array(self.least) + (self.block(index).as_dvec3() + 0.5) * (self.edge * f64::from(BLOCK_EDGE));
         let mut points = Points::new(middle);
         let offset = |i: usize| ((i as f64 - 3.5) * self.edge) as f32;
         for i in 0..BATCH {

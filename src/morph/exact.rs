@@ -10,14 +10,26 @@ use crate::field::{Aabb, BATCH, Evaluator, Field, Gradients, Interval, Points, S
 /// A solid whose signed distance is known in closed form.
 #[derive(Clone, Debug)]
 pub enum Exact {
-    Ball { centre: DVec3, radius: f64 },
-    Block { centre: DVec3, half: DVec3 },
+    Ball {
+        centre: DVec3,
+        radius: f64,
+    },
+    Block {
+        centre: DVec3,
+        half: DVec3,
+    },
     /// Around the z axis.
-    Torus { large: f64, small: f64 },
+    Torus {
+        large: f64,
+        small: f64,
+    },
     /// Solids that do not meet: the greatest of their distances.
     Apart(Vec<Exact>),
     /// What is within some thickness of a surface.
-    Shell { of: Box<Exact>, half: f64 },
+    Shell {
+        of: Box<Exact>,
+        half: f64,
+    },
 }
 
 impl Exact {

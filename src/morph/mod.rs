@@ -12,12 +12,8 @@ mod real;
 mod section;
 mod settings;
 mod stb;
+mod stti;
 mod volume;
-
-#[cfg(test)]
-mod exact;
-#[cfg(test)]
-mod tests;
 
 pub use coarse::CoarseGrid;
 pub use motion::{Motion, Moved, Similarity};
@@ -26,3 +22,9 @@ pub use plan::{FrameReport, Morph, MorphObject, Plan, Report, Stage};
 pub use section::{Round, Section};
 pub use settings::{Ease, Error, Flow, Mode, Pace, Paper, Settings, Side};
 pub use stb::Stb;
+pub use stti::{MorphColour, Transfer};
+
+#[cfg(test)]
+mod exact;
+#[cfg(test)]
+mod tests;

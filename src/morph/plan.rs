@@ -12,10 +12,11 @@ use super::pace::{Curve, Even, even};
 use super::section::Section;
 use super::settings::{Error, Mode, Pace, Settings, Side};
 use super::stb::Stb;
+use super::stti::{MorphColour, Transfer};
 use super::volume::{Enclosing, Volume, difference, object_fractions, total};
-use crate::attribute::Colour;
+use crate::attribute::{Colour, LinearRgb, Mixer, Turn};
 use crate::distance::Distance;
-use crate::field::{Aabb, Field};
+use crate::field::{Aabb, BATCH, Field, Points};
 
 /// Steps of t's curve. Fewer miss short bursts of change; each costs a solve on the coarse grid in each pass.
 const STEPS: usize = 40;
@@ -50,6 +51,8 @@ pub struct Plan {
     pub changes: Vec<f64>,
     /// The least and greatest corner of the box of F ≥ 0 over all steps, to within a cell of the coarse grid.
     pub extent: [[f64; 3]; 2],
+    /// The way round between nearly opposite hues: that of the objects' mean colours.
+    pub turn: Turn,
 }
 
 /// What a morph shows at one scene time.
@@ -122,7 +125,8 @@ impl Morph {
         let mut margin = MARGINS[0];
         while margin <= MARGINS[1] {
             let grid = CoarseGrid::over(both.grown(margin * unit));
-            let plan = Plan { unit, grid, pace: Curve::line(), changes: Vec::new(), extent: [[0.0; 3]; 2] };
+            let plan =
+                Plan { unit, grid, pace: Curve::line(), changes: Vec::new(), extent: [[0.0; 3]; 2], turn: Turn::Up };
             let mut morph = Self { from: from.clone(), to: to.clone(), settings: settings.clone(), plan, still: None };
             if morph.make_plan()? {
                 return Ok(morph);
@@ -179,13 +183,41 @@ impl Morph {
         match self.stage(time) {
             Stage::From => own(&self.from),
             Stage::To => own(&self.to),
-            Stage::Between(section) => Arc::new(Stb::new(
-                Arc::new(placed(&self.from)),
-                Arc::new(placed(&self.to)),
-                self.plan.unit,
-                &section,
-            )),
+            Stage::Between(section) => {
+                Arc::new(Stb::new(Arc::new(placed(&self.from)), Arc::new(placed(&self.to)), self.plan.unit, &section))
+            }
         }
+    }
+
+    /// The frame's colour at scene time τ. Where shape and colour are both at an end, it is the object's own.
+    pub fn colour(&self, time: f64) -> Arc<dyn Colour> {
+        let colour_time = self.colour_time(time);
+        let colour = |object: &MorphObject| Moved::new(object.colour.clone(), object.motion.at(time));
+        let distance = |object: &MorphObject| Moved::new(object.distance.clone(), object.motion.at(time));
+        let t = self.time_at(time);
+        if t <= 0.0 && colour_time <= 0.0 {
+            return Arc::new(colour(&self.from));
+        }
+        if t >= 1.0 && colour_time == 1.0 {
+            return Arc::new(colour(&self.to));
+        }
+        let Settings { alpha, beta, colour_space, .. } = self.settings;
+        Arc::new(MorphColour {
+            first: Arc::new(distance(&self.from)),
+            second: Arc::new(distance(&self.to)),
+            from: Arc::new(colour(&self.from)),
+            to: Arc::new(colour(&self.to)),
+            unit: self.plan.unit,
+            transfer: Transfer { time: colour_time, alpha, beta },
+            mixer: Mixer::new(colour_space, self.plan.turn),
+        })
+    }
+
+    /// STTI's time at scene time τ: even, 0 before its span, after it 1 or, with the octopus effect, on and on.
+    fn colour_time(&self, time: f64) -> f64 {
+        let [start, end] = self.settings.colour_over;
+        let colour_time = ((time - start) / (end - start)).max(0.0);
+        if self.settings.octopus { colour_time } else { colour_time.min(1.0) }
     }
 
     /// Numbers on the frames at some scene times, in order.
@@ -244,7 +276,8 @@ impl Morph {
     /// The blend's amount at t and what it encloses; at the ends, 0 and the object.
     fn enclosing(&self, measured: &Measured, t: f64) -> Enclosing {
         let grid = &self.plan.grid;
-        let own = |distances: &[f32]| Enclosing { a0: 0.0, fractions: object_fractions(grid, distances, self.plan.unit) };
+        let own =
+            |distances: &[f32]| Enclosing { a0: 0.0, fractions: object_fractions(grid, distances, self.plan.unit) };
         if t <= 0.0 {
             return own(&measured.first);
         }
@@ -252,9 +285,7 @@ impl Morph {
             return own(&measured.second);
         }
         match &self.settings.mode {
-            Mode::Paper(paper) => {
-                Volume::new(grid, measured, self.plan.unit, paper.section(t)).as_it_is()
-            }
+            Mode::Paper(paper) => Volume::new(grid, measured, self.plan.unit, paper.section(t)).as_it_is(),
             Mode::Flow(flow) => {
                 let volume = Volume::new(grid, measured, self.plan.unit, flow.section(t));
                 volume.enclosing(self.target(measured, t))
@@ -285,6 +316,23 @@ impl Morph {
         }
     }
 
+    /// The mean of an object's colour over cells spread evenly over its surface, or else over the whole grid.
+    fn mean_colour(&self, object: &MorphObject, time: f64, distances: &[f32]) -> LinearRgb {
+        let near = (self.plan.grid.edge() / self.plan.unit) as f32;
+        let on_surface: Vec<usize> = (0..distances.len()).filter(|&i| distances[i].abs() < near).collect();
+        let cells = if on_surface.is_empty() { (0..distances.len()).collect() } else { on_surface };
+        let stride = cells.len().div_ceil(BATCH);
+        let colour = Moved::new(object.colour.clone(), object.motion.at(time));
+        let mut points = Points::new(self.plan.grid.centre(cells[0]));
+        for &cell in cells.iter().step_by(stride) {
+            points.push((self.plan.grid.centre(cell) - points.origin).as_vec3());
+        }
+        let mut colours = [[0.0; 3]; BATCH];
+        colour.sampler().sample(&points, &mut colours);
+        let mean = |i: usize| colours[..points.len].iter().map(|colour| colour[i]).sum::<f32>() / points.len as f32;
+        [mean(0), mean(1), mean(2)]
+    }
+
     /// Paces the morph and finds its extent. False where it reaches a face of the coarse grid.
     fn make_plan(&mut self) -> Result<bool, Error> {
         self.measure_still();
@@ -312,6 +360,10 @@ impl Morph {
             Even { changes: changes(&all(&progress)), times: progress }
         };
         let fractions = all(&times);
+        let [start, end] = self.settings.over;
+        let from = self.mean_colour(&self.from, start, &at(0).first);
+        let to = self.mean_colour(&self.to, end, &at(STEPS).second);
+        self.plan.turn = Turn::between(self.settings.colour_space, from, to);
         let cell = self.plan.grid.cell_volume();
         let extent = extent(&self.plan.grid, &fractions);
         let clear = !fractions.par_iter().any(|one| touches_a_face(&self.plan.grid, one));

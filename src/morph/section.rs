@@ -102,7 +102,8 @@ impl<T: Real> Kernel<T> {
         let Section { t, time_scale: s, slab, .. } = *section;
         let bound = intersection(s * (t - slab[0]), s * (slab[1] - t));
         let round = section.round.map(|round| {
-            let beyond = |t: f64| Displacement::new(round.a0, round.reach, round.reach, round.a3, s * (t + round.depth));
+            let beyond =
+                |t: f64| Displacement::new(round.a0, round.reach, round.reach, round.a3, s * (t + round.depth));
             [beyond(t), beyond(1.0 - t)]
         });
         Self {
@@ -163,9 +164,8 @@ impl<T: Real> Kernel<T> {
         let mut g1_slope = intersection_slope(first, self.cut1);
         let mut g2_slope = intersection_slope(second, self.cut2);
         if let Some([one, two]) = self.round {
-            let fall = |d: Displacement<T>, f: T, cut: T| {
-                d.amount * Displacement::fall(d.rho(f, cut)) * T::TWO * d.k1 * f
-            };
+            let fall =
+                |d: Displacement<T>, f: T, cut: T| d.amount * Displacement::fall(d.rho(f, cut)) * T::TWO * d.k1 * f;
             g1_slope = g1_slope - fall(one, first, self.cut1);
             g2_slope = g2_slope - fall(two, second, self.cut2);
         }

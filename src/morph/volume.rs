@@ -40,8 +40,7 @@ impl<'a> Volume<'a> {
         let mut ranges = Ranges::new(self.measured.first.len());
         level_ranges(&kernel, self.half_edge, self.measured, &mut ranges);
         let (low, high) = (around_rank(&ranges.least, target)[0], around_rank(&ranges.most, target)[1]);
-        let mut fractions: Vec<f32> =
-            ranges.most.iter().map(|level| f32::from(u8::from(*level <= low))).collect();
+        let mut fractions: Vec<f32> = ranges.most.iter().map(|level| f32::from(u8::from(*level <= low))).collect();
         let missing = target - total(&fractions);
         let crossed = (0..fractions.len()).filter(|&i| ranges.least[i] < high && ranges.most[i] > low);
         let mut crossed = Crossed::new(self, &ranges, crossed);
@@ -59,8 +58,7 @@ impl<'a> Volume<'a> {
         let kernel = Kernel::<f32>::new(&self.section);
         let mut ranges = Ranges::new(self.measured.first.len());
         value_ranges(&kernel, self.half_edge, self.measured, &mut ranges);
-        let mut fractions: Vec<f32> =
-            ranges.least.iter().map(|value| f32::from(u8::from(*value >= 0.0))).collect();
+        let mut fractions: Vec<f32> = ranges.least.iter().map(|value| f32::from(u8::from(*value >= 0.0))).collect();
         let crossed = (0..fractions.len()).filter(|&i| ranges.least[i] < 0.0 && ranges.most[i] >= 0.0);
         let mut crossed = Crossed::new(self, &ranges, crossed);
         crossed.fill(&kernel);
@@ -184,8 +182,12 @@ impl Crossed {
     fn new(volume: &Volume<'_>, ranges: &Ranges, cells: impl Iterator<Item = usize>) -> Self {
         let cells: Vec<usize> = cells.collect();
         let segments = cells.chunks(LANES).map(|lanes| {
-            let mut out =
-                Segments { first: [0.0; LANES], first_gain: [0.0; LANES], second: [0.0; LANES], second_gain: [0.0; LANES] };
+            let mut out = Segments {
+                first: [0.0; LANES],
+                first_gain: [0.0; LANES],
+                second: [0.0; LANES],
+                second_gain: [0.0; LANES],
+            };
             for (lane, &cell) in lanes.iter().enumerate() {
                 let reach = [ranges.first[cell] * volume.half_edge, ranges.second[cell] * volume.half_edge];
                 out.first[lane] = volume.measured.first[cell] - reach[0];
@@ -274,7 +276,8 @@ fn zero(mut low: f64, mut high: f64, tolerance: f64, mut rising: impl FnMut(f64)
     }
     let mut high_stayed = None;
     for step in 1..=60 {
-        let middle = if step % 5 == 0 { 0.5 * (low + high) } else { (low * at_high - high * at_low) / (at_high - at_low) };
+        let middle =
+            if step % 5 == 0 { 0.5 * (low + high) } else { (low * at_high - high * at_low) / (at_high - at_low) };
         let value = rising(middle);
         if value.abs() <= tolerance || high - low <= 1e-12 * high {
             return middle;
