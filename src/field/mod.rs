@@ -11,6 +11,7 @@ pub mod cells;
 mod combine;
 mod expression;
 mod extent;
+pub mod facet;
 mod facts;
 mod formula;
 mod graph;

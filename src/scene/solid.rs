@@ -5,20 +5,25 @@ use std::sync::Arc;
 
 use glam::{DAffine3, DVec3};
 
+use super::pending::{Options, facet, scatter};
+use crate::field::cells::{CellId, CellOptions, Cells};
 use crate::field::{Blend, BlendBounds, Expression, Field, Graph, Node, SetSystem, rotation};
 
 use super::assets::Assets;
 use super::error::Problem;
-use super::model::{Maker, Model, Modifiers, Shape, ShapeId};
+use super::model::{CellsId, Copies, Maker, Model, Modifiers, Shape, ShapeId};
 use super::number::{Moment, Number};
+use super::variation::Variation;
 
 /// Builds the fields of shapes at one moment, in one graph.
+#[derive(Clone)]
 pub(super) struct Solids<'m> {
     model: &'m Model,
     assets: &'m Assets,
     moment: Moment,
     graph: Graph,
     made: BTreeMap<(ShapeId, Stage), Node>,
+    cells: BTreeMap<CellsId, Arc<Cells>>,
 }
 
 /// How far a shape is made.
@@ -26,6 +31,8 @@ pub(super) struct Solids<'m> {
 pub(super) enum Stage {
     /// All but scale, rotate and move: the shape in its own space.
     Own,
+    /// Scaled, but neither turned nor moved.
+    Scaled,
     /// All of it.
     Placed,
 }
@@ -33,7 +40,18 @@ pub(super) enum Stage {
 impl<'m> Solids<'m> {
     /// Nothing built yet.
     pub fn new(model: &'m Model, assets: &'m Assets, moment: Moment) -> Self {
-        Self { model, assets, moment, graph: Graph::new(), made: BTreeMap::new() }
+        Self { model, assets, moment, graph: Graph::new(), made: BTreeMap::new(), cells: BTreeMap::new() }
+    }
+
+    /// The same at another moment: what does not change is kept.
+    pub fn at(&self, moment: Moment, variation: &Variation) -> Self {
+        let mut other = Self { moment, ..self.clone() };
+        other.made.retain(|(id, stage), _| match stage {
+            Stage::Own => !variation.own(*id),
+            Stage::Scaled | Stage::Placed => !variation.placed(*id),
+        });
+        other.cells.retain(|id, _| !variation.placed(self.model.cells[id.0].around));
+        other
     }
 
     /// A shape's field.
@@ -52,6 +70,22 @@ impl<'m> Solids<'m> {
         Ok(DVec3::new(self.number(&vector[0])?, self.number(&vector[1])?, self.number(&vector[2])?))
     }
 
+    /// A shape's field whose values hold everywhere, not only near the surface.
+    pub fn values(&mut self, id: ShapeId) -> Result<Arc<dyn Field>, Problem> {
+        let node = self.node(id, Stage::Placed)?;
+        Ok(Arc::new(Expression::new(&self.graph, node).keeping_values()))
+    }
+
+    /// The scene.
+    pub fn model(&self) -> &'m Model {
+        self.model
+    }
+
+    /// Its meshes.
+    pub fn assets(&self) -> &'m Assets {
+        self.assets
+    }
+
     fn node(&mut self, id: ShapeId, stage: Stage) -> Result<Node, Problem> {
         if let Some(node) = self.made.get(&(id, stage)) {
             return Ok(*node);
@@ -59,9 +93,9 @@ impl<'m> Solids<'m> {
         let shape = self.model.shape(id);
         let node = match stage {
             Stage::Own => self.own(id, shape)?,
-            Stage::Placed => {
+            Stage::Scaled | Stage::Placed => {
                 let own = self.node(id, Stage::Own)?;
-                let map = self.placement(&shape.modifiers)?;
+                let map = self.placement(&shape.modifiers, stage)?;
                 self.transformed(own, &map, shape)?
             }
         };
@@ -70,8 +104,11 @@ impl<'m> Solids<'m> {
     }
 
     /// Scale, then rotate, then move: from the shape's own space to where it stands.
-    pub fn placement(&self, modifiers: &Modifiers) -> Result<DAffine3, Problem> {
+    pub fn placement(&self, modifiers: &Modifiers, stage: Stage) -> Result<DAffine3, Problem> {
         let scale = self.vector(&modifiers.scale)?;
+        if stage == Stage::Scaled {
+            return Ok(DAffine3::from_scale(scale));
+        }
         let degrees = self.vector(&modifiers.rotate)?;
         let by = self.vector(&modifiers.translate)?;
         let turn = DAffine3::from_mat3_translation(rotation(degrees), by);
@@ -93,7 +130,10 @@ impl<'m> Solids<'m> {
             let cuboid = self.graph.cuboid(aabb.size());
             let placed = DAffine3::from_translation(aabb.centre());
             let cuboid = self.transformed(cuboid, &placed, shape)?;
-            node = self.graph.bounded_intersection(node, cuboid);
+            node = self.graph.intersection(SetSystem::R0, &[node, cuboid]);
+        }
+        if let Some(copies) = &modifiers.at {
+            node = self.copies(node, copies)?;
         }
         if let Some(axis) = modifiers.mirror {
             node = self.graph.mirror(node, DVec3::AXES[axis], 0.0);
@@ -148,9 +188,15 @@ impl<'m> Solids<'m> {
                 self.graph.heart(width)
             }
             Maker::Formula { formula, .. } => formula.node(&mut self.graph, &self.moment),
-            Maker::Mesh { .. } | Maker::Facet { .. } => {
-                let field = self.assets.field(id);
-                self.graph.field(field)
+            Maker::Mesh { .. } => {
+                let mesh = Arc::clone(self.assets.mesh(id));
+                self.graph.field(mesh)
+            }
+            Maker::Facet { of, cells, tilt, cut, seed } => {
+                let cells = self.cells(*cells)?;
+                let whole = self.node(*of, Stage::Placed)?;
+                let options = Options { tilt: *tilt, cut: *cut, seed: *seed };
+                facet(&mut self.graph, whole, &cells, &options).node
             }
             Maker::Union(operands) => {
                 let nodes = self.nodes(operands)?;
@@ -166,6 +212,38 @@ impl<'m> Solids<'m> {
             }
             Maker::Blend { operands, radius, within } => self.blend(operands, radius, *within)?,
         })
+    }
+
+    /// The cells of an id.
+    pub fn cells(&mut self, id: CellsId) -> Result<Arc<Cells>, Problem> {
+        if let Some(cells) = self.cells.get(&id) {
+            return Ok(Arc::clone(cells));
+        }
+        let cells = &self.model.cells[id.0];
+        let around = self.host(id)?;
+        let options =
+            CellOptions { depth: [cells.least_depth, cells.most_depth], chance: cells.chance, seed: cells.seed };
+        let built = Cells::build(around.as_ref(), &options)
+            .map_err(|error| Problem::new(cells.span, format!("`{}`: {error}", cells.name)))?;
+        Ok(Arc::clone(self.cells.entry(id).or_insert(Arc::new(built))))
+    }
+
+    /// The field of the shape that cells stand around.
+    pub fn host(&mut self, id: CellsId) -> Result<Arc<dyn Field>, Problem> {
+        self.field(self.model.cells[id.0].around, Stage::Placed)
+    }
+
+    /// The cells of copies, and which of them get one.
+    pub fn picked(&mut self, copies: &Copies) -> Result<(Arc<Cells>, Vec<CellId>), Problem> {
+        let cells = self.cells(copies.cells)?;
+        let picked = cells.pick(copies.pick, copies.seed);
+        Ok((cells, picked))
+    }
+
+    fn copies(&mut self, node: Node, copies: &Copies) -> Result<Node, Problem> {
+        let (cells, picked) = self.picked(copies)?;
+        let host = self.host(copies.cells)?;
+        Ok(scatter(&mut self.graph, node, host.as_ref(), &cells, &picked))
     }
 
     /// A direction, which has no length to lose.

@@ -311,6 +311,24 @@ fn keys_and_easing() {
 }
 
 #[test]
+fn formulas_point_into_the_text() {
+    only("[shape.a]\nsphere = \"1 + tt\"\n", "2:15 nothing here is called `tt`; did you mean `t`?");
+    only("[shape.a]\nformula = \"1 - x^2 - (y^2\"\n", "A");
+    only("[param]\nsize = 2\n[shape.a]\nformula = \"sise - x^2\"\n", "B");
+    only("[shape.a]\nsphere = \"1 + x\"\n", "C");
+    only("[shape.a]\nmove = [0, \"sin(t\", 0]\n", "D");
+    only("[shape.a]\nsphere = 1\nmove = [0, '', 0]\n", "E");
+    only("[param]\nt = 2\n[shape.a]\nsphere = 1\n", "2:1 `t` already means something in formulas");
+    let model = model(
+        "frames='1-5'\n[param]\nsize = 3\nslow = \"t/2\"\n[shape.a]\nsphere = 1\nmove = [\"size*t\", \"frame + time\", \"cos(pi*slow)\"]\n",
+    );
+    let at = |i: usize, frame: f64| shape(&model, "a").modifiers.translate[i].at(&model.moment(frame)).unwrap();
+    assert_eq!((at(0, 1.0), at(0, 3.0), at(0, 5.0)), (0.0, 1.5, 3.0));
+    assert_eq!(at(1, 3.0), 3.0 + 2.0 / 24.0);
+    assert!((at(2, 5.0)).abs() < 1e-15);
+}
+
+#[test]
 fn the_hash_follows_content_alone() {
     let hash = |text: &str| model(text).hash().unwrap();
     let one = hash("seed = 1\n[shape.a]\nsphere = 2 # a ball\n");

@@ -63,6 +63,18 @@ impl StoredClass {
     }
 }
 
+impl std::fmt::Display for StoredClass {
+    /// As OpenVDB spells it.
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Self::Unknown => "unknown",
+            Self::LevelSet => "level set",
+            Self::FogVolume => "fog volume",
+            Self::Staggered => "staggered",
+        })
+    }
+}
+
 /// The voxels of a grid from a file. Numbers of 64 bits are rounded to 32.
 #[derive(Clone, Debug)]
 pub enum Voxels {
