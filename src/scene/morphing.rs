@@ -44,7 +44,7 @@ pub(super) struct Pair {
 /// Finds the two objects, their motion and their boxes.
 pub(super) fn pair(
     model: &Arc<Model>,
-    solids: &mut Solids<'_>,
+    solids: &mut Solids,
     variation: &Variation,
     morph: &Morph,
 ) -> Result<Pair, Stop> {
@@ -59,7 +59,7 @@ pub(super) fn pair(
     Ok(Pair { from, to, both })
 }
 
-fn side(model: &Arc<Model>, solids: &mut Solids<'_>, variation: &Variation, id: ShapeId) -> Result<Object, Problem> {
+fn side(model: &Arc<Model>, solids: &mut Solids, variation: &Variation, id: ShapeId) -> Result<Object, Problem> {
     let shape = model.shape(id);
     if variation.own(id) {
         let problem = format!("`{}` changes its shape over time, and so cannot enter a morph", shape.name);
@@ -134,15 +134,14 @@ pub(super) struct Planned {
 /// Measures both objects and plans the morph. `voxel` is about a voxel's edge.
 pub(super) fn plan(
     model: &Model,
-    solids: &mut Solids<'_>,
+    solids: &mut Solids,
     morph: &Morph,
     pair: Pair,
     voxel: f64,
-    memory_limit: Option<usize>,
     watch: &Watch<'_>,
 ) -> Result<Planned, Stop> {
-    let from = measured(model, solids, &pair.from, voxel, memory_limit, watch)?;
-    let to = measured(model, solids, &pair.to, voxel, memory_limit, watch)?;
+    let from = measured(model, solids, &pair.from, voxel, watch)?;
+    let to = measured(model, solids, &pair.to, voxel, watch)?;
     let has_colour = from.paint.is_some() || to.paint.is_some();
     let bytes = (from.distance.report().bytes + to.distance.report().bytes) as u64;
     let settings = settings(model, morph);
@@ -176,10 +175,9 @@ impl MeasuredSide {
 
 fn measured(
     model: &Model,
-    solids: &mut Solids<'_>,
+    solids: &mut Solids,
     side: &Object,
     voxel: f64,
-    memory_limit: Option<usize>,
     watch: &Watch<'_>,
 ) -> Result<MeasuredSide, Stop> {
     let shape = model.shape(side.id);
@@ -193,8 +191,7 @@ fn measured(
         band::Error::Cancelled => Stop::Cancelled,
         error => problem(error.to_string()),
     })?;
-    let mut settings = octree::Settings::new(side.solid, cell);
-    settings.memory_limit = memory_limit.unwrap_or(settings.memory_limit);
+    let settings = octree::Settings::new(side.solid, cell);
     let distance = DistanceObject::build(&feet, &settings, watch).map_err(|error| match error {
         BuildError::Cancelled => Stop::Cancelled,
         error => problem(error.to_string()),
