@@ -225,7 +225,10 @@ mod tests {
 
     use super::*;
     use crate::{
-        distance::testing::{Joined, Leaf, exact},
+        distance::{
+            accuracy::exact,
+            testing::{Joined, Leaf},
+        },
         grid::VoxelSize,
     };
 

@@ -1,6 +1,7 @@
 //! Signed distances measured from a field's zero set: the band of a frame with closest points, and distance
 //! objects that answer everywhere (HFRep: `papers: Hybrid Function Representation with Distance Properties`).
 
+pub mod accuracy;
 pub mod band;
 mod block;
 pub mod descent;

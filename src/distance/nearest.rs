@@ -63,7 +63,8 @@ const SEED_BAND: f32 = 0.9;
 /// more branches of the field.
 const GROUP: f64 = 4.0;
 
-/// How far feet may move from their seeds, in spacings.
+/// How far stand-ins are from their seeds, and again how far feet may move, in spacings. Smaller stops short of corners,
+/// larger keeps more branches of the field.
 const ROOM: f64 = 3.0;
 
 /// Nearer than this to its foot, in spacings, a point takes the field's gradient for its direction: the foot is right
@@ -115,10 +116,10 @@ impl<'a> FieldFeet<'a> {
     }
 }
 
-/// A position that is still without a foot, and its nearest seed.
+/// A position on the way to its foot, and the point of the surface it has so far.
 struct Open {
     query: usize,
-    seed: DVec3,
+    point: DVec3,
     group: [i64; 3],
 }
 
@@ -185,47 +186,68 @@ impl FieldFeet<'_> {
             } else if let Some((index, seed)) = self.seeds.nearest(*position, last) {
                 last = Some(index);
                 let group = (seed / (GROUP * self.spacing)).floor().as_i64vec3().to_array();
-                open.push(Open { query, seed, group });
+                open.push(Open { query, point: seed, group });
             }
         }
         open.sort_unstable_by_key(|open| (open.group, open.query));
-        for group in open.chunk_by(|a, b| a.group == b.group) {
+        for group in open.chunk_by_mut(|a, b| a.group == b.group) {
             self.polish(positions, group, feet, work);
         }
     }
 
     /// Feet around seeds that lie close together; the positions may be far away.
-    fn polish(&self, positions: &[DVec3], group: &[Open], feet: &mut [Foot], work: &mut Work) {
-        let region = box_of(group.iter().map(|open| open.seed)).grown(ROOM * self.spacing);
+    fn polish(&self, positions: &[DVec3], group: &mut [Open], feet: &mut [Foot], work: &mut Work) {
+        let region = box_of(group.iter().map(|open| open.point)).grown((ROOM + ROOM) * self.spacing);
+        work.evaluator.enter(&region);
+        if work.evaluator.branches() > 1 {
+            // Creases and corners are sought from a stand-in near the seed, on the way to the position. What is found
+            // so from twice is on the right crease or face; how far along it, the position itself says.
+            for _ in 0..2 {
+                self.approach(positions, group, region, Some(ROOM * self.spacing), work);
+            }
+        }
+        self.approach(positions, group, region, None, work);
+        work.evaluator.leave();
+        for open in group.iter() {
+            self.finish(positions[open.query], open.point, &mut feet[open.query]);
+        }
+    }
+
+    /// Moves points of the surface towards being the feet of positions, or of stand-ins no farther away than
+    /// `within`, where that brings them nearer to the positions.
+    fn approach(&self, positions: &[DVec3], group: &mut [Open], region: Aabb, within: Option<f64>, work: &mut Work) {
         let origin = region.centre();
         (work.queries.origin, work.feet.origin) = (origin, origin);
         (work.queries.len, work.feet.len) = (0, 0);
         let mut reach = 0.0_f32;
-        for open in group {
-            let (query, seed) = ((positions[open.query] - origin).as_vec3(), (open.seed - origin).as_vec3());
+        for open in group.iter() {
+            let away = positions[open.query] - open.point;
+            let part = within.map_or(1.0, |within| (within / away.length()).min(1.0));
+            let (query, start) = ((open.point + away * part - origin).as_vec3(), (open.point - origin).as_vec3());
             work.queries.push(query);
-            work.feet.push(seed);
-            reach = reach.max(query.distance(seed));
+            work.feet.push(start);
+            reach = reach.max(query.distance(start));
         }
         let request = Request { unit: self.spacing as f32, reach: reach * 1.01, region };
-        work.evaluator.enter(&region);
-        work.polisher.closest(&mut *work.evaluator, &request, &work.queries, &mut work.feet, &mut work.distances);
-        work.evaluator.leave();
-        for (lane, open) in group.iter().enumerate() {
-            let position = positions[open.query];
-            let polished = work.feet.position(lane);
-            let found = work.distances[lane].is_finite() && region.contains(polished);
-            let point =
-                if found && polished.distance(position) < open.seed.distance(position) { polished } else { open.seed };
-            let foot = &mut feet[open.query];
-            let sign = if foot.distance < 0.0 { -1.0 } else { 1.0 };
-            let away = position - point;
-            let length = away.length();
-            foot.point = point;
-            foot.distance = sign * length;
-            if length > TOO_NEAR * self.spacing || foot.gradient == DVec3::ZERO {
-                foot.gradient = (away * sign).normalize_or(DVec3::X);
+        let Work { evaluator, polisher, queries, feet, distances, .. } = work;
+        polisher.closest(&mut **evaluator, &request, queries, feet, distances);
+        for (lane, open) in group.iter_mut().enumerate() {
+            let (position, point) = (positions[open.query], work.feet.position(lane));
+            let found = work.distances[lane].is_finite() && region.contains(point);
+            if found && point.distance_squared(position) < open.point.distance_squared(position) {
+                open.point = point;
             }
+        }
+    }
+
+    fn finish(&self, position: DVec3, point: DVec3, foot: &mut Foot) {
+        let sign = if foot.distance < 0.0 { -1.0 } else { 1.0 };
+        let away = position - point;
+        let length = away.length();
+        foot.point = point;
+        foot.distance = sign * length;
+        if length > TOO_NEAR * self.spacing || foot.gradient == DVec3::ZERO {
+            foot.gradient = (away * sign).normalize_or(DVec3::X);
         }
     }
 }

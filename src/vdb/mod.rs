@@ -20,6 +20,8 @@ mod frame;
 mod inspect;
 mod metadata;
 mod read;
+#[cfg(feature = "rivals")]
+pub mod rivals;
 mod temporary;
 pub mod walk;
 mod write;

@@ -2,7 +2,10 @@ use glam::{DMat3, DVec3, Vec3};
 
 use super::*;
 use crate::{
-    distance::testing::{Joined, Leaf, Saturated, exact},
+    distance::{
+        accuracy::exact,
+        testing::{Joined, Leaf, Saturated},
+    },
     grid::VoxelSize,
 };
 

@@ -5,8 +5,9 @@ use std::sync::atomic::AtomicBool;
 use glam::{DMat3, DVec3};
 
 use super::*;
+use crate::distance::accuracy::exact;
 use crate::distance::octree::{DistanceObject, Settings};
-use crate::distance::testing::{Joined, Leaf, exact};
+use crate::distance::testing::{Joined, Leaf};
 
 #[test]
 #[ignore]
@@ -74,4 +75,42 @@ fn explore() {
             );
         }
     }
+}
+
+/// A cube cut by planes at random tilts: what the facets of a Cubism figure are like.
+fn faceted_cube() -> crate::field::Expression {
+    use crate::field::{Expression, Graph, SetSystem};
+    let mut graph = Graph::new();
+    let mut state = 5_u64;
+    let mut unit = || {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+        (state >> 11) as f64 / (1_u64 << 53) as f64
+    };
+    let mut planes = Vec::new();
+    for i in 0..30 {
+        let mut normal = DVec3::new(unit() - 0.5, unit() - 0.5, unit() - 0.5).normalize();
+        let mut offset = 0.75 + 0.15 * unit();
+        if i < 6 {
+            normal = DVec3::AXES[i / 2] * if i % 2 == 0 { 1.0 } else { -1.0 };
+            offset = 0.7;
+        }
+        planes.push(graph.half_space(normal, offset));
+    }
+    let solid = graph.intersection(SetSystem::R0, &planes);
+    Expression::new(&graph, solid)
+}
+
+#[test]
+#[ignore]
+fn explore_facets() {
+    let cancel = AtomicBool::new(false);
+    let watch = Watch { cancel: &cancel, progress: &|_| {} };
+    let voxel = 2.0 / 128.0;
+    let region = Aabb::new(DVec3::splat(-1.0), DVec3::splat(1.0));
+    let field = faceted_cube();
+    let start = std::time::Instant::now();
+    let feet = FieldFeet::new(&field, &region, voxel, &watch).unwrap();
+    println!("facets: seeds {} in {:?}", feet.seeds(), start.elapsed());
+    let object = DistanceObject::build(&feet, &Settings::new(region, voxel), &watch).unwrap();
+    println!("facets: built in {:?}: {:?}", start.elapsed(), object.report());
 }

@@ -19,7 +19,7 @@ const NONE: u32 = u32::MAX;
 pub struct Corners {
     /// Every leaf's corners.
     pub leaves: Vec<[u32; 8]>,
-    /// The jet of each corner.
+    /// The jet of each corner, rounded.
     pub numbers: Vec<Numbers>,
     /// The part that each corner's foot lies on.
     pub parts: Vec<u32>,
@@ -81,6 +81,18 @@ pub fn corners(tree: &Tree, order: &[u32], samples: &Samples, step: f64) -> Corn
     hang(&leaves, &cells, &coarse_first, &index, step, &mut jets);
     let parts = neighbours.places.iter().map(|&place| samples.get(place).part).collect();
     Corners { leaves, numbers: jets.into_iter().map(rounded).collect(), parts }
+}
+
+impl Corners {
+    /// The patch of a leaf of the given edge.
+    pub fn patch(&self, leaf: usize, edge: f64) -> Patch {
+        Patch { corners: self.leaves[leaf].map(|corner| jet(&self.numbers[corner as usize])), edge }
+    }
+}
+
+/// A corner's numbers in `f64`.
+pub fn jet(numbers: &Numbers) -> Jet {
+    std::array::from_fn(|i| f64::from(numbers[i / 4][i % 4]))
 }
 
 fn rounded(jet: Jet) -> Numbers {

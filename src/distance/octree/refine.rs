@@ -51,14 +51,26 @@ pub fn lone_patch(corners: &[&Sample; 8], edge: f64) -> Patch {
     Patch { corners: std::array::from_fn(jet), edge }
 }
 
-/// Whether the patch of a cell misses the truth at a middle by more than the tolerance.
-fn misses(cell: &Cell, samples: &Samples, settings: &Settings) -> bool {
-    let corners = corners(cell).map(|corner| samples.get(corner));
-    let patch = lone_patch(&corners, f64::from(cell.size) * settings.smallest_cell);
-    middles().any(|halves| {
+/// How far a patch misses the truth at those middles of its cell that have samples.
+fn miss(patch: &Patch, cell: &Cell, samples: &Samples) -> f64 {
+    let miss = |halves: [u32; 3]| {
+        let sample = samples.find(cell.point(halves))?;
         let value = patch.jet(halves.map(|h| f64::from(h) * 0.5))[0];
-        (value - samples.get(cell.point(halves)).value).abs() > settings.tolerance
-    })
+        Some((value - sample.value).abs())
+    };
+    middles().filter_map(miss).fold(0.0, f64::max)
+}
+
+/// Whether a cell is large beside its distance to the surface, so that its patch must be right. (A leaf made by
+/// balancing has no sample in its middle: it is smaller than it had to be.)
+fn is_near(cell: &Cell, samples: &Samples, settings: &Settings) -> bool {
+    let edge = f64::from(cell.size) * settings.smallest_cell;
+    samples.find(cell.point([1; 3])).is_some_and(|middle| edge > settings.ratio * middle.value.abs())
+}
+
+fn all_middles(cell: &Cell) -> impl Iterator<Item = [u32; 3]> + use<> {
+    let cell = *cell;
+    middles().map(move |halves| cell.point(halves))
 }
 
 /// Splits from the root down and balances.
@@ -71,7 +83,6 @@ pub fn refine(
 ) -> Result<(), BuildError> {
     samples.request(&tree.cells[..1], corners)?;
     let mut active = vec![0_u32];
-    let levels = tree.cells[0].size.trailing_zeros();
     while !active.is_empty() {
         let cells: Vec<Cell> = active.iter().map(|&node| tree.cells[node as usize]).collect();
         let size = cells[0].size;
@@ -79,38 +90,64 @@ pub fn refine(
             break;
         }
         samples.request(&cells, |cell| [cell.point([1; 3])])?;
+        active.retain(|&node| is_near(&tree.cells[node as usize], samples, settings));
+        let near: Vec<Cell> = active.iter().map(|&node| tree.cells[node as usize]).collect();
+        samples.request(&near, all_middles)?;
         let edge = f64::from(size) * settings.smallest_cell;
-        let near = |cell: &Cell| edge > settings.ratio * samples.get(cell.point([1; 3])).value.abs();
-        let (active_near, near): (Vec<u32>, Vec<Cell>) =
-            active.iter().zip(&cells).filter(|(_, cell)| near(cell)).map(|(&node, cell)| (node, *cell)).unzip();
-        samples.request(&near, |cell| {
-            let cell = *cell;
-            middles().map(move |halves| cell.point(halves))
-        })?;
         let split: Vec<bool> = near
             .par_iter()
             .map(|cell| {
                 // The surface may pass through a cell whose middle is nearer to it than a corner.
                 let at_surface = samples.get(cell.point([1; 3])).value.abs() <= 0.87 * edge;
-                (at_surface && size > LARGEST_AT_SURFACE) || misses(cell, samples, settings)
+                let lone = || lone_patch(&corners(cell).map(|corner| samples.get(corner)), edge);
+                (at_surface && size > LARGEST_AT_SURFACE) || miss(&lone(), cell, samples) > settings.tolerance
             })
             .collect();
-        active.clear();
-        for (node, _) in active_near.iter().zip(&split).filter(|(_, split)| **split) {
-            let first = tree.split(*node);
+        let parents = std::mem::take(&mut active);
+        for (&node, _) in parents.iter().zip(&split).filter(|(_, split)| **split) {
+            let first = tree.split(node);
             active.extend(first..first + 8);
         }
         memory(tree, samples)?;
         // Work grows about fourfold with each level.
         (watch.progress)(0.9 * 0.25_f64.powi(size.trailing_zeros() as i32 - 1).min(1.0));
-        debug_assert!(size.trailing_zeros() <= levels);
     }
+    balance(tree, samples)?;
+    memory(tree, samples)
+}
+
+fn balance(tree: &mut Tree, samples: &mut Samples) -> Result<(), BuildError> {
     let split = tree.balance();
-    memory(tree, samples)?;
-    samples.request(&split, |cell| {
-        let cell = *cell;
-        middles().map(move |halves| cell.point(halves))
-    })
+    samples.request(&split, all_middles)
+}
+
+/// Splits the leaves whose final patches are wrong: their mixed derivatives, and corners that hang, are not those
+/// that [`refine`] tried. Returns whether there were any.
+pub fn refine_again(
+    tree: &mut Tree,
+    order: &[u32],
+    patch: impl Fn(usize, &Cell) -> Patch + Sync,
+    samples: &mut Samples,
+    settings: &Settings,
+) -> Result<bool, BuildError> {
+    let wrong: Vec<u32> = order
+        .par_iter()
+        .enumerate()
+        .filter(|&(leaf, &node)| {
+            let cell = &tree.cells[node as usize];
+            cell.size > 1
+                && is_near(cell, samples, settings)
+                && miss(&patch(leaf, cell), cell, samples) > 2.0 * settings.tolerance
+        })
+        .map(|(_, &node)| node)
+        .collect();
+    for &node in &wrong {
+        tree.split(node);
+    }
+    let split: Vec<Cell> = wrong.iter().map(|&node| tree.cells[node as usize]).collect();
+    samples.request(&split, all_middles)?;
+    balance(tree, samples)?;
+    Ok(!wrong.is_empty())
 }
 
 /// All middles of a cell in halves of its edge, for those who look for hanging corners.

@@ -105,6 +105,11 @@ impl<'a> Samples<'a> {
         &self.taken[self.index[&morton(place)] as usize]
     }
 
+    /// The sample at a point, if it was asked for.
+    pub fn find(&self, place: [u32; 3]) -> Option<&Sample> {
+        self.index.get(&morton(place)).map(|&index| &self.taken[index as usize])
+    }
+
     /// Every sample with its place.
     pub fn all(&self) -> Vec<([u32; 3], Sample)> {
         let mut all: Vec<_> = self.index.iter().map(|(key, &index)| (*key, self.taken[index as usize])).collect();

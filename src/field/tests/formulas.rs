@@ -15,8 +15,10 @@ fn field(text: &str) -> Expression {
     Expression::new(&graph, node)
 }
 
-/// Formulas with what they say in plain Rust, smooth in the world but where noted by NaN.
-const CASES: [(&str, fn(DVec3) -> f64); 20] = [
+type Plain = fn(DVec3) -> f64;
+
+/// Formulas with what they say in plain Rust.
+const CASES: [(&str, Plain); 20] = [
     ("sin(3*x + y) * cos(z)", |p| (3.0 * p.x + p.y).sin() * p.z.cos()),
     ("sin(x*2)*cos(y*2) + sin(y*2)*cos(z*2) + sin(z*2)*cos(x*2)", |p| {
         let (s, c) = ((p * 2.0).map(f64::sin), (p * 2.0).map(f64::cos));
