@@ -20,7 +20,14 @@ fn prepared_with(text: &str, resolution: Option<u32>) -> Result<Prepared, Error>
 
 fn prepare(model: Model, resolution: Option<u32>) -> Result<Prepared, Error> {
     let cancel = AtomicBool::new(false);
-    let options = PrepareOptions { voxel_size: None, resolution, half_width: None, cancel: &cancel, progress: &|_| () };
+    let options = PrepareOptions {
+        voxel_size: None,
+        resolution,
+        half_width: None,
+        memory_limit: None,
+        cancel: &cancel,
+        progress: &|_| (),
+    };
     Arc::new(model).prepare(&options)
 }
 

@@ -138,10 +138,11 @@ pub(super) fn plan(
     morph: &Morph,
     pair: Pair,
     voxel: f64,
+    memory_limit: Option<usize>,
     watch: &Watch<'_>,
 ) -> Result<Planned, Stop> {
-    let from = measured(model, solids, &pair.from, voxel, watch)?;
-    let to = measured(model, solids, &pair.to, voxel, watch)?;
+    let from = measured(model, solids, &pair.from, voxel, memory_limit, watch)?;
+    let to = measured(model, solids, &pair.to, voxel, memory_limit, watch)?;
     let has_colour = from.paint.is_some() || to.paint.is_some();
     let bytes = (from.distance.report().bytes + to.distance.report().bytes) as u64;
     let settings = settings(model, morph);
@@ -178,6 +179,7 @@ fn measured(
     solids: &mut Solids,
     side: &Object,
     voxel: f64,
+    memory_limit: Option<usize>,
     watch: &Watch<'_>,
 ) -> Result<MeasuredSide, Stop> {
     let shape = model.shape(side.id);
@@ -191,7 +193,8 @@ fn measured(
         band::Error::Cancelled => Stop::Cancelled,
         error => problem(error.to_string()),
     })?;
-    let settings = octree::Settings::new(side.solid, cell);
+    let mut settings = octree::Settings::new(side.solid, cell);
+    settings.memory_limit = memory_limit.unwrap_or(settings.memory_limit);
     let distance = DistanceObject::build(&feet, &settings, watch).map_err(|error| match error {
         BuildError::Cancelled => Stop::Cancelled,
         error => problem(error.to_string()),

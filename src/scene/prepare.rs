@@ -35,6 +35,8 @@ pub struct PrepareOptions<'a> {
     pub resolution: Option<u32>,
     /// Half the band's width in voxels.
     pub half_width: Option<f64>,
+    /// The most memory that measuring one object of a morph may take, in bytes; `None` for 4 GiB.
+    pub memory_limit: Option<usize>,
     /// Set it to stop: the result is [`Error::Cancelled`].
     pub cancel: &'a AtomicBool,
     /// Told the share done, 0 to 1, from any thread.
@@ -171,7 +173,7 @@ fn ready_morph(
     // The in-betweens' box is known only once the objects are measured; about a voxel is enough for that.
     let about = lattice(model, options, pair.both)?;
     let watch = Watch { cancel: options.cancel, progress: options.progress };
-    let planned = plan(model, solids, morph, pair, about.voxel_size.get(), &watch)?;
+    let planned = plan(model, solids, morph, pair, about.voxel_size.get(), options.memory_limit, &watch)?;
     let extent = extent_over_shot(model, morph, &planned.morph)?;
     Ok((Ready::Morph(Box::new(planned)), extent, lattice(model, options, extent)?))
 }
