@@ -24,6 +24,11 @@ const SCENES: &[BuiltIn] = &[
         text: include_str!("../../scenes/cubism.toml"),
         line: "two cubes of coloured, faceted cells flow into one another",
     },
+    BuiltIn {
+        name: "cubism-sliced",
+        text: include_str!("../../scenes/cubism-sliced.toml"),
+        line: "the same, cut open in every frame: the colours inside",
+    },
 ];
 
 const FILES: &[(&str, &[u8])] = &[("cube.obj", include_bytes!("../../scenes/cube.obj"))];

@@ -54,8 +54,11 @@ pub fn find(text: &str, span: Span, base: &Base, variables: &Variables) -> Resul
             Err(Diagnostic::error(span, format!("`{}` is a folder, not a file", clip(&expanded))))
         }
         Ok(_) => Ok(FileReference { place: FilePlace::Disk(path), span }),
-        // In the built-in scenes' examples, redirected into a file and changed, the cube may still be ours.
         Err(error) => {
+            // A built-in scene, redirected into a file and changed, still names the cube inside the program.
+            if let Some((name, _)) = super::builtin::file(&expanded) {
+                return Ok(FileReference { place: FilePlace::BuiltIn(name), span });
+            }
             let problem = match error.kind() {
                 std::io::ErrorKind::NotFound => format!("there is no file `{}`", clip(&expanded)),
                 _ => format!("`{}` cannot be read: {error}", clip(&expanded)),
@@ -82,13 +85,18 @@ fn suggest_neighbour(diagnostic: Diagnostic, path: &Path) -> Diagnostic {
     }
 }
 
-/// Replaces `$NAME` and `${NAME}`.
+/// Replaces `$NAME` and `${NAME}`; `$$` is a dollar sign.
 fn expand(text: &str, variables: &Variables) -> Result<String, String> {
     let mut out = String::new();
     let mut rest = text;
     while let Some(dollar) = rest.find('$') {
         out.push_str(&rest[..dollar]);
         rest = &rest[dollar + 1..];
+        if let Some(after) = rest.strip_prefix('$') {
+            out.push('$');
+            rest = after;
+            continue;
+        }
         let (name, after) = match rest.strip_prefix('{') {
             Some(braced) => braced.split_once('}').ok_or("a `${` in the path has no `}`")?,
             None => {
@@ -137,6 +145,7 @@ mod tests {
         assert_eq!(expand("$SHOT/a.obj", &variables), Ok("/s/010/a.obj".into()));
         assert_eq!(expand("${SHOT}x", &variables), Ok("/s/010x".into()));
         assert_eq!(expand("plain", &variables), Ok("plain".into()));
+        assert_eq!(expand("a$$SHOT", &variables), Ok("a$SHOT".into()));
         assert_eq!(expand("$SHOTS/a", &variables), Err("the variable `$SHOTS` is not set".into()));
         assert!(expand("${SHOT", &variables).is_err());
         assert!(expand("$/a", &variables).is_err());

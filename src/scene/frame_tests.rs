@@ -109,6 +109,9 @@ fn set_operations_and_modifiers() {
     assert!(ball("offset = 0.5", 1.4) && !ball("offset = 0.5", 1.6));
     assert!(ball("shell = 0.2", 1.05) && ball("shell = 0.2", -0.95) && !ball("shell = 0.2", 0.8));
     assert!(!ball("bounds = 1", 0.6) && ball("bounds = 1", 0.4));
+    let cut = prepared("[shape.a]\nformula = '1 - x^2 - y^2 - z^2'\nbounds = [[-2, -2, -2], [0.5, 2, 2]]\n");
+    let warnings = cut.warnings.to_string();
+    assert!(warnings.starts_with("warning: `bounds` cut `a` off at +x\n --> scene.toml:3:10\n"), "{warnings}");
     let mirrored = prepared("[shape.m]\nunion = ['a']\nmirror = 'x'\n[shape.a]\nsphere = 0.5\nmove = [2, 0, 0]\n");
     let frame = mirrored.frame(1).unwrap();
     assert!(value(&frame, 2.0, 0.0, 0.0) > 0.0 && value(&frame, -2.0, 0.0, 0.0) > 0.0);
@@ -188,6 +191,63 @@ fn a_morph_begins_and_ends_as_its_objects() {
     let again = prepared_with(text, Some(48)).unwrap_or_else(|error| panic!("{error}")).frame(5).unwrap();
     for x in [-1.0, 0.0, 0.3, 2.0] {
         assert_eq!(value(&again, x, 0.1, 0.0), value(&middle, x, 0.1, 0.0));
+    }
+}
+
+#[test]
+fn cells_and_copies_take_colours_of_the_palette() {
+    let text = "palette.p = ['red', 'blue']\n[cells.c]\noctree = 'block'\ndepth = 2\n[shape.block]\nmesh = 'cube.obj'\n\
+                [shape.u]\nunion = ['faces', 'eyes']\n\
+                [shape.faces]\nfacet = 'block'\ncells = 'c'\ncolor = { palette = 'p' }\n\
+                [shape.eyes]\nsphere = 0.1\nat = { cells = 'c', pick = 0.3 }\ncolor = { palette = ['lime'] }\n";
+    let scene = prepared_with(text, Some(32)).unwrap_or_else(|error| panic!("{error}"));
+    let frame = scene.frame(1).unwrap();
+    assert!(value(&frame, 0.0, 0.0, 0.0) > 0.0 && value(&frame, 1.3, 1.3, 1.3) < 0.0);
+    let mut seen = [0; 3];
+    for i in 0..400 {
+        let (x, y) = (f64::from(i % 20) / 10.0 - 0.95, f64::from(i / 20) / 10.0 - 0.95);
+        // On the way out of all parts their colours mix.
+        if value(&frame, x, y, 0.93) <= 0.0 {
+            continue;
+        }
+        match colour(&frame, x, y, 0.93) {
+            RED => seen[0] += 1,
+            BLUE => seen[1] += 1,
+            [0.0, 1.0, 0.0] => seen[2] += 1,
+            other => panic!("{other:?}"),
+        }
+    }
+    assert!(seen.iter().all(|count| *count > 0), "{seen:?}");
+    let open = text.replace("mesh = 'cube.obj'", "slab = 1");
+    refused(&open, "`c`: cells need a shape of finite extent");
+}
+
+#[test]
+fn a_morph_of_two_meshes() {
+    let cube = PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/cube.obj"));
+    let shot = FrameRange { first: 1, last: 4 };
+    let bridge = Overrides { set: vec!["morph.bridge=1".into(), "shape.to.move=[3, 0, 0]".into()], variant: None };
+    let model = morph_of_meshes(&cube, &cube, shot, &bridge).unwrap_or_else(|problems| panic!("{problems}"));
+    let scene = prepare(model, Some(24)).unwrap_or_else(|error| panic!("{error}"));
+    let (first, last) = (scene.frame(1).unwrap(), scene.frame(4).unwrap());
+    let middles = [value(&first, 0.0, 0.0, 0.0), value(&last, 3.0, 0.0, 0.0)];
+    assert!(middles.iter().all(|middle| (middle - 1.0).abs() < 1e-9), "{middles:?}");
+    assert!(first.colour.is_none());
+    let missing =
+        morph_of_meshes(&cube, &PathBuf::from("no \"such\" $x.obj"), shot, &Overrides::default()).unwrap_err();
+    assert!(missing.to_string().contains("there is no file `no \"such\" $x.obj`"), "{missing}");
+}
+
+#[test]
+fn a_cut_shows_the_inside() {
+    let text = "frames = '1-5'\n[shape.a]\nsphere = 1\ncolor = 'red'\n[shape.b]\nbox = 1.5\n\
+                [shape.front]\nhalf_space = [0, 1, 0]\n[morph]\nfrom = 'a'\nto = 'b'\ncut = 'front'\n";
+    let scene = prepared_with(text, Some(24)).unwrap_or_else(|error| panic!("{error}"));
+    for number in 1..=5 {
+        let frame = scene.frame(number).unwrap();
+        assert!(value(&frame, 0.0, 0.3, 0.0) > 0.0 && value(&frame, 0.0, -0.3, 0.0) < 0.0);
+        assert!(value(&frame, 0.0, 0.0, 0.0).abs() < 1e-9);
+        colour(&frame, 0.0, 0.0, 0.0);
     }
 }
 

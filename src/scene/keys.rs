@@ -530,6 +530,7 @@ pub const MORPH: &[Key] = &[
         Text("false"),
         "Colours run on past their end: the last one's creeps outward (STTI).",
     ),
+    Key::new("cut", Kind::Shape, Nothing, "Taken away from every frame, to look inside. Stands in the world."),
     Key::new("a0", Kind::Constant, Number(1.0), "`mode = \"paper\"`: how much is added between them.")
         .limit(Limit::NotZero),
     Key::new("a1", Kind::Constant, Number(1.0), "`mode = \"paper\"`: how far the first reaches.").limit(Limit::NotZero),

@@ -6,6 +6,7 @@ use std::sync::Arc;
 use super::builtin::{builtin_names, builtin_text};
 use super::diagnostic::{Diagnostic, Diagnostics, clip, nearest};
 use super::files::{Base, Variables};
+use super::frames::FrameRange;
 use super::model::Model;
 use super::overrides::{self, Overrides};
 use super::read::{self, Surroundings};
@@ -19,8 +20,15 @@ pub enum Source {
     Path(PathBuf),
     /// A scene inside the program.
     Builtin(String),
-    /// A text, with the name that messages call it by; paths in it are relative to the folder.
-    Text { name: String, text: String, folder: PathBuf },
+    /// A text that is no file.
+    Text {
+        /// What messages call it; JSON where it ends in `.json`.
+        name: String,
+        /// All of it.
+        text: String,
+        /// Where relative paths in it begin.
+        folder: PathBuf,
+    },
 }
 
 impl Source {
@@ -35,6 +43,29 @@ impl Source {
 pub fn load(source: &Source, overrides: &Overrides) -> Result<Model, Diagnostics> {
     let variables: Variables = Arc::new(|name| std::env::var(name).ok());
     load_with(source, overrides, variables)
+}
+
+/// The scene of `hfvdb morph A B`: two meshes, the one becoming the other over a shot, with the colours of their
+/// vertices where they have them. Overrides reach it as any scene: `morph.bridge=1`.
+pub fn morph_of_meshes(from: &Path, to: &Path, shot: FrameRange, overrides: &Overrides) -> Result<Model, Diagnostics> {
+    // A `$` in a name on the command line is the name's own.
+    let quoted = |path: &Path| {
+        let shown = path.display().to_string().replace('$', "$$");
+        let escaped = shown.chars().map(|c| match c {
+            '"' | '\\' => format!("\\{c}"),
+            c if c.is_control() => format!("\\u{:04X}", u32::from(c)),
+            c => c.to_string(),
+        });
+        format!("\"{}\"", escaped.collect::<String>())
+    };
+    let text = format!(
+        "hfvdb = 1\nframes = \"{}-{}\"\n\n[shape.from]\nmesh = {}\n\n[shape.to]\nmesh = {}\n\n[morph]\nfrom = \"from\"\nto = \"to\"\n",
+        shot.first,
+        shot.last,
+        quoted(from),
+        quoted(to),
+    );
+    load(&Source::Text { name: "hfvdb morph".into(), text, folder: PathBuf::new() }, overrides)
 }
 
 /// As [`load`], with the variables of paths given.

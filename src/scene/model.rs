@@ -201,6 +201,8 @@ pub struct Morph {
     pub from: ShapeId,
     /// What it is last.
     pub to: ShapeId,
+    /// What is taken away from every frame.
+    pub cut: Option<ShapeId>,
     /// How the shape's way is found.
     pub mode: MorphMode,
     /// Whether t is re-timed so that every frame changes as much as the others.

@@ -44,7 +44,7 @@ pub(super) struct Pair {
 /// Finds the two objects, their motion and their boxes.
 pub(super) fn pair(
     model: &Arc<Model>,
-    solids: &mut Solids<'_>,
+    solids: &mut Solids,
     variation: &Variation,
     morph: &Morph,
 ) -> Result<Pair, Stop> {
@@ -59,7 +59,7 @@ pub(super) fn pair(
     Ok(Pair { from, to, both })
 }
 
-fn side(model: &Arc<Model>, solids: &mut Solids<'_>, variation: &Variation, id: ShapeId) -> Result<Object, Problem> {
+fn side(model: &Arc<Model>, solids: &mut Solids, variation: &Variation, id: ShapeId) -> Result<Object, Problem> {
     let shape = model.shape(id);
     if variation.own(id) {
         let problem = format!("`{}` changes its shape over time, and so cannot enter a morph", shape.name);
@@ -134,7 +134,7 @@ pub(super) struct Planned {
 /// Measures both objects and plans the morph. `voxel` is about a voxel's edge.
 pub(super) fn plan(
     model: &Model,
-    solids: &mut Solids<'_>,
+    solids: &mut Solids,
     morph: &Morph,
     pair: Pair,
     voxel: f64,
@@ -176,7 +176,7 @@ impl MeasuredSide {
 
 fn measured(
     model: &Model,
-    solids: &mut Solids<'_>,
+    solids: &mut Solids,
     side: &Object,
     voxel: f64,
     memory_limit: Option<usize>,

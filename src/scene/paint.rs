@@ -4,11 +4,11 @@ use std::sync::Arc;
 
 use glam::{DAffine3, DVec3};
 
-use super::pending::surface_points;
 use crate::attribute::{ByCell, CellIndex, Choice, Part, Parts, Rule};
 use crate::attribute::{Colour, Constant, LinearRgb, VertexColours};
 use crate::field::Field;
 use crate::field::cells::Cells;
+use crate::field::facet::surface_points;
 
 use super::colour::{GREY, css};
 use super::error::Problem;
@@ -53,7 +53,7 @@ impl Paint {
     }
 }
 
-impl Solids<'_> {
+impl Solids {
     /// A shape's colour; `None` where neither it nor a part of it has one. `voxel` is a voxel's edge.
     pub fn paint(&mut self, id: ShapeId, stage: Stage, voxel: f64) -> Result<Option<Paint>, Problem> {
         let model = self.model();

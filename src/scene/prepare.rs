@@ -57,6 +57,8 @@ pub struct Prepared {
     assets: Arc<Assets>,
     variation: Variation,
     content: Ready,
+    /// All that does not change, built.
+    base: Solids,
 }
 
 /// What frames are made from.
@@ -118,12 +120,14 @@ impl From<Problem> for Stop {
 fn prepare(model: &Arc<Model>, options: &PrepareOptions<'_>) -> Result<Prepared, Stop> {
     let roots = match &model.content {
         Content::Shape(id) => vec![*id],
-        Content::Morph(morph) => vec![morph.from, morph.to],
+        Content::Morph(morph) => [morph.from, morph.to].into_iter().chain(morph.cut).collect(),
     };
-    let assets = Arc::new(Assets::load(model, &model.with_parts(&roots))?);
+    let parts = model.with_parts(&roots);
+    let assets = Arc::new(Assets::load(model, &parts)?);
     let variation = Variation::of(model);
     stop_if(options.cancel)?;
     let mut solids = Solids::new(model, &assets, model.moment(model.shot.range.first as f64));
+    let warnings = solids.cut_by_bounds(&parts)?;
     let (content, extent, lattice) = match &model.content {
         Content::Shape(id) => ready_shape(model, &mut solids, &variation, *id, options)?,
         Content::Morph(morph) => ready_morph(model, &mut solids, &variation, morph, options)?,
@@ -132,22 +136,24 @@ fn prepare(model: &Arc<Model>, options: &PrepareOptions<'_>) -> Result<Prepared,
         lattice,
         half_width: options.half_width.unwrap_or(model.output.half_width) as f32,
         extent,
-        warnings: Diagnostics::new(Vec::new(), model.sources.clone()),
+        warnings: Diagnostics::new(warnings, model.sources.clone()),
         model: Arc::clone(model),
         assets,
         variation,
         content,
+        base: solids,
     })
 }
 
 fn ready_shape(
     model: &Model,
-    solids: &mut Solids<'_>,
+    solids: &mut Solids,
     variation: &Variation,
     id: ShapeId,
     options: &PrepareOptions<'_>,
 ) -> Result<(Ready, Aabb, Lattice), Stop> {
     if variation.placed(id) {
+        solids.build_still(&model.with_parts(&[id]), variation);
         let extent = box_over_shot(model, solids, variation, id, options)?;
         return Ok((Ready::Changing(id), extent, lattice(model, options, extent)?));
     }
@@ -158,7 +164,7 @@ fn ready_shape(
 
 fn ready_morph(
     model: &Arc<Model>,
-    solids: &mut Solids<'_>,
+    solids: &mut Solids,
     variation: &Variation,
     morph: &Morph,
     options: &PrepareOptions<'_>,
@@ -177,7 +183,7 @@ fn stop_if(cancel: &AtomicBool) -> Result<(), Stop> {
 }
 
 /// A shape's field and colour.
-fn scenery(solids: &mut Solids<'_>, id: ShapeId, lattice: &Lattice) -> Result<Scenery, Problem> {
+fn scenery(solids: &mut Solids, id: ShapeId, lattice: &Lattice) -> Result<Scenery, Problem> {
     let field = solids.field(id, Stage::Placed)?;
     let paint = solids.paint(id, Stage::Placed, lattice.voxel_size.get())?;
     Ok(Scenery { field, colour: paint.map(|paint| paint.colour) })
@@ -185,7 +191,8 @@ fn scenery(solids: &mut Solids<'_>, id: ShapeId, lattice: &Lattice) -> Result<Sc
 
 /// The box of F ≥ 0.
 pub(super) fn box_of(field: &dyn Field) -> Result<Aabb, extent::Error> {
-    extent(field, None).map(|extent| extent.solid)
+    let solid = extent(field, None)?.solid;
+    if solid.size().max_element() > 0.0 { Ok(solid) } else { Err(extent::Error::Empty) }
 }
 
 /// The box of F ≥ 0, or what is wrong with the shape.
@@ -206,7 +213,7 @@ pub(super) fn solid_box(model: &Model, id: ShapeId, field: &dyn Field) -> Result
 /// The box over all frames of the shot.
 fn box_over_shot(
     model: &Model,
-    solids: &Solids<'_>,
+    solids: &Solids,
     variation: &Variation,
     id: ShapeId,
     options: &PrepareOptions<'_>,
@@ -291,7 +298,9 @@ impl Prepared {
             Ready::Changing(id) => self.changing(*id, frame).map_err(|problem| self.model.error(problem))?,
             Ready::Morph(planned) => {
                 let colour = planned.has_colour.then(|| planned.morph.colour(info.t));
-                Scenery { field: planned.morph.field(info.t), colour }
+                let whole = planned.morph.field(info.t);
+                let field = self.cut(whole, frame).map_err(|problem| self.model.error(problem))?;
+                Scenery { field, colour }
             }
         };
         let margin = (f64::from(self.half_width) + 2.0) * self.lattice.voxel_size.get();
@@ -299,10 +308,14 @@ impl Prepared {
         Ok(FrameContent { field: scenery.field, colour: scenery.colour, region, info })
     }
 
+    /// A morph's field without what is to be taken away.
+    fn cut(&self, whole: Arc<dyn Field>, frame: i64) -> Result<Arc<dyn Field>, Problem> {
+        let Content::Morph(Morph { cut: Some(cut), .. }) = self.model.content else { return Ok(whole) };
+        self.base.at(self.model.moment(frame as f64), &self.variation).without(whole, cut)
+    }
+
     fn changing(&self, id: ShapeId, frame: i64) -> Result<Scenery, Problem> {
-        let first = self.model.shot.range.first as f64;
-        let solids = Solids::new(&self.model, &self.assets, self.model.moment(first));
-        let mut solids = solids.at(self.model.moment(frame as f64), &self.variation);
+        let mut solids = self.base.at(self.model.moment(frame as f64), &self.variation);
         scenery(&mut solids, id, &self.lattice)
     }
 

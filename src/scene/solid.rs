@@ -5,11 +5,14 @@ use std::sync::Arc;
 
 use glam::{DAffine3, DVec3};
 
-use super::pending::{Options, facet, scatter};
 use crate::field::cells::{CellId, CellOptions, Cells};
+use crate::field::facet::{Options, facet, scatter};
 use crate::field::{Blend, BlendBounds, Expression, Field, Graph, Node, SetSystem, rotation};
 
+use crate::distance::extent::extent;
+
 use super::assets::Assets;
+use super::diagnostic::Diagnostic;
 use super::error::Problem;
 use super::model::{CellsId, Copies, Maker, Model, Modifiers, Shape, ShapeId};
 use super::number::{Moment, Number};
@@ -17,9 +20,9 @@ use super::variation::Variation;
 
 /// Builds the fields of shapes at one moment, in one graph.
 #[derive(Clone)]
-pub(super) struct Solids<'m> {
-    model: &'m Model,
-    assets: &'m Assets,
+pub(super) struct Solids {
+    model: Arc<Model>,
+    assets: Arc<Assets>,
     moment: Moment,
     graph: Graph,
     made: BTreeMap<(ShapeId, Stage), Node>,
@@ -37,9 +40,10 @@ pub(super) enum Stage {
     Placed,
 }
 
-impl<'m> Solids<'m> {
+impl Solids {
     /// Nothing built yet.
-    pub fn new(model: &'m Model, assets: &'m Assets, moment: Moment) -> Self {
+    pub fn new(model: &Arc<Model>, assets: &Arc<Assets>, moment: Moment) -> Self {
+        let (model, assets) = (Arc::clone(model), Arc::clone(assets));
         Self { model, assets, moment, graph: Graph::new(), made: BTreeMap::new(), cells: BTreeMap::new() }
     }
 
@@ -52,6 +56,39 @@ impl<'m> Solids<'m> {
         });
         other.cells.retain(|id, _| !variation.placed(self.model.cells[id.0].around));
         other
+    }
+
+    /// A warning for each of the shapes that its `bounds` cut.
+    pub fn cut_by_bounds(&mut self, shapes: &[ShapeId]) -> Result<Vec<Diagnostic>, Problem> {
+        let model = self.model();
+        let mut warnings = Vec::new();
+        for &id in shapes {
+            let shape = model.shape(id);
+            let Some(bounds) = shape.bounds else { continue };
+            let node = self.made_by(id, shape)?;
+            // Nothing inside at all is an error of the whole, said elsewhere.
+            let Ok(found) = extent(&Expression::new(&self.graph, node), Some(bounds.aabb)) else { continue };
+            let sides = ["-x", "+x", "-y", "+y", "-z", "+z"];
+            let cut: Vec<&str> =
+                sides.into_iter().zip(found.reaches_bounds).filter(|(_, cut)| *cut).map(|(side, _)| side).collect();
+            if !cut.is_empty() {
+                let problem = format!("`bounds` cut `{}` off at {}", shape.name, cut.join(", "));
+                warnings.push(Diagnostic::warning(bounds.span, problem).help("widen them where that is not meant"));
+            }
+        }
+        Ok(warnings)
+    }
+
+    /// Builds now what does not change, so that [`Solids::at`] keeps it. What cannot be built is said when a frame
+    /// needs it.
+    pub fn build_still(&mut self, shapes: &[ShapeId], variation: &Variation) {
+        for &id in shapes {
+            for (stage, varies) in [(Stage::Own, variation.own(id)), (Stage::Placed, variation.placed(id))] {
+                if !varies {
+                    let _ = self.node(id, stage);
+                }
+            }
+        }
     }
 
     /// A shape's field.
@@ -70,6 +107,15 @@ impl<'m> Solids<'m> {
         Ok(DVec3::new(self.number(&vector[0])?, self.number(&vector[1])?, self.number(&vector[2])?))
     }
 
+    /// Another field without a shape.
+    pub fn without(&mut self, whole: Arc<dyn Field>, id: ShapeId) -> Result<Arc<dyn Field>, Problem> {
+        let cut = self.node(id, Stage::Placed)?;
+        let whole = self.graph.field(whole);
+        // The values of both may be distances: the minimum keeps them so on one side.
+        let node = self.graph.difference(SetSystem::MinMax, whole, &[cut]);
+        Ok(Arc::new(Expression::new(&self.graph, node)))
+    }
+
     /// A shape's field whose values hold everywhere, not only near the surface.
     pub fn values(&mut self, id: ShapeId) -> Result<Arc<dyn Field>, Problem> {
         let node = self.node(id, Stage::Placed)?;
@@ -77,20 +123,21 @@ impl<'m> Solids<'m> {
     }
 
     /// The scene.
-    pub fn model(&self) -> &'m Model {
-        self.model
+    pub fn model(&self) -> Arc<Model> {
+        Arc::clone(&self.model)
     }
 
     /// Its meshes.
-    pub fn assets(&self) -> &'m Assets {
-        self.assets
+    pub fn assets(&self) -> &Assets {
+        &self.assets
     }
 
     fn node(&mut self, id: ShapeId, stage: Stage) -> Result<Node, Problem> {
         if let Some(node) = self.made.get(&(id, stage)) {
             return Ok(*node);
         }
-        let shape = self.model.shape(id);
+        let model = self.model();
+        let shape = model.shape(id);
         let node = match stage {
             Stage::Own => self.own(id, shape)?,
             Stage::Scaled | Stage::Placed => {
@@ -122,7 +169,7 @@ impl<'m> Solids<'m> {
         self.graph.transform(node, map).map_err(|error| Problem::new(shape.span, format!("`{}`: {error}", shape.name)))
     }
 
-    fn own(&mut self, id: ShapeId, shape: &'m Shape) -> Result<Node, Problem> {
+    fn own(&mut self, id: ShapeId, shape: &Shape) -> Result<Node, Problem> {
         let mut node = self.made_by(id, shape)?;
         let modifiers = &shape.modifiers;
         if let Some(bounds) = shape.bounds {
@@ -149,7 +196,7 @@ impl<'m> Solids<'m> {
         Ok(node)
     }
 
-    fn made_by(&mut self, id: ShapeId, shape: &'m Shape) -> Result<Node, Problem> {
+    fn made_by(&mut self, id: ShapeId, shape: &Shape) -> Result<Node, Problem> {
         Ok(match &shape.maker {
             Maker::Sphere { radius } => {
                 let radius = self.number(radius)?;
@@ -219,7 +266,8 @@ impl<'m> Solids<'m> {
         if let Some(cells) = self.cells.get(&id) {
             return Ok(Arc::clone(cells));
         }
-        let cells = &self.model.cells[id.0];
+        let model = self.model();
+        let cells = &model.cells[id.0];
         let around = self.host(id)?;
         let options =
             CellOptions { depth: [cells.least_depth, cells.most_depth], chance: cells.chance, seed: cells.seed };

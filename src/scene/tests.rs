@@ -313,11 +313,14 @@ fn keys_and_easing() {
 #[test]
 fn formulas_point_into_the_text() {
     only("[shape.a]\nsphere = \"1 + tt\"\n", "2:15 nothing here is called `tt`; did you mean `t`?");
-    only("[shape.a]\nformula = \"1 - x^2 - (y^2\"\n", "A");
-    only("[param]\nsize = 2\n[shape.a]\nformula = \"sise - x^2\"\n", "B");
-    only("[shape.a]\nsphere = \"1 + x\"\n", "C");
-    only("[shape.a]\nmove = [0, \"sin(t\", 0]\n", "D");
-    only("[shape.a]\nsphere = 1\nmove = [0, '', 0]\n", "E");
+    only("[shape.a]\nformula = \"1 - x^2 - (y^2\"\n", "2:22 this `(` is never closed");
+    only(
+        "[param]\nsize = 2\n[shape.a]\nformula = \"sise - x^2\"\n",
+        "4:12 nothing here is called `sise`; did you mean `size`?",
+    );
+    only("[shape.a]\nsphere = \"1 + x\"\n", "2:15 nothing here is called `x`; known are `frame`, `t`, `time`, `pi`");
+    only("[shape.a]\nsphere = 1\nmove = [0, \"sin(t\", 0]\n", "3:16 this `(` is never closed");
+    only("[shape.a]\nsphere = 1\nmove = [0, '', 0]\n", "3:13 the formula is empty");
     only("[param]\nt = 2\n[shape.a]\nsphere = 1\n", "2:1 `t` already means something in formulas");
     let model = model(
         "frames='1-5'\n[param]\nsize = 3\nslow = \"t/2\"\n[shape.a]\nsphere = 1\nmove = [\"size*t\", \"frame + time\", \"cos(pi*slow)\"]\n",

@@ -18,6 +18,7 @@ impl<'r, 'a> Building<'r, 'a> {
         let fields = Fields::of_value(self.reader, "morph", "morph", entry.key_span, &entry.value, keys)?;
         let from = fields.value("from").and_then(|value| self.shape_reference("morph.from", value));
         let to = fields.value("to").and_then(|value| self.shape_reference("morph.to", value));
+        let cut = fields.value("cut").and_then(|value| self.shape_reference("morph.cut", value));
         let mode = self.morph_mode(&fields);
         let over = self.within_shot(&fields, "over", shot).unwrap_or(shot.range);
         let colour_over = self.within_shot(&fields, "color_over", shot).unwrap_or(over);
@@ -26,6 +27,7 @@ impl<'r, 'a> Building<'r, 'a> {
             self.reader.say(problem.help("such as frames = \"1-48\""));
         }
         Some(Morph {
+            cut,
             mode,
             even_pace: fields.choice("pace") == Some("even") && !matches!(mode, MorphMode::Paper { .. }),
             smooth: fields.choice("ease") == Some("smooth"),
