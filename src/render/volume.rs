@@ -61,7 +61,7 @@ pub(super) struct Volume<'a> {
 }
 
 impl<'a> Volume<'a> {
-    /// Builds the tables; about 1 % of the band's own memory.
+    /// Builds the tables; a few per cent of the memory of the band itself.
     pub(super) fn new(band: &'a Band) -> Self {
         let mut volume = Self {
             band,
