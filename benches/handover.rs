@@ -1,4 +1,5 @@
-//! How fast blocks reach OpenVDB's tree across the bridge, against C++ alone and against a call a voxel.
+//! How fast blocks reach OpenVDB's tree across the bridge, against C++ alone and against a call a voxel; and how
+//! fast frames reach the disk, against OpenVDB's own writer.
 //!
 //!     cargo bench --features rivals --bench handover [-- ROUNDS]
 //!
@@ -9,7 +10,7 @@ use std::time::Instant;
 
 use glam::{DVec3, IVec3};
 use hfvdb::grid::*;
-use hfvdb::vdb::{Frame, Grid, prepare, rivals, set_threads};
+use hfvdb::vdb::{Frame, Grid, WriteOptions, prepare, rivals, set_threads};
 
 /// The band of a sphere of radius 0.9 in the box [-1, 1]³.
 fn sphere(resolution: i32) -> Band {
@@ -50,92 +51,108 @@ fn sphere(resolution: i32) -> Band {
     }
 }
 
-/// Seconds to bring a band's blocks into a tree across the bridge; the tree's end is not counted.
-fn across_the_bridge(band: &Band, threads: usize) -> f64 {
-    set_threads(threads).expect("a thread limit");
-    let frame = Frame { grids: vec![Grid::level_set("surface", band)], ..Default::default() };
-    let start = Instant::now();
-    let prepared = prepare(&frame).expect("a sound band");
-    let seconds = start.elapsed().as_secs_f64();
-    drop(prepared);
-    seconds
+/// Seconds by the clock, and of the processor on all threads: on a busy machine only the second means anything.
+type Seconds = [f64; 2];
+
+fn timed<T>(work: impl FnOnce() -> T) -> (Seconds, T) {
+    let (start, processor) = (Instant::now(), rivals::processor_seconds());
+    let result = work();
+    ([start.elapsed().as_secs_f64(), rivals::processor_seconds() - processor], result)
 }
 
-fn in_cpp(band: &Band, threads: usize) -> f64 {
+/// Brings a band's blocks into a tree across the bridge; the tree's end is not counted.
+fn across_the_bridge(band: &Band, threads: usize) -> Seconds {
+    set_threads(threads).expect("a thread limit");
+    let frame = Frame { grids: vec![Grid::level_set("surface", band)], ..Default::default() };
+    timed(|| prepare(&frame).expect("a sound band")).0
+}
+
+fn in_cpp(band: &Band, threads: usize) -> Seconds {
     let origins: Vec<i32> = band.origins.iter().flat_map(IVec3::to_array).collect();
     let (masks, values) = (band.active.as_flattened(), band.distances.as_flattened());
-    let mut seconds = 0.0;
+    let mut seconds = [0.0; 2];
     let voxels = rivals::link_in_cpp(&origins, masks, values, band.background(), threads, &mut seconds);
     assert_eq!(voxels.expect("the rival runs"), band.active_voxels());
     seconds
 }
 
-fn a_call_a_voxel(band: &Band) -> f64 {
-    let start = Instant::now();
-    let mut tree = rivals::new_voxel_tree(band.background()).expect("a tree");
-    for ((origin, values), mask) in band.origins.iter().zip(&band.distances).zip(&band.active) {
-        for (place, value) in (0..).zip(values) {
-            if mask[place as usize / 64] >> (place % 64) & 1 == 1 {
-                let voxel = *origin + IVec3::new(place >> 6, place >> 3 & 7, place & 7);
-                tree.pin_mut().set(voxel.x, voxel.y, voxel.z, -value).expect("a voxel");
+fn a_call_a_voxel(band: &Band) -> Seconds {
+    let (seconds, tree) = timed(|| {
+        let mut tree = rivals::new_voxel_tree(band.background()).expect("a tree");
+        for ((origin, values), mask) in band.origins.iter().zip(&band.distances).zip(&band.active) {
+            for (place, value) in (0..).zip(values) {
+                if mask[place as usize / 64] >> (place % 64) & 1 == 1 {
+                    let voxel = *origin + IVec3::new(place >> 6, place >> 3 & 7, place & 7);
+                    tree.pin_mut().set(voxel.x, voxel.y, voxel.z, -value).expect("a voxel");
+                }
             }
         }
-    }
-    let seconds = start.elapsed().as_secs_f64();
+        tree
+    });
     assert_eq!(tree.active_voxels(), band.active_voxels());
     seconds
 }
 
-/// Runs two rivals in turns and prints how many times faster the first is: the median, and the middle half.
-fn compare(title: &str, goal: f64, rounds: usize, ours: impl Fn() -> f64, theirs: impl Fn() -> f64) {
+/// The median, and the borders of the middle half.
+fn quartiles(mut list: Vec<f64>) -> [f64; 3] {
+    list.sort_by(f64::total_cmp);
+    [list[list.len() / 2], list[list.len() / 4], list[list.len() * 3 / 4]]
+}
+
+/// Runs two rivals in turns and prints how many times faster the first is.
+fn compare(title: &str, goal: f64, rounds: usize, ours: impl Fn() -> Seconds, theirs: impl Fn() -> Seconds) {
     (ours(), theirs()); // warm memory and caches
-    let mut ratios = Vec::new();
-    let (mut our_seconds, mut their_seconds) = (Vec::new(), Vec::new());
-    for round in 0..rounds {
-        let (a, b) = if round % 2 == 0 {
-            let a = ours();
-            (a, theirs())
-        } else {
-            let b = theirs();
-            (ours(), b)
-        };
-        ratios.push(b / a);
-        our_seconds.push(a);
-        their_seconds.push(b);
+    let pairs: Vec<(Seconds, Seconds)> = (0..rounds)
+        .map(|round| match round % 2 {
+            0 => {
+                let first = ours();
+                (first, theirs())
+            }
+            _ => {
+                let first = theirs();
+                (ours(), first)
+            }
+        })
+        .collect();
+    println!("{title}, goal {goal}");
+    for (clock, name) in ["by the clock", "of processor time"].into_iter().enumerate() {
+        let of =
+            |pick: fn(&(Seconds, Seconds), usize) -> f64| quartiles(pairs.iter().map(|p| pick(p, clock)).collect());
+        let [ratio, low, high] = of(|pair, clock| pair.1[clock] / pair.0[clock]);
+        let (ours, theirs) = (1e3 * of(|pair, clock| pair.0[clock])[0], 1e3 * of(|pair, clock| pair.1[clock])[0]);
+        println!("    {name}: {ratio:.2} times as fast ({low:.2} to {high:.2}); {ours:.1} ms against {theirs:.1} ms");
     }
-    for list in [&mut ratios, &mut our_seconds, &mut their_seconds] {
-        list.sort_by(f64::total_cmp);
-    }
-    println!(
-        "{title}: {:.2} times as fast ({:.2} to {:.2} in the middle half), goal {goal}; {:.1} ms against {:.1} ms",
-        ratios[rounds / 2],
-        ratios[rounds / 4],
-        ratios[rounds * 3 / 4],
-        1e3 * our_seconds[rounds / 2],
-        1e3 * their_seconds[rounds / 2],
-    );
+}
+
+/// Writes a surface with colour here and by OpenVDB's own writer: encoded, on the disk and synced.
+fn compare_writing(band: &Band, rounds: usize) {
+    let folder = tempfile::tempdir().expect("a folder");
+    let colours = band.distances.iter().map(|values| values.map(|value| [0.5 + value, 0.5 - value, value.abs()]));
+    let colour = Channel { name: "Cd".into(), values: colours.collect(), background: [0.5; 3] };
+    let frame =
+        Frame { grids: vec![Grid::level_set("surface", band), Grid::colour(band, &colour)], ..Default::default() };
+    let prepared = prepare(&frame).expect("a sound frame");
+    let (ours, theirs) = (folder.path().join("ours.vdb"), folder.path().join("theirs.vdb"));
+    let options = WriteOptions { overwrite: true, ..Default::default() };
+    let write_ours = || timed(|| prepared.write(&ours, &options).expect("it is written")).0;
+    let write_theirs = || timed(|| rivals::write_with_library(&prepared, theirs.to_str().expect("UTF-8"))).0;
+    compare("  a ready frame with colour on the disk, against io::File", 1.0, rounds, write_ours, write_theirs);
 }
 
 fn main() {
     let rounds = std::env::args().filter_map(|argument| argument.parse().ok()).next().unwrap_or(21);
-    let threads = std::thread::available_parallelism().map_or(2, usize::from);
+    let all = std::thread::available_parallelism().map_or(2, usize::from);
     for resolution in [256, 512] {
         let band = sphere(resolution);
         println!("sphere at {resolution}: {} blocks, {} active voxels", band.origins.len(), band.active_voxels());
-        for threads in [1, threads] {
-            let title = format!("  across the bridge against C++ alone, {threads} threads");
-            compare(&title, 0.8, rounds, || across_the_bridge(&band, threads), || in_cpp(&band, threads));
+        let ours = |threads| across_the_bridge(&band, threads);
+        for threads in [1, all] {
+            let title = format!("  across the bridge, against C++ alone, {threads} threads");
+            compare(&title, 0.8, rounds, || ours(threads), || in_cpp(&band, threads));
+            let title = format!("  blocks on {threads} threads, against a call a voxel on one");
+            compare(&title, 3.0, rounds, || ours(threads), || a_call_a_voxel(&band));
         }
-        let title = format!("  {threads} threads against 1");
-        compare(&title, 1.6, rounds, || across_the_bridge(&band, threads), || across_the_bridge(&band, 1));
-        let title = format!("  blocks against a call a voxel, {threads} threads and 1");
-        compare(&title, 3.0, rounds, || across_the_bridge(&band, threads), || a_call_a_voxel(&band));
-        compare(
-            "  blocks against a call a voxel, 1 thread each",
-            3.0,
-            rounds,
-            || across_the_bridge(&band, 1),
-            || a_call_a_voxel(&band),
-        );
+        compare(&format!("  {all} threads against 1"), 1.6, rounds, || ours(all), || ours(1));
+        compare_writing(&band, rounds);
     }
 }

@@ -1,11 +1,16 @@
 #include "rivals.h"
 
-#include "border.h"
+#include "grids.h"
 
-#include <openvdb/openvdb.h>
+#include <openvdb/io/File.h>
+
+#include <fcntl.h>
+#include <unistd.h>
 
 #include <chrono>
 #include <cstring>
+#include <ctime>
+#include <stdexcept>
 #include <thread>
 #include <vector>
 
@@ -29,12 +34,31 @@ void share(std::size_t count, std::size_t threads, const Act& act)
 
 } // namespace
 
+double processor_seconds()
+{
+    return double(std::clock()) / CLOCKS_PER_SEC;
+}
+
+void write_with_library(const Frame& frame, rust::Str path)
+{
+    const std::string name(path);
+    openvdb::io::File file(name);
+    file.setCompression(openvdb::io::COMPRESS_BLOSC | openvdb::io::COMPRESS_ACTIVE_MASK);
+    file.write(frame.parts().grids, frame.parts().metadata);
+    file.close();
+    const int descriptor = open(name.c_str(), O_RDONLY);
+    if (descriptor < 0 || fsync(descriptor) != 0) throw std::runtime_error("cannot sync " + name);
+    close(descriptor);
+}
+
 // What an experienced C++ programmer writes: each thread copies its share of leaves and links them into a tree of its
 // own, and the trees, which share no leaf, are merged by moving nodes.
 std::uint64_t link_in_cpp(rust::Slice<const std::int32_t> origins, rust::Slice<const std::uint64_t> masks,
-    rust::Slice<const float> values, float background, std::size_t threads, double& seconds)
+    rust::Slice<const float> values, float background, std::size_t threads,
+    std::array<double, 2>& seconds)
 {
     const auto start = std::chrono::steady_clock::now();
+    const double processor_start = processor_seconds();
     std::vector<std::unique_ptr<Tree>> trees(threads);
     share(origins.size() / 3, threads, [&](std::size_t thread, std::size_t first, std::size_t end) {
         trees[thread] = std::make_unique<Tree>(background);
@@ -51,7 +75,8 @@ std::uint64_t link_in_cpp(rust::Slice<const std::int32_t> origins, rust::Slice<c
         }
     });
     for (std::size_t thread = 1; thread < threads; ++thread) trees[0]->merge(*trees[thread]);
-    seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    seconds[0] = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    seconds[1] = processor_seconds() - processor_start;
     return trees[0]->activeVoxelCount();
 }
 

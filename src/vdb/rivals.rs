@@ -14,8 +14,14 @@ mod ffi {
             values: &[f32],
             background: f32,
             threads: usize,
-            seconds: &mut f64,
+            seconds: &mut [f64; 2],
         ) -> Result<u64>;
+
+        /// Seconds that all threads of the process have run.
+        fn processor_seconds() -> f64;
+
+        type Frame = crate::vdb::bridge::ffi::Frame;
+        fn write_with_library(frame: &Frame, path: &str) -> Result<()>;
 
         type VoxelTree;
         fn new_voxel_tree(background: f32) -> Result<UniquePtr<VoxelTree>>;
@@ -24,4 +30,12 @@ mod ffi {
     }
 }
 
-pub use ffi::{VoxelTree, link_in_cpp, new_voxel_tree};
+pub use ffi::{VoxelTree, link_in_cpp, new_voxel_tree, processor_seconds};
+
+/// Writes a frame by OpenVDB's own writer, compressed by Blosc, and syncs the file.
+///
+/// # Errors
+/// OpenVDB's.
+pub fn write_with_library(frame: &super::Prepared, path: &str) -> Result<(), cxx::Exception> {
+    ffi::write_with_library(&frame.frame, path)
+}

@@ -10,8 +10,11 @@ use tempfile::NamedTempFile;
 
 use super::Error;
 
-/// Temporary files that exist now.
-static LIVE: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
+/// A list of temporary files that exist now.
+pub(super) struct Register(Mutex<BTreeSet<PathBuf>>);
+
+/// Those of this process.
+static LIVE: Register = Register::new();
 
 /// Not `.vdb`: a program that lists a folder's frames must not find it.
 const SUFFIX: &str = ".hfvdb-tmp";
@@ -19,15 +22,25 @@ const SUFFIX: &str = ".hfvdb-tmp";
 /// Deletes the temporary files of every write that is under way in this process; these writes then fail. For the
 /// thread that handles signals, just before the process ends.
 pub fn remove_temporaries() {
-    for path in std::mem::take(&mut *live()) {
-        // Whatever cannot be deleted is left; there is nobody to tell.
-        let _ = std::fs::remove_file(path);
-    }
+    LIVE.remove_all();
 }
 
-/// The set stays usable when a thread panicked that held it: it is changed by single insertions and removals.
-fn live() -> MutexGuard<'static, BTreeSet<PathBuf>> {
-    LIVE.lock().unwrap_or_else(PoisonError::into_inner)
+impl Register {
+    pub const fn new() -> Self {
+        Self(Mutex::new(BTreeSet::new()))
+    }
+
+    pub fn remove_all(&self) {
+        for path in std::mem::take(&mut *self.lock()) {
+            // Whatever cannot be deleted is left; there is nobody to tell.
+            let _ = std::fs::remove_file(path);
+        }
+    }
+
+    /// The set stays usable when a thread panicked that held it: it is changed by single insertions and removals.
+    fn lock(&self) -> MutexGuard<'_, BTreeSet<PathBuf>> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
 }
 
 /// A file under a temporary name beside its final one; dropped, it is deleted.
@@ -37,22 +50,29 @@ pub(super) struct Temporary {
     registration: Registration,
 }
 
-/// An entry in the register of live files.
-struct Registration(PathBuf);
+/// An entry in a register.
+struct Registration {
+    register: &'static Register,
+    path: PathBuf,
+}
 
 impl Drop for Registration {
     fn drop(&mut self) {
-        live().remove(&self.0);
+        self.register.lock().remove(&self.path);
     }
 }
 
 impl Temporary {
     /// A new empty file in the folder where `target` will stand.
     pub fn beside(target: &Path) -> Result<Self, Error> {
+        Self::registered(&LIVE, target)
+    }
+
+    pub fn registered(register: &'static Register, target: &Path) -> Result<Self, Error> {
         let name: String =
             target.file_name().map(|name| name.to_string_lossy().chars().take(40).collect()).unwrap_or_default();
         // The lock is held meanwhile, so that no signal finds the file made and not yet registered.
-        let mut live = live();
+        let mut live = register.lock();
         let file = tempfile::Builder::new()
             .prefix(&format!(".{name}."))
             .suffix(SUFFIX)
@@ -61,7 +81,7 @@ impl Temporary {
             .map_err(|error| Error::system(target, "make a file in its folder", error))?;
         live.insert(file.path().to_path_buf());
         drop(live);
-        let registration = Registration(file.path().to_path_buf());
+        let registration = Registration { register, path: file.path().to_path_buf() };
         Ok(Self { file, registration })
     }
 

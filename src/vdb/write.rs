@@ -48,7 +48,7 @@ pub struct Written {
 
 /// A frame in OpenVDB's trees, independent of the blocks it came from.
 pub struct Prepared {
-    frame: cxx::UniquePtr<ffi::Frame>,
+    pub(super) frame: cxx::UniquePtr<ffi::Frame>,
 }
 
 /// Copies a frame's blocks into OpenVDB's trees, on all threads.
