@@ -7,6 +7,9 @@ use std::path::{Path, PathBuf};
 const SOURCES: [&str; 3] = ["cpp/build.cpp", "cpp/encode.cpp", "cpp/read.cpp"];
 const HEADERS: [&str; 2] = ["cpp/border.h", "cpp/grids.h"];
 const BRIDGE: &str = "src/vdb/bridge.rs";
+/// What belongs to the feature `rivals`.
+const RIVAL_BRIDGE: &str = "src/vdb/rivals.rs";
+const RIVALS: [&str; 3] = ["cpp/rivals.cpp", "cpp/rivals.h", RIVAL_BRIDGE];
 /// Where a system's headers stand when `OPENVDB_ROOT` names no other place.
 const ROOTS: [&str; 2] = ["/usr", "/usr/local"];
 
@@ -27,7 +30,13 @@ fn main() {
         fail("OpenVDB's headers need Boost's, which are missing: install the Debian package libboost-dev");
     }
 
-    let mut build = cxx_build::bridge(BRIDGE);
+    // What the benches compare with is no part of the program.
+    let rivals = env::var_os("CARGO_FEATURE_RIVALS").is_some();
+    let mut build = if rivals { cxx_build::bridges([BRIDGE, RIVAL_BRIDGE]) } else { cxx_build::bridge(BRIDGE) };
+    if rivals {
+        build.file(RIVALS[0]);
+        RIVALS.iter().for_each(|file| println!("cargo::rerun-if-changed={file}"));
+    }
     if root != Path::new("/usr") {
         build.flag(format!("-isystem{}", root.join("include").display()));
         println!("cargo::rustc-link-search=native={}", root.join("lib").display());

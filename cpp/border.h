@@ -88,4 +88,12 @@ private:
 
 std::unique_ptr<Encoded> encode(const Frame& frame, Codec codec);
 
+struct Counts;
+struct Target;
+
+std::shared_ptr<Grid> decode(rust::Slice<const std::uint8_t> bytes, std::size_t descriptor);
+Counts count(const Grid& grid);
+void copy_floats(const Grid& grid, bool flip, Target& target);
+void copy_vectors(const Grid& grid, Target& target);
+
 } // namespace hfvdb

@@ -6,7 +6,9 @@
 #include <tbb/global_control.h>
 #include <tbb/parallel_for.h>
 
+#include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <limits>
 #include <mutex>
 #include <stdexcept>
@@ -29,46 +31,61 @@ bool finite(float value)
     return std::abs(value) <= std::numeric_limits<float>::max();
 }
 
-bool finite(const Vec3s& value)
+// Without a branch, so that it is done on vectors.
+bool all_finite(const float* values, std::size_t count)
 {
-    return finite(value[0]) & finite(value[1]) & finite(value[2]);
+    unsigned bad = 0;
+    for (std::size_t index = 0; index < count; ++index) bad |= unsigned(!finite(values[index]));
+    return bad == 0;
 }
 
-// One value of a block as the tree holds it, for each kind of grid.
+// How blocks are filled, for each kind of grid. `fill` gets a block's 512 values, its mask, and where to put them.
 struct LevelSetValues {
     using Value = float;
+    static constexpr std::size_t COMPONENTS = 1;
     const float* source;
     float background;
 
-    float operator()(std::size_t index, bool active) const
+    // Inactive distances lie at or beyond the background, so limiting all of them is enough; the mask is not needed.
+    void fill(const float* block, const std::uint64_t*, float* target) const
     {
-        const float distance = source[index];
-        const float beyond = distance >= 0.0f ? background : -background;
-        return flip_sign(active ? distance : beyond);
+        for (std::size_t voxel = 0; voxel < VOXELS; ++voxel) {
+            target[voxel] = std::min(std::max(flip_sign(block[voxel]), -background), background);
+        }
     }
-    bool valid(std::size_t index) const { return finite(source[index]); }
 };
 
-struct FloatValues {
-    using Value = float;
+// Active values as they are, the background elsewhere.
+template <typename ValueType, std::size_t Components>
+struct ChannelValues {
+    using Value = ValueType;
+    static constexpr std::size_t COMPONENTS = Components;
     const float* source;
-    float background;
+    ValueType background;
 
-    float operator()(std::size_t index, bool active) const { return active ? source[index] : background; }
-    bool valid(std::size_t index) const { return finite(source[index]); }
-};
-
-struct VectorValues {
-    using Value = Vec3s;
-    const float* source;
-    Vec3s background;
-
-    Vec3s operator()(std::size_t index, bool active) const
+    void fill(const float* block, const std::uint64_t* mask, float* target) const
     {
-        return active ? Vec3s(source + 3 * index) : background;
+        constexpr std::size_t ROW = 8;
+        float fallback[Components];
+        std::memcpy(fallback, &background, sizeof fallback);
+        for (std::size_t row = 0; row < VOXELS / ROW; ++row) {
+            const unsigned active = (mask[row / 8] >> (row % 8 * ROW)) & 0xff;
+            const std::size_t at = row * ROW * Components;
+            if (active == 0xff) {
+                std::memcpy(target + at, block + at, ROW * Components * sizeof(float));
+                continue;
+            }
+            for (std::size_t z = 0; z < ROW; ++z) {
+                const float* from = (active >> z) & 1 ? block + at + z * Components : fallback;
+                std::memcpy(target + at + z * Components, from, Components * sizeof(float));
+            }
+        }
     }
-    bool valid(std::size_t index) const { return finite(Vec3s(source + 3 * index)); }
 };
+
+using FloatValues = ChannelValues<float, 1>;
+using VectorValues = ChannelValues<Vec3s, 3>;
+static_assert(sizeof(Vec3s) == 3 * sizeof(float), "vectors are three floats");
 
 Coord coordinate(rust::Slice<const std::int32_t> numbers, std::size_t index)
 {
@@ -84,27 +101,20 @@ Coord coordinate(rust::Slice<const std::int32_t> numbers, std::size_t index)
 
 template <typename Leaf, typename Values>
 std::unique_ptr<Leaf> make_leaf(const Head& head, Coord origin, const std::uint64_t* mask, const Values& values,
-    std::size_t first)
+    std::size_t block)
 {
+    constexpr std::size_t NUMBERS = VOXELS * Values::COMPONENTS;
     // "Partial": the values are not filled in before we do it.
     auto leaf = std::make_unique<Leaf>(openvdb::PartialCreate(), origin, values.background, false);
     leaf->allocate();
-    auto* target = leaf->buffer().data();
-    bool valid = true;
+    float* target = reinterpret_cast<float*>(leaf->buffer().data());
+    values.fill(values.source + NUMBERS * block, mask, target);
     for (std::size_t word = 0; word < MASK_WORDS; ++word) {
-        const std::uint64_t bits = mask[word];
-        leaf->getValueMask().template getWord<std::uint64_t>(Index(word)) = bits;
-        for (std::size_t bit = 0; bit < 64; ++bit) {
-            const std::size_t voxel = word * 64 + bit;
-            const bool active = (bits >> bit) & 1;
-            target[voxel] = values(first + voxel, active);
-            valid &= !active | values.valid(first + voxel);
-        }
+        leaf->getValueMask().template getWord<std::uint64_t>(Index(word)) = mask[word];
     }
-    if (!valid) {
-        for (Index voxel = 0; voxel < VOXELS; ++voxel) {
-            if (leaf->isValueOn(voxel) && !values.valid(first + voxel)) refuse_value(head, origin, voxel);
-        }
+    if (!all_finite(target, NUMBERS)) {
+        const float* bad = std::find_if_not(target, target + NUMBERS, [](float value) { return finite(value); });
+        refuse_value(head, origin, Index(std::size_t(bad - target) / Values::COMPONENTS));
     }
     return leaf;
 }
@@ -137,7 +147,7 @@ void link_leaves(Tree& tree, const Head& head, const Blocks& blocks, const Value
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, LEAVES_A_TASK), [&](const auto& range) {
         for (std::size_t block = range.begin(); block != range.end(); ++block) {
             leaves[block] = make_leaf<Leaf>(head, coordinate(blocks.origins, 3 * block),
-                blocks.masks.data() + MASK_WORDS * block, values, VOXELS * block);
+                blocks.masks.data() + MASK_WORDS * block, values, block);
         }
     });
 

@@ -90,7 +90,7 @@ def check(path, fast):
             must((active_mask(colour, low, high) == active_mask(surface, low, high)).all(), "two topologies")
         must(np.isfinite(rgb).all(), "colours that are not finite")
         must(rgb.min() >= 0 and rgb.max() <= 1, "colours outside [0, 1]: %g to %g" % (rgb.min(), rgb.max()))
-        mean = rgb[on].mean(axis=0)
+        mean = rgb[on].mean(axis=0, dtype=np.float64)
         must(abs(mean - np.array(colour.background)).max() < 1e-3, "Cd's background is not the mean colour")
     # The volume inside, by a step smoothed over one voxel.
     volume = float(np.clip(0.5 - values / voxel, 0, 1).sum() * voxel ** 3)

@@ -7,9 +7,13 @@ mod frames;
 mod interrupt;
 mod memory;
 mod pattern;
+mod run;
+mod target;
 
 pub use compute::{ComputeError, Computed, compute};
 pub use frames::{Frames, FramesError};
 pub use interrupt::Interrupt;
 pub use memory::{Bytes, default_limit};
 pub use pattern::{FramePattern, PatternError};
+pub use run::{Error, Estimate, Event, Output, Record, bake, check_memory, compute_frame, estimate};
+pub use target::{TargetError, make_ready};

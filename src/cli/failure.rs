@@ -1,6 +1,6 @@
 //! What went wrong, and the exit code that goes with it.
 
-use crate::bake;
+use crate::{bake, scene};
 
 /// A failure with its exit code.
 #[derive(Debug)]
@@ -29,7 +29,11 @@ impl Failure {
 
     /// A signal ended the work: 130 or 143.
     pub fn interrupted(code: u8) -> Self {
-        Self { code, message: "interrupted; finished frames are whole, nothing half-written is left".into(), rendered: false }
+        Self {
+            code,
+            message: "interrupted; finished frames are whole, nothing half-written is left".into(),
+            rendered: false,
+        }
     }
 
     /// Errors of a scene, marked in its text already.
@@ -60,5 +64,36 @@ impl Failure {
 impl From<bake::PatternError> for Failure {
     fn from(error: bake::PatternError) -> Self {
         Self::usage(error.to_string())
+    }
+}
+
+impl From<scene::Diagnostics> for Failure {
+    fn from(diagnostics: scene::Diagnostics) -> Self {
+        Self::rendered(diagnostics.render(super::job::styled()))
+    }
+}
+
+impl From<scene::Error> for Failure {
+    fn from(error: scene::Error) -> Self {
+        match error {
+            scene::Error::Scene(diagnostics) => diagnostics.into(),
+            error => Self::work(error.to_string()),
+        }
+    }
+}
+
+impl From<bake::Error> for Failure {
+    fn from(error: bake::Error) -> Self {
+        match error {
+            bake::Error::Scene(error) => error.into(),
+            error @ bake::Error::Memory { .. } => Self::memory(error.to_string()),
+            error => Self::work(error.to_string()),
+        }
+    }
+}
+
+impl From<crate::vdb::Error> for Failure {
+    fn from(error: crate::vdb::Error) -> Self {
+        Self::work(error.to_string())
     }
 }

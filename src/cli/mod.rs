@@ -1,9 +1,117 @@
 //! The command line: one file for each subcommand. Parses, dispatches, and turns errors into exit codes;
 //! no geometry lives here.
+//!
+//! stdout carries only results (paths, text asked for, or one JSON document with `--json`); messages and progress
+//! go to stderr.
 
+mod bake;
+mod check;
+mod failure;
+mod info;
+mod job;
+mod options;
+mod preview;
+mod progress;
+mod scenes;
+
+use std::io::Write;
 use std::process::ExitCode;
+
+use clap::{Parser, Subcommand};
+
+use failure::Failure;
+use options::Global;
+
+/// Coloured volumetric objects, modelled by functions, morphed through space and time, written as OpenVDB.
+#[derive(Parser)]
+#[command(name = "hfvdb", version, propagate_version = true, arg_required_else_help = true)]
+#[command(after_help = "\
+First steps:
+  hfvdb scenes                                   what is built in
+  hfvdb bake heart -o heart.vdb                  one coloured object, one file
+  hfvdb bake cubism -o out/cubism.####.vdb       48 frames of a coloured morph
+  hfvdb morph a.obj b.ply -o out/m.####.vdb      a morph of two meshes, no scene file
+  hfvdb scenes heart > mine.toml                 a scene to start from
+
+Exit codes: 0 done; 1 the input or the work failed; 2 the command line is wrong; 3 more memory is needed than
+allowed; 130 and 143 interrupted.")]
+struct Program {
+    #[command(flatten)]
+    global: Global,
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    /// Bake frames of a scene into .vdb files
+    Bake(bake::Arguments),
+    /// Check a scene and estimate its voxels, memory and file size, or check a .vdb file
+    Check(check::Arguments),
+    /// Show what a .vdb file holds
+    Info(info::Arguments),
+    /// List the built-in scenes, or print one to start from
+    Scenes(scenes::Arguments),
+    /// Render a scene, a .vdb file or a sequence to a PNG
+    Preview(preview::Arguments),
+}
 
 /// Runs the program on the process's arguments and returns its exit code.
 pub fn run() -> ExitCode {
-    ExitCode::from(2)
+    let program = match Program::try_parse() {
+        Ok(program) => program,
+        Err(error) => {
+            // Help and version go to stdout with exit code 0, wrong command lines to stderr with 2.
+            let code = if error.use_stderr() { 2 } else { 0 };
+            // A closed pipe is no error worth another message.
+            let _ = error.print();
+            return ExitCode::from(code);
+        }
+    };
+    let global = program.global;
+    let result = set_threads(&global).and_then(|()| match program.command {
+        Command::Bake(arguments) => bake::run(&arguments, &global),
+        Command::Check(arguments) => check::run(&arguments, &global),
+        Command::Info(arguments) => info::run(&arguments, &global),
+        Command::Scenes(arguments) => scenes::run(&arguments, &global),
+        Command::Preview(arguments) => preview::run(&arguments, &global),
+    });
+    match result {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(failure) => {
+            failure.report(global.json);
+            ExitCode::from(failure.exit_code())
+        }
+    }
+}
+
+/// Limits Rust's and OpenVDB's threads to the same number.
+fn set_threads(global: &Global) -> Result<(), Failure> {
+    let threads = global.threads.map_or_else(available_threads, usize::from);
+    rayon::ThreadPoolBuilder::new()
+        .num_threads(threads)
+        .build_global()
+        .map_err(|error| Failure::work(format!("cannot start {threads} threads: {error}; try fewer with --threads")))?;
+    crate::vdb::set_threads(threads)?;
+    Ok(())
+}
+
+fn available_threads() -> usize {
+    std::thread::available_parallelism().map_or(1, usize::from)
+}
+
+/// Writes a result to stdout. A reader that went away (`hfvdb … | head`) is no failure.
+fn print(text: &str) -> Result<(), Failure> {
+    let mut stdout = std::io::stdout().lock();
+    match stdout.write_all(text.as_bytes()).and_then(|()| stdout.flush()) {
+        Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => {
+            Err(Failure::work(format!("cannot write to standard output: {error}")))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Prints one JSON document on stdout.
+fn print_json(document: &serde_json::Value) -> Result<(), Failure> {
+    print(&format!("{document:#}\n"))
 }

@@ -41,8 +41,8 @@ pub struct SceneArguments {
 #[derive(Args, Clone, Debug)]
 pub struct SceneChanges {
     /// Give one of the scene's [param] names another value; may be repeated
-    #[arg(long = "set", value_name = "NAME=VALUE", value_parser = name_and_value)]
-    pub set: Vec<(String, String)>,
+    #[arg(long = "set", value_name = "NAME=VALUE")]
+    pub set: Vec<String>,
 
     /// Use one of the scene's [variant.NAME] tables
     #[arg(long, value_name = "NAME")]
@@ -53,8 +53,8 @@ pub struct SceneChanges {
 #[derive(Args, Clone, Debug)]
 pub struct Sampling {
     /// Voxels along the longest side of the object over the whole shot [default: the scene's, else 256]
-    #[arg(long, value_name = "N", conflicts_with = "voxel_size", value_parser = resolution)]
-    pub resolution: Option<f64>,
+    #[arg(long, value_name = "N", conflicts_with = "voxel_size", value_parser = clap::value_parser!(u32).range(1..=1_000_000_000))]
+    pub resolution: Option<u32>,
 
     /// Edge of a voxel, in the scene's unit, instead of a resolution
     #[arg(long, value_name = "LENGTH", value_parser = positive, allow_negative_numbers = true)]
@@ -110,28 +110,14 @@ pub enum Compression {
     None,
 }
 
-fn name_and_value(text: &str) -> Result<(String, String), String> {
-    match text.split_once('=') {
-        Some((name, value)) if !name.trim().is_empty() && !value.trim().is_empty() => {
-            Ok((name.trim().into(), value.trim().into()))
-        }
-        _ => Err("write it as NAME=VALUE, as in --set size=3".into()),
-    }
-}
-
 fn number(text: &str) -> Result<f64, String> {
     text.parse::<f64>().ok().filter(|value| value.is_finite()).ok_or_else(|| "this is no finite number".into())
 }
 
 /// A voxel size as typed: finite and positive.
 pub fn positive(text: &str) -> Result<f64, String> {
-    number(text)
-        .and_then(|value| if value > 0.0 { Ok(value) } else { Err("it must be greater than 0; try --resolution 256".into()) })
-}
-
-fn resolution(text: &str) -> Result<f64, String> {
     number(text).and_then(|value| {
-        if value >= 1.0 { Ok(value) } else { Err("it must be at least 1; 64 is a quick look, 256 the default".into()) }
+        if value > 0.0 { Ok(value) } else { Err("it must be greater than 0; try --resolution 256".into()) }
     })
 }
 

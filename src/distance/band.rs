@@ -1,30 +1,23 @@
 //! The narrow band of a field: exact signed distances, with closest points handed to a visitor on the way.
 
-use std::{
-    fmt,
-    sync::atomic::{AtomicBool, Ordering},
-};
+mod pass;
+
+use std::{fmt, sync::atomic::AtomicBool};
 
 use glam::{DVec3, IVec3};
-use rayon::prelude::*;
 
 use crate::{
     field::{Aabb, Field},
-    grid::{BLOCK_EDGE, BLOCK_VOXELS, Band, BlockMask, InsideTile, Lattice, block_order},
+    grid::{BLOCK_EDGE, BLOCK_VOXELS, Band, Lattice, block_order},
 };
 
-pub use super::block::MeasuredBlock;
-use super::{
-    block::{Kind, Meter},
-    descent::{self, Scope},
-};
+use super::descent::{self, Scope};
+pub use super::staged::MeasuredBlock;
+use pass::Pass;
 
-/// Blocks measured between two reports of progress; their results wait in memory. Smaller starves many threads,
-/// larger costs memory beyond the band's own.
-const CHUNK: usize = 1024;
-
-/// Edge in voxels of the nodes whose blocks one task measures.
-const TASK_EDGE: i32 = 32;
+/// Blocks measured between two reports of progress; their feet wait in memory, 8 KiB each. Smaller starves many
+/// threads, larger costs memory beyond the band's own.
+const CHUNK: usize = 2048;
 
 /// What to measure.
 #[derive(Clone, Copy)]
@@ -81,6 +74,11 @@ pub enum Error {
         /// Whether the whole region is inside the solid.
         solid: bool,
     },
+    /// The region reaches farther from the origin than voxels can be numbered.
+    TooFar {
+        /// How far, in voxels.
+        voxels: f64,
+    },
     /// [`Settings::cancel`] was set.
     Cancelled,
 }
@@ -100,6 +98,12 @@ impl fmt::Display for Error {
             Self::Empty { solid: true } => {
                 f.write_str("there is no surface: the function is positive everywhere in the region; check the signs (positive is inside) and widen the bounds")
             }
+            Self::TooFar { voxels } => write!(
+                f,
+                "the region reaches {voxels:.3e} voxels from the origin, and OpenVDB numbers {} at most: use larger \
+                 voxels, or bring the object nearer to the origin",
+                1 << 30
+            ),
             Self::Cancelled => f.write_str("cancelled"),
         }
     }
@@ -107,21 +111,9 @@ impl fmt::Display for Error {
 
 impl std::error::Error for Error {}
 
-/// One measured block on its way into the band.
-struct Entry<T> {
-    distances: [f32; BLOCK_VOXELS],
-    active: BlockMask,
-    visit: T,
-}
-
-enum Outcome<T> {
-    Band(Box<Entry<T>>),
-    Outside,
-    Inside,
-}
-
-/// Measures the band of a field. `visitor` makes a visitor for each task; a visitor sees each finished block once and
-/// what it returns is kept, in the order of the band's blocks.
+/// Measures the band of a field. `visitor` makes a visitor for each task; a visitor sees finished blocks, and what it
+/// returns for each is kept, in the order of the band's blocks. (A block that a later one improves is seen again, and
+/// the later visit kept.)
 pub fn measure<T, V>(
     field: &dyn Field,
     settings: &Settings,
@@ -131,95 +123,45 @@ where
     T: Send,
     V: FnMut(&MeasuredBlock) -> T,
 {
+    measure_by_chunks(field, settings, &visitor, CHUNK)
+}
+
+fn measure_by_chunks<T, V>(
+    field: &dyn Field,
+    settings: &Settings,
+    visitor: &(impl Fn() -> V + Sync),
+    chunk: usize,
+) -> Result<Measured<T>, Error>
+where
+    T: Send,
+    V: FnMut(&MeasuredBlock) -> T,
+{
     let Settings { lattice, half_width, region, cancel, progress } = *settings;
     let scope = Scope { lattice, half_width, region };
+    check_size(&scope)?;
     let found = descent::descend(field, &scope, cancel).ok_or(Error::Cancelled)?;
-    let blocks = found.blocks;
-    let mut band = Band {
-        lattice,
-        half_width,
-        origins: Vec::with_capacity(blocks.len()),
-        distances: Vec::with_capacity(blocks.len()),
-        active: Vec::with_capacity(blocks.len()),
-        inside_tiles: found.inside_tiles,
-    };
-    let mut visits = Vec::with_capacity(blocks.len());
-    let mut report = Report { opened_blocks: blocks.len() as u64, ..Report::default() };
-    let new_worker = || (Meter::new(field, &scope), visitor());
-    for (number, chunk) in blocks.chunks(CHUNK).enumerate() {
-        progress((number * CHUNK) as f64 / blocks.len() as f64);
-        let outcomes = tasks(chunk)
-            .par_iter()
-            .map_init(new_worker, |(meter, visitor), task| measure_task(meter, visitor, chunk, task, cancel))
-            .collect::<Result<Vec<_>, Error>>()?;
-        let mut in_order: Vec<Option<Outcome<T>>> = chunk.iter().map(|_| None).collect();
-        for (places, outcomes, thin) in outcomes {
-            for (place, outcome) in places.into_iter().zip(outcomes) {
-                in_order[place] = Some(outcome);
-            }
-            report.thin_voxels += thin.0;
-            report.thin_at = report.thin_at.or(thin.1);
-        }
-        for (&origin, outcome) in chunk.iter().zip(in_order) {
-            match outcome {
-                Some(Outcome::Band(entry)) => {
-                    band.origins.push(origin);
-                    band.distances.push(entry.distances);
-                    band.active.push(entry.active);
-                    visits.push(entry.visit);
-                }
-                Some(Outcome::Inside) => band.inside_tiles.push(InsideTile { origin, edge: BLOCK_EDGE }),
-                Some(Outcome::Outside) | None => {}
-            }
-        }
+    let mut pass = Pass::new(field, &scope, cancel, visitor, &found.blocks);
+    for (number, blocks) in found.blocks.chunks(chunk).enumerate() {
+        progress((number * chunk) as f64 / found.blocks.len() as f64);
+        pass.chunk(blocks)?;
     }
+    pass.redo()?;
     progress(1.0);
+    let (mut band, visits, mut report) = pass.done();
+    band.inside_tiles.extend(found.inside_tiles);
     if band.origins.is_empty() {
         return Err(Error::Empty { solid: !band.inside_tiles.is_empty() });
     }
     band.inside_tiles.sort_unstable_by_key(|tile| block_order(tile.origin));
-    report.band_blocks = band.origins.len() as u64;
     report.cut_voxels = cut_voxels(&band, &scope);
     Ok(Measured { band, visits, report })
 }
 
-/// The places in a chunk of the blocks that each task measures: those of one small node.
-fn tasks(chunk: &[IVec3]) -> Vec<Vec<usize>> {
-    let node = |&place: &usize| (chunk[place] & IVec3::splat(!(TASK_EDGE - 1))).to_array();
-    let mut places: Vec<usize> = (0..chunk.len()).collect();
-    places.sort_by_key(node);
-    places.chunk_by(|a, b| node(a) == node(b)).map(<[usize]>::to_vec).collect()
-}
-
-type TaskResult<T> = (Vec<usize>, Vec<Outcome<T>>, (u64, Option<DVec3>));
-
-fn measure_task<T>(
-    meter: &mut Meter,
-    visitor: &mut impl FnMut(&MeasuredBlock) -> T,
-    chunk: &[IVec3],
-    task: &[usize],
-    cancel: &AtomicBool,
-) -> Result<TaskResult<T>, Error> {
-    let mut outcomes = Vec::with_capacity(task.len());
-    let mut thin = (0, None);
-    for &place in task {
-        if cancel.load(Ordering::Relaxed) {
-            return Err(Error::Cancelled);
-        }
-        let origin = chunk[place];
-        meter.enter_node(origin & IVec3::splat(!(TASK_EDGE - 1)), TASK_EDGE);
-        outcomes.push(match meter.measure(origin)? {
-            Kind::Outside => Outcome::Outside,
-            Kind::Inside => Outcome::Inside,
-            Kind::Band => {
-                let block = meter.block();
-                let visit = visitor(&block);
-                Outcome::Band(Box::new(Entry { distances: *block.distances, active: *block.active, visit }))
-            }
-        });
-        thin = (thin.0 + u64::from(meter.thin), thin.1.or(meter.thin_at));
-    }
-    Ok((task.to_vec(), outcomes, thin))
+/// OpenVDB's voxels are numbered in 32 bits; leave room for neighbours.
+fn check_size(scope: &Scope) -> Result<(), Error> {
+    let edge = scope.lattice.voxel_size.get();
+    let farthest = scope.region.min.abs().max(scope.region.max.abs()).max_element() / edge;
+    if farthest < f64::from(1 << 30) { Ok(()) } else { Err(Error::TooFar { voxels: farthest }) }
 }
 
 /// Counts inside voxels on the six faces of the range of blocks looked at.

@@ -4,7 +4,7 @@ use glam::{DVec3, IVec3, Vec3};
 
 use crate::{
     field::{Aabb, BATCH, Evaluator, Field, Gradients, Points, Slope},
-    grid::{BLOCK_EDGE, BLOCK_VOXELS, BlockMask, Lattice},
+    grid::{BLOCK_EDGE, BLOCK_VOXELS},
 };
 
 use super::{
@@ -12,41 +12,8 @@ use super::{
     descent::Scope,
     exchange,
     polish::{Polisher, Request},
+    staged::{ROOM, Staged},
 };
-
-/// Room around a block, in voxels beyond the half width, in which its feet are sought.
-const ROOM: f64 = 1.0;
-
-/// A finished block, as visitors see it. Offsets of all points are from the same origin.
-pub struct MeasuredBlock<'a> {
-    /// The block's least corner.
-    pub origin: IVec3,
-    /// Where the voxels stand.
-    pub lattice: Lattice,
-    /// A box that holds all voxel centres and feet.
-    pub region: Aabb,
-    /// The voxel centres.
-    pub points: &'a Points,
-    /// Signed distances, world units, positive inside, clamped to ± the background.
-    pub distances: &'a [f32; BLOCK_VOXELS],
-    /// Voxels nearer to the surface than the background.
-    pub active: &'a BlockMask,
-    /// The closest surface point of each active voxel; an inactive voxel's own centre.
-    pub feet: &'a Points,
-    /// Gradients of the distance: unit vectors pointing inward, x, y and z; zero at inactive voxels.
-    pub normals: &'a [[f32; BLOCK_VOXELS]; 3],
-}
-
-/// What a block turned out to be.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Kind {
-    /// It holds active voxels.
-    Band,
-    /// No active voxel, all outside.
-    Outside,
-    /// No active voxel, all inside.
-    Inside,
-}
 
 /// Measures blocks on one thread.
 pub struct Meter<'a> {
@@ -54,25 +21,18 @@ pub struct Meter<'a> {
     slope: Slope,
     scope: Scope,
     background: f32,
+    region: Aabb,
     entered: Option<IVec3>,
     polisher: Polisher,
     at_voxels: Box<Gradients>,
     points: Points,
     feet: Points,
-    /// Unsigned while measuring, then signed.
+    /// Unsigned.
     distances: Box<[f32; BLOCK_VOXELS]>,
     changed: Box<[bool; BLOCK_VOXELS]>,
     some_queries: Points,
     some_feet: Points,
     some_distances: Box<[f32; BATCH]>,
-    normals: Box<[[f32; BLOCK_VOXELS]; 3]>,
-    active: BlockMask,
-    /// Voxels nearer than half a voxel to a surface that has the same sign all around them.
-    pub thin: u32,
-    /// One of them.
-    pub thin_at: Option<DVec3>,
-    origin: IVec3,
-    region: Aabb,
 }
 
 impl<'a> Meter<'a> {
@@ -82,7 +42,8 @@ impl<'a> Meter<'a> {
             evaluator: field.evaluator(),
             slope: field.slope(),
             scope: *scope,
-            background: (f64::from(scope.half_width) * scope.lattice.voxel_size.get()) as f32,
+            background: scope.background(),
+            region: Aabb::new(DVec3::ZERO, DVec3::ZERO),
             entered: None,
             polisher: Polisher::new(),
             at_voxels: Box::default(),
@@ -93,12 +54,6 @@ impl<'a> Meter<'a> {
             some_queries: empty(),
             some_feet: empty(),
             some_distances: Box::new([0.0; BATCH]),
-            normals: Box::new([[0.0; BLOCK_VOXELS]; 3]),
-            active: [0; 8],
-            thin: 0,
-            thin_at: None,
-            origin: IVec3::ZERO,
-            region: Aabb::new(DVec3::ZERO, DVec3::ZERO),
         }
     }
 
@@ -118,21 +73,24 @@ impl<'a> Meter<'a> {
         }
     }
 
-    /// Measures a block; its result is then [`Meter::block`].
-    pub fn measure(&mut self, origin: IVec3) -> Result<Kind, Error> {
+    /// Measures a block into `out`. `seeds` are feet that neighbouring blocks offer: voxels and offsets from the
+    /// block's middle.
+    pub fn measure(&mut self, origin: IVec3, seeds: &[(u16, Vec3)], out: &mut Staged) -> Result<(), Error> {
         let margin = f64::from(self.scope.half_width) + ROOM;
-        self.origin = origin;
         self.region = self.scope.centres(origin, BLOCK_EDGE, margin);
         self.points = Points::of_block(origin, &self.scope.lattice);
         self.evaluator.enter(&self.region);
         self.evaluator.gradients(&self.points, &mut self.at_voxels);
         let result = self.check_values().map(|()| {
             self.find_feet();
+            self.take_seeds(seeds);
             self.exchange();
-            self.count_thin();
+            self.find_crossings();
+            self.finish(origin, out);
+            self.count_thin(out);
         });
         self.evaluator.leave();
-        result.map(|()| self.finish())
+        result
     }
 
     fn voxel(&self) -> f32 {
@@ -219,30 +177,80 @@ impl<'a> Meter<'a> {
         }
     }
 
-    /// Signs, clamps, masks and normals.
-    fn finish(&mut self) -> Kind {
-        self.active = [0; 8];
-        for i in 0..BLOCK_VOXELS {
-            let inside = self.at_voxels.value[i] >= 0.0;
-            let distance = self.distances[i];
-            let sign = if inside { 1.0 } else { -1.0 };
-            let mut normal = Vec3::ZERO;
-            if distance < self.background {
-                self.active[i >> 6] |= 1 << (i & 63);
-                self.distances[i] = sign * distance;
-                normal = self.normal(i, sign, distance);
-            } else {
-                self.distances[i] = sign * self.background;
-                (self.feet.x[i], self.feet.y[i], self.feet.z[i]) = self.points.offset(i).into();
+    /// Takes the seeds that are nearer than what was found, and polishes them.
+    fn take_seeds(&mut self, seeds: &[(u16, Vec3)]) {
+        self.changed.fill(false);
+        for &(voxel, foot) in seeds {
+            let i = usize::from(voxel);
+            let distance = (self.points.offset(i) - foot).length();
+            if distance < self.distances[i] {
+                self.distances[i] = distance;
+                (self.feet.x[i], self.feet.y[i], self.feet.z[i]) = foot.into();
+                self.changed[i] = true;
             }
-            (self.normals[0][i], self.normals[1][i], self.normals[2][i]) = normal.into();
         }
-        if self.active != [0; 8] {
-            Kind::Band
-        } else if self.at_voxels.value[0] >= 0.0 {
-            Kind::Inside
-        } else {
-            Kind::Outside
+        self.polish_changed();
+    }
+
+    /// Where the sign changes between two neighbours there is a foot within a voxel of both; where none was found
+    /// (F has no gradient to follow, or jumps) bisection finds it.
+    fn find_crossings(&mut self) {
+        let voxel = self.voxel();
+        let mut found = false;
+        for (stride, axis) in [(64, 0), (8, 1), (1, 2)] {
+            for i in (0..BLOCK_VOXELS - stride).filter(|&i| (i / stride) % 8 < 7) {
+                let (here, there) = (self.at_voxels.value[i], self.at_voxels.value[i + stride]);
+                let far = 1.01 * voxel;
+                if (here >= 0.0) == (there >= 0.0) || self.distances[i].max(self.distances[i + stride]) <= far {
+                    continue;
+                }
+                if !found {
+                    found = true;
+                    self.changed.fill(false);
+                }
+                let mut step = Vec3::ZERO;
+                step[axis] = voxel;
+                let crossing = self.bisect(self.points.offset(i), step, here >= 0.0);
+                for i in [i, i + stride] {
+                    let distance = (self.points.offset(i) - crossing).length();
+                    if distance < self.distances[i] {
+                        self.distances[i] = distance;
+                        (self.feet.x[i], self.feet.y[i], self.feet.z[i]) = crossing.into();
+                        self.changed[i] = true;
+                    }
+                }
+            }
+        }
+        if found {
+            self.polish_changed();
+            self.exchange();
+        }
+    }
+
+    /// The point between `from` and `from + step` where the sign is no longer that of `from`.
+    fn bisect(&mut self, from: Vec3, step: Vec3, inside: bool) -> Vec3 {
+        let (mut same, mut other) = (0.0, 1.0);
+        self.some_queries.origin = self.points.origin;
+        // 2⁻¹² of a voxel is far below the error allowed.
+        for _ in 0..12 {
+            let middle = 0.5 * (same + other);
+            self.some_queries.len = 0;
+            self.some_queries.push(from + step * middle);
+            self.evaluator.values(&self.some_queries, &mut self.some_distances);
+            if (self.some_distances[0] >= 0.0) == inside { same = middle } else { other = middle }
+        }
+        from + step * other
+    }
+
+    /// Signs and normals.
+    fn finish(&self, origin: IVec3, out: &mut Staged) {
+        out.origin = origin;
+        for i in 0..BLOCK_VOXELS {
+            let sign = if self.at_voxels.value[i] >= 0.0 { 1.0 } else { -1.0 };
+            let distance = self.distances[i];
+            let normal = if distance < f32::INFINITY { self.normal(i, sign, distance) } else { Vec3::ZERO };
+            out.distances[i] = sign * distance;
+            (out.normals[0][i], out.normals[1][i], out.normals[2][i]) = normal.into();
         }
     }
 
@@ -259,9 +267,9 @@ impl<'a> Meter<'a> {
     ///
     /// Any piece of surface is within half a voxel's diagonal of a voxel. Most voxels that near have a neighbour of
     /// the other sign, and only the others are probed.
-    fn count_thin(&mut self) {
-        self.thin = 0;
-        self.thin_at = None;
+    fn count_thin(&mut self, out: &mut Staged) {
+        out.thin = 0;
+        out.thin_at = None;
         let voxel = self.voxel();
         let inside = |value: f32| value >= 0.0;
         let probes = &mut self.some_queries;
@@ -283,23 +291,9 @@ impl<'a> Meter<'a> {
         self.evaluator.values(probes, &mut self.some_distances);
         for (lane, i) in (0..BLOCK_VOXELS).filter(|&i| self.changed[i]).enumerate() {
             if inside(self.some_distances[lane]) == inside(self.at_voxels.value[i]) {
-                self.thin += 1;
-                self.thin_at.get_or_insert(self.points.position(i));
+                out.thin += 1;
+                out.thin_at.get_or_insert(self.points.position(i));
             }
-        }
-    }
-
-    /// The block measured last.
-    pub fn block(&self) -> MeasuredBlock<'_> {
-        MeasuredBlock {
-            origin: self.origin,
-            lattice: self.scope.lattice,
-            region: self.region,
-            points: &self.points,
-            distances: &self.distances,
-            active: &self.active,
-            feet: &self.feet,
-            normals: &self.normals,
         }
     }
 }

@@ -40,6 +40,11 @@ impl Scope {
         [least & mask, (greatest & mask) + BLOCK_EDGE]
     }
 
+    /// The distance at which the band ends, world units.
+    pub fn background(&self) -> f32 {
+        (f64::from(self.half_width) * self.lattice.voxel_size.get()) as f32
+    }
+
     /// The box around the voxel centres of a node, grown by `margin` voxels.
     pub fn centres(&self, origin: IVec3, edge: i32, margin: f64) -> Aabb {
         let size = self.lattice.voxel_size.get();
@@ -220,7 +225,10 @@ mod tests {
 
     use super::*;
     use crate::{
-        distance::testing::{Joined, Leaf, exact},
+        distance::{
+            accuracy::exact,
+            testing::{Joined, Leaf},
+        },
         grid::VoxelSize,
     };
 

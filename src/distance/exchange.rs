@@ -1,9 +1,17 @@
 //! Feet handed from voxel to voxel: the vector distance transform (Danielsson) inside a block.
 //!
 //! A voxel's own Newton iteration finds *a* foot; a neighbour's may be nearer. Sweeps along each axis and back carry
-//! the nearest foot seen so far through the block, as the transform does, with sub-voxel feet on F = 0.
+//! the nearest foot seen so far through the block, as the transform does, with sub-voxel feet on F = 0. Between blocks
+//! the feet of facing layers are compared.
 
-use crate::{field::Points, grid::BLOCK_VOXELS};
+use glam::{IVec3, Vec3};
+
+use crate::{
+    field::Points,
+    grid::{BLOCK_EDGE, BLOCK_VOXELS},
+};
+
+use super::staged::Staged;
 
 /// How much nearer a neighbour's foot must be to be taken, in voxels: feet are right to about a hundredth, and
 /// smaller would polish again what is already right.
@@ -52,4 +60,78 @@ fn offer(
         changed[to] = true;
     }
     nearer
+}
+
+/// A face of a block: towards less (even) or more (odd) x, y or z.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Face(u8);
+
+impl Face {
+    /// All six.
+    pub const ALL: [Self; 6] = [Self(0), Self(1), Self(2), Self(3), Self(4), Self(5)];
+
+    /// The face of the neighbour that touches this one.
+    pub fn facing(self) -> Self {
+        Self(self.0 ^ 1)
+    }
+
+    /// From a block's corner or middle to its neighbour's, in voxels.
+    pub fn step(self) -> IVec3 {
+        let mut step = IVec3::ZERO;
+        step[usize::from(self.0 / 2)] = if self.0 & 1 == 0 { -BLOCK_EDGE } else { BLOCK_EDGE };
+        step
+    }
+
+    /// The k-th voxel of the layer at this face; facing layers agree on k.
+    fn voxel(self, k: usize) -> usize {
+        let depth = if self.0 & 1 == 0 { 0 } else { 7 };
+        let (u, v) = (k >> 3, k & 7);
+        match self.0 / 2 {
+            0 => depth << 6 | u << 3 | v,
+            1 => u << 6 | depth << 3 | v,
+            _ => u << 6 | v << 3 | depth,
+        }
+    }
+}
+
+/// A voxel and a foot offered to it, as an offset from the block's middle.
+pub type Seed = (u16, Vec3);
+
+/// The feet of the voxels at one face of a block.
+#[derive(Clone)]
+pub struct Layer {
+    face: Face,
+    voxel: f32,
+    /// Offsets from the block's middle; not a number where a voxel has none.
+    feet: [Vec3; 64],
+}
+
+impl Layer {
+    /// The layer of a block at a face, for voxels of an edge.
+    pub fn new(block: &Staged, face: Face, voxel: f32) -> Self {
+        let foot = |k| {
+            let i = face.voxel(k);
+            block.to_foot(i).map_or(Vec3::NAN, |to_foot| centre(i, voxel) + to_foot)
+        };
+        Self { face, voxel, feet: std::array::from_fn(foot) }
+    }
+
+    /// Lists the feet of `other`, the facing layer of the neighbour, that are nearer than this block's own.
+    pub fn offers(&self, other: &Self, seeds: &mut Vec<Seed>) {
+        let shift = self.face.step().as_vec3() * self.voxel;
+        for (k, (own, offered)) in self.feet.iter().zip(&other.feet).enumerate() {
+            let i = self.face.voxel(k);
+            let centre = centre(i, self.voxel);
+            let offered = *offered + shift;
+            let limit = if own.is_nan() { f32::INFINITY } else { (*own - centre).length() - NEARER * self.voxel };
+            if (offered - centre).length() < limit {
+                seeds.push((i as u16, offered));
+            }
+        }
+    }
+}
+
+/// A voxel's offset from its block's middle.
+fn centre(i: usize, voxel: f32) -> Vec3 {
+    (Vec3::new((i >> 6) as f32, (i >> 3 & 7) as f32, (i & 7) as f32) - 3.5) * voxel
 }

@@ -1,6 +1,7 @@
 //! Signed distances measured from a field's zero set: the band of a frame with closest points, and distance
 //! objects that answer everywhere (HFRep: `papers: Hybrid Function Representation with Distance Properties`).
 
+pub mod accuracy;
 pub mod band;
 mod block;
 pub mod descent;
@@ -9,6 +10,7 @@ pub mod extent;
 pub mod nearest;
 pub mod octree;
 pub mod polish;
+mod staged;
 
 #[cfg(test)]
 mod testing;

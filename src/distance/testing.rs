@@ -187,50 +187,54 @@ fn put(out: &mut Gradients, i: usize, (value, gradient): (f64, DVec3)) {
     (out.dx[i], out.dy[i], out.dz[i]) = gradient.as_vec3().into();
 }
 
-/// Signed distances, positive inside, by other means than the code under test.
-pub mod exact {
-    use glam::{DMat3, DVec3};
+/// Another field seen through s ↦ tanh(s/width): the same surface, hardly a slope a few widths away.
+pub struct Saturated {
+    pub inner: Joined,
+    pub width: f64,
+}
 
-    pub fn sphere(p: DVec3, centre: DVec3, radius: f64) -> f64 {
-        radius - (p - centre).length()
+impl Field for Saturated {
+    fn bounding_box(&self) -> Option<Aabb> {
+        self.inner.bounding_box()
     }
 
-    pub fn torus(p: DVec3, major: f64, minor: f64) -> f64 {
-        minor - (p.x.hypot(p.y) - major).hypot(p.z)
+    fn reference(&self, position: DVec3) -> f64 {
+        (self.inner.reference(position) / self.width).tanh()
     }
 
-    pub fn oriented_box(p: DVec3, axes: DMat3, half: DVec3) -> f64 {
-        let q = (axes.transpose() * p).abs() - half;
-        -(q.max(DVec3::ZERO).length() + q.max_element().min(0.0))
+    fn evaluator(&self) -> Box<dyn Evaluator + '_> {
+        Box::new(SaturatedEvaluator { inner: self.inner.evaluator(), width: self.width as f32 })
+    }
+}
+
+struct SaturatedEvaluator<'a> {
+    inner: Box<dyn Evaluator + 'a>,
+    width: f32,
+}
+
+impl Evaluator for SaturatedEvaluator<'_> {
+    fn enter(&mut self, region: &Aabb) -> Interval {
+        self.inner.enter(region)
     }
 
-    /// Two overlapping spheres of one radius with centres at ± `apart` along x.
-    pub fn two_spheres(p: DVec3, apart: f64, radius: f64) -> f64 {
-        let p = DVec3::new(p.x.abs(), p.y, p.z);
-        let centre = DVec3::new(apart, 0.0, 0.0);
-        let from_centre = p - centre;
-        let foot = centre + from_centre.normalize() * radius;
-        if from_centre.length() > radius {
-            return radius - from_centre.length();
+    fn leave(&mut self) {
+        self.inner.leave();
+    }
+
+    fn values(&mut self, points: &Points, out: &mut [f32; BATCH]) {
+        self.inner.values(points, out);
+        out[..points.len].iter_mut().for_each(|value| *value = (*value / self.width).tanh());
+    }
+
+    fn gradients(&mut self, points: &Points, out: &mut Gradients) {
+        self.inner.gradients(points, out);
+        for i in 0..points.len {
+            let value = (out.value[i] / self.width).tanh();
+            let factor = (1.0 - value * value) / self.width;
+            out.value[i] = value;
+            out.dx[i] *= factor;
+            out.dy[i] *= factor;
+            out.dz[i] *= factor;
         }
-        // Inside: the sphere's foot counts where it lies outside the other sphere, else the circle is nearest.
-        if foot.x >= 0.0 {
-            return radius - from_centre.length();
-        }
-        let circle = (radius * radius - apart * apart).sqrt();
-        (p.y.hypot(p.z) - circle).hypot(p.x)
-    }
-
-    /// The closest point of an ellipsoid by bisection on the multiplier t of x_i = a_i² p_i / (a_i² + t).
-    pub fn ellipsoid(p: DVec3, a: DVec3) -> f64 {
-        let squares = a * a;
-        let outside = |t: f64| (a * p / (squares + t)).length_squared() - 1.0;
-        let (mut lo, mut hi) = (-squares.min_element(), a.max_element() * p.length());
-        for _ in 0..200 {
-            let middle = 0.5 * (lo + hi);
-            if outside(middle) > 0.0 { lo = middle } else { hi = middle }
-        }
-        let foot = squares * p / (squares + 0.5 * (lo + hi));
-        (p - foot).length() * if (p / a).length_squared() < 1.0 { 1.0 } else { -1.0 }
     }
 }

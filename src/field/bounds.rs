@@ -3,6 +3,8 @@
 //! IEEE `+ − × ÷ √` round to within half an ulp, so one step outward suffices for them; functions of `libm` and
 //! the short formulas of the set operations are within a few ulps and are widened by [`widened`].
 
+use std::ops::{Add, Mul, Neg, Sub};
+
 use super::Interval;
 use super::scalar;
 
@@ -10,6 +12,62 @@ use super::scalar;
 fn widened(lo: f64, hi: f64) -> Interval {
     const ULPS: f64 = 8.0 * f64::EPSILON;
     Interval::checked(lo - lo.abs() * ULPS - f64::MIN_POSITIVE, hi + hi.abs() * ULPS + f64::MIN_POSITIVE)
+}
+
+impl Add for Interval {
+    type Output = Self;
+
+    /// Bounds of the sum.
+    fn add(self, other: Self) -> Self {
+        if self == Self::ZERO {
+            return other;
+        }
+        if other == Self::ZERO {
+            return self;
+        }
+        Self::outward(self.lo + other.lo, self.hi + other.hi)
+    }
+}
+
+impl Neg for Interval {
+    type Output = Self;
+
+    /// Bounds of the negated value.
+    fn neg(self) -> Self {
+        Self::new(-self.hi, -self.lo)
+    }
+}
+
+impl Sub for Interval {
+    type Output = Self;
+
+    /// Bounds of the difference.
+    fn sub(self, other: Self) -> Self {
+        self + -other
+    }
+}
+
+impl Mul for Interval {
+    type Output = Self;
+
+    /// Bounds of the product.
+    fn mul(self, other: Self) -> Self {
+        if self == Self::ZERO || other == Self::ZERO {
+            return Self::ZERO;
+        }
+        // An end at zero times one at infinity bounds finite products, all of them zero.
+        let product = |a: f64, b: f64| if a == 0.0 || b == 0.0 { 0.0 } else { a * b };
+        let ends = [
+            product(self.lo, other.lo),
+            product(self.lo, other.hi),
+            product(self.hi, other.lo),
+            product(self.hi, other.hi),
+        ];
+        let (least, greatest) = ends
+            .into_iter()
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |(least, greatest), end| (least.min(end), greatest.max(end)));
+        Self::outward(least, greatest)
+    }
 }
 
 impl Interval {
@@ -30,55 +88,18 @@ impl Interval {
         self.lo == self.hi
     }
 
-    /// Bounds of the sum.
-    pub fn add(self, other: Self) -> Self {
-        if self == Self::ZERO {
-            return other;
-        }
-        if other == Self::ZERO {
-            return self;
-        }
-        Self::outward(self.lo + other.lo, self.hi + other.hi)
-    }
-
-    /// Bounds of the negated value.
-    pub fn neg(self) -> Self {
-        Self::new(-self.hi, -self.lo)
-    }
-
-    /// Bounds of the difference.
-    pub fn sub(self, other: Self) -> Self {
-        self.add(other.neg())
-    }
-
     /// Bounds of `scale · value + offset`.
     pub fn linear(self, scale: f64, offset: f64) -> Self {
         if scale == 0.0 || self == Self::ZERO {
-            return Self::new(offset, offset);
+            return Self::checked(offset, offset);
         }
         let scaled = match scale {
             1.0 => self,
-            -1.0 => self.neg(),
+            -1.0 => -self,
             _ if scale > 0.0 => Self::outward(self.lo * scale, self.hi * scale),
             _ => Self::outward(self.hi * scale, self.lo * scale),
         };
-        scaled.add(Self::new(offset, offset))
-    }
-
-    /// Bounds of the product.
-    pub fn mul(self, other: Self) -> Self {
-        if self == Self::ZERO || other == Self::ZERO {
-            return Self::ZERO;
-        }
-        // An end at zero times one at infinity bounds finite products, all of them zero.
-        let product = |a: f64, b: f64| if a == 0.0 || b == 0.0 { 0.0 } else { a * b };
-        let ends = [
-            product(self.lo, other.lo),
-            product(self.lo, other.hi),
-            product(self.hi, other.lo),
-            product(self.hi, other.hi),
-        ];
-        Self::outward(ends.into_iter().fold(f64::INFINITY, f64::min), ends.into_iter().fold(-f64::INFINITY, f64::max))
+        scaled + Self::new(offset, offset)
     }
 
     /// Bounds of the reciprocal; everything where zero is possible.
@@ -90,7 +111,7 @@ impl Interval {
     pub fn abs(self) -> Self {
         match self {
             _ if self.lo >= 0.0 => self,
-            _ if self.hi <= 0.0 => self.neg(),
+            _ if self.hi <= 0.0 => -self,
             _ => Self::new(0.0, self.hi.max(-self.lo)),
         }
     }
@@ -180,7 +201,7 @@ impl Interval {
     /// Bounds of the sine.
     pub fn sin(self) -> Self {
         use std::f64::consts::{FRAC_PI_2, TAU};
-        if !(self.hi - self.lo < TAU) || self.lo.abs().max(self.hi.abs()) > 1e5 {
+        if self.hi - self.lo >= TAU || self.lo.abs().max(self.hi.abs()) > 1e5 {
             return Self::new(-1.0, 1.0);
         }
         // Whether a point phase + k·2π lies in the interval; a near miss counts, so that rounding cannot hide one.
@@ -197,7 +218,14 @@ impl Interval {
 
     /// Bounds of the cosine.
     pub fn cos(self) -> Self {
-        self.add(Self::new(std::f64::consts::FRAC_PI_2, std::f64::consts::FRAC_PI_2).rising(|v| v)).sin()
+        use std::f64::consts::FRAC_PI_2;
+        (self + Self::new(FRAC_PI_2, FRAC_PI_2).rising(|v| v)).sin()
+    }
+
+    /// Bounds of the exponential.
+    pub fn exp(self) -> Self {
+        let bounds = self.rising(scalar::exp);
+        Self::new(bounds.lo.max(0.0), bounds.hi)
     }
 
     /// Bounds of the natural logarithm; everything where it may be undefined.
@@ -208,7 +236,7 @@ impl Interval {
     /// Bounds of a power of a positive base; everything where it may be undefined.
     pub fn pow(self, exponent: Self) -> Self {
         let positive = self.lo > 0.0 || (self.lo == 0.0 && exponent.lo > 0.0);
-        if positive { self.log().mul(exponent).rising(scalar::exp) } else { Self::ALL }
+        if positive { (self.log() * exponent).exp() } else { Self::ALL }
     }
 
     /// Bounds of the angle of (x, y) = (`x`, `self`).

@@ -44,9 +44,10 @@ fn is_constant_zero(op: Op, zero: impl Fn(u32) -> bool) -> bool {
 }
 
 impl Branches {
-    /// Lists the branches of the last operation. `inner` counts those of an external field; `zero` tells whether
+    /// Lists the branches of the last operation. `inner` counts those of an external field read
+    /// at given values; `zero` tells whether
     /// an affine leaf is the constant zero.
-    pub fn find(&mut self, ops: &[Op], inner: impl Fn(u32) -> usize, zero: impl Fn(u32) -> bool) {
+    pub fn find(&mut self, ops: &[Op], inner: impl Fn(u32, [u32; 3]) -> usize, zero: impl Fn(u32) -> bool) {
         self.list.clear();
         self.seen.clear();
         self.seen.resize(ops.len(), false);
@@ -61,9 +62,12 @@ impl Branches {
                 }
                 // An operand met twice has one zero set.
                 _ if std::mem::replace(&mut self.seen[index as usize], true) => {}
-                Op::External { leaf, .. } => {
-                    let parts =
-                        (0..inner(leaf) as u32).map(|part| Branch { op: index, factor, part: Part::External(part) });
+                Op::External { leaf, at } => {
+                    let parts = (0..inner(leaf, at) as u32).map(|part| Branch {
+                        op: index,
+                        factor,
+                        part: Part::External(part),
+                    });
                     self.list.extend(parts);
                 }
                 _ => {

@@ -44,7 +44,7 @@ impl Expression {
     }
 
     /// An evaluator with given vector instructions instead of [`VectorWidth::chosen`]: for tests and benches.
-    /// A width that the processor lacks falls back to the narrowest.
+    /// A width that the processor lacks falls back to a narrower one.
     pub fn evaluator_of_width(&self, width: VectorWidth) -> ExpressionEvaluator<'_> {
         let program = &*self.program;
         let mut whole = Level::default();
@@ -134,20 +134,13 @@ impl ExpressionEvaluator<'_> {
         let level = &self.levels[self.depth];
         if !level.branches_known.replace(true) {
             let ops = &self.levels[level.owner].ops;
-            let inner = |leaf: u32| match self.affine_arguments(ops, leaf) {
-                true => self.externals[leaf as usize].branches(),
-                false => 1,
+            // A field read at bent coordinates is taken as one branch.
+            let inner = |leaf: u32, at: [u32; 3]| {
+                let straight = at.iter().all(|&argument| matches!(ops[argument as usize], Op::Affine(_)));
+                if straight { self.externals[leaf as usize].branches() } else { 1 }
             };
             level.branches.borrow_mut().find(ops, inner, zero_leaf(self.program));
         }
-    }
-
-    /// Whether an external field is read at an affine map of the position.
-    fn affine_arguments(&self, ops: &[Op], wanted: u32) -> bool {
-        ops.iter().any(|op| {
-            matches!(op, Op::External { leaf, at } if *leaf == wanted
-                && at.iter().all(|argument| matches!(ops[*argument as usize], Op::Affine(_))))
-        })
     }
 }
 

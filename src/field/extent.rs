@@ -9,6 +9,9 @@ use super::{Aabb, Interval};
 /// Steps of bisection for each face: a box is found to about a thousandth of its size.
 const STEPS: usize = 12;
 
+/// Rounds over the faces at most; a round that gains less than a hundredth ends them.
+const ROUNDS: usize = 8;
+
 /// The half-widths tried for a solid without a known box: from a hair to a solar system.
 const REACHES: std::ops::RangeInclusive<i32> = -10..=40;
 
@@ -36,22 +39,32 @@ pub(super) fn narrowed(program: &Program, known: Option<Aabb>) -> Option<Aabb> {
             outside_absent.then_some(Aabb::new(DVec3::splat(-reach), DVec3::splat(reach)))
         })?,
     };
-    for axis in 0..3 {
-        let (low, high) = (found.min[axis], found.max[axis]);
-        // From each face inward, the farthest slab known to hold nothing.
-        let upper = bisected(high, low, |place| {
-            let mut slab = found;
-            slab.min[axis] = place;
-            absent(&slab)
-        });
-        let lower = bisected(low, upper, |place| {
-            let mut slab = found;
-            (slab.min[axis], slab.max[axis]) = (low, place);
-            absent(&slab)
-        });
-        (found.min[axis], found.max[axis]) = (lower.min(upper), upper);
+    for _ in 0..ROUNDS {
+        let size = found.size();
+        for axis in 0..3 {
+            draw_in(&mut found, axis, &mut absent);
+        }
+        if found.size().cmpge(size * 0.99).all() {
+            break;
+        }
     }
     Some(found)
+}
+
+/// Moves both faces of a box along an axis inward, as long as the slab they pass holds nothing.
+fn draw_in(found: &mut Aabb, axis: usize, absent: &mut impl FnMut(&Aabb) -> bool) {
+    let (low, high) = (found.min[axis], found.max[axis]);
+    let upper = bisected(high, low, |place| {
+        let mut slab = *found;
+        slab.min[axis] = place;
+        absent(&slab)
+    });
+    let lower = bisected(low, upper, |place| {
+        let mut slab = *found;
+        slab.max[axis] = place;
+        absent(&slab)
+    });
+    (found.min[axis], found.max[axis]) = (lower.min(upper), upper);
 }
 
 /// The place farthest from `from` towards `to` up to which `holds`; `from` where none is found.

@@ -265,6 +265,10 @@ impl Graph {
                 Some(self.unary(linear(value, 0.0), inverse))
             }
             (Binary::Pow, (_, Some(exponent))) => self.constant_power(a, exponent),
+            (Binary::Pow, (Some(base), _)) if base > 0.0 => {
+                let power = self.unary(linear(scalar::log(base), 0.0), b);
+                Some(self.unary(Unary::Exp, power))
+            }
             (Binary::Add | Binary::Sub, _) => {
                 let sign = if operation == Binary::Add { 1.0 } else { -1.0 };
                 self.sum_of_leaves(a, b, sign).or_else(|| match operation {

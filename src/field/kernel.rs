@@ -22,7 +22,7 @@ pub(super) struct Run<'a> {
     pub tape: &'a Tape,
     pub points: &'a Points,
     /// What other fields answered at these points.
-    pub inputs: &'a [Gradients],
+    pub inputs: &'a [Box<Gradients>],
 }
 
 /// Writes each output of the tape at the points, a batch for each.
@@ -42,7 +42,7 @@ fn run_avx2(run: &Run, registers: &mut [Lanes], outs: &mut [&mut [f32; BATCH]]) 
     body(run, registers, outs);
 }
 
-#[multiversion(targets("x86_64+avx+avx2+avx512f+avx512bw+avx512dq+avx512vl"))]
+#[multiversion(targets("x86_64+avx+avx2+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx+avx2"))]
 fn run_avx512(run: &Run, registers: &mut [Lanes], outs: &mut [&mut [f32; BATCH]]) {
     body(run, registers, outs);
 }
@@ -103,6 +103,12 @@ fn body(run: &Run, registers: &mut [Lanes], outs: &mut [&mut [f32; BATCH]]) {
                     Unary::Sqrt => each!(registers, at, a => a.sqrt()),
                     Unary::Cbrt => each!(registers, at, a => math::cbrt(a)),
                     Unary::Recip => each!(registers, at, a => 1.0 / a),
+                    // With the exponent known, the loop over its bits is gone and lanes become vectors.
+                    Unary::Powi(3) => each!(registers, at, a => math::powi(a, 3)),
+                    Unary::Powi(4) => each!(registers, at, a => math::powi(a, 4)),
+                    Unary::Powi(5) => each!(registers, at, a => math::powi(a, 5)),
+                    Unary::Powi(6) => each!(registers, at, a => math::powi(a, 6)),
+                    Unary::Powi(8) => each!(registers, at, a => math::powi(a, 8)),
                     Unary::Powi(exponent) => each!(registers, at, a => math::powi(a, exponent)),
                     Unary::Sin => each!(registers, at, a => math::sin(a)),
                     Unary::Cos => each!(registers, at, a => math::cos(a)),

@@ -38,23 +38,27 @@ fn run_avx2(run: &Run, registers: &mut [Dual], outs: &mut [&mut Gradients]) {
     body(run, registers, outs);
 }
 
-#[multiversion(targets("x86_64+avx+avx2+avx512f+avx512bw+avx512dq+avx512vl"))]
+#[multiversion(targets("x86_64+avx+avx2+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx+avx2"))]
 fn run_avx512(run: &Run, registers: &mut [Dual], outs: &mut [&mut Gradients]) {
     body(run, registers, outs);
 }
 
 /// `out = f(a)` with `(value, derivative by a)` on every lane.
+///
+/// Derivatives go through an array of their own: a loop over all eight arrays at once has more pairs that might
+/// overlap than compilers check, and stays scalar.
 macro_rules! each {
     ($registers:ident, $at:ident, $a:ident => $pair:expr) => {{
         let [out, a] = $registers
             .get_disjoint_mut([$at.out as usize, $at.a as usize])
             .expect("an output never shares its argument's register");
-        for i in 0..LANES {
-            let $a = a.value[i];
-            let (value, by_a) = $pair;
-            out.value[i] = value;
-            for axis in 0..3 {
-                out.slope[axis][i] = by_a * a.slope[axis][i];
+        let mut along_a = [0.0; LANES];
+        for ((value, along_a), &$a) in out.value.iter_mut().zip(&mut along_a).zip(&a.value) {
+            (*value, *along_a) = $pair;
+        }
+        for (out, a) in out.slope.iter_mut().zip(&a.slope) {
+            for ((out, along_a), a) in out.iter_mut().zip(&along_a).zip(a) {
+                *out = along_a * a;
             }
         }
     }};
@@ -73,12 +77,15 @@ macro_rules! both {
             let [out, a, b] = $registers
                 .get_disjoint_mut([$at.out as usize, $at.a as usize, $at.b as usize])
                 .expect("an output never shares its argument's register");
-            for i in 0..LANES {
-                let ($a, $b) = (a.value[i], b.value[i]);
-                let (value, by_a, by_b) = $triple;
-                out.value[i] = value;
-                for axis in 0..3 {
-                    out.slope[axis][i] = by_a * a.slope[axis][i] + by_b * b.slope[axis][i];
+            let (mut along_a, mut along_b) = ([0.0; LANES], [0.0; LANES]);
+            let slopes = along_a.iter_mut().zip(&mut along_b);
+            for (((value, (along_a, along_b)), &$a), &$b) in out.value.iter_mut().zip(slopes).zip(&a.value).zip(&b.value) {
+                (*value, *along_a, *along_b) = $triple;
+            }
+            for axis in 0..3 {
+                let (out, a, b) = (&mut out.slope[axis], &a.slope[axis], &b.slope[axis]);
+                for i in 0..LANES {
+                    out[i] = flushed(along_a[i] * a[i] + along_b[i] * b[i]);
                 }
             }
         }
@@ -155,13 +162,10 @@ fn body(run: &Run, registers: &mut [Dual], outs: &mut [&mut Gradients]) {
                         let first = if a > b { 1.0 } else { 0.0 };
                         (if a > b { a } else { b }, first, 1.0 - first)
                     }),
-                    Binary::Union => both!(registers, at, a, b => {
-                        let (by_a, by_b) = r0_slopes(a, b, 1.0);
-                        (math::r0_union(a, b), by_a, by_b)
-                    }),
+                    Binary::Union => both!(registers, at, a, b => math::r0_union_with_slopes(a, b)),
                     Binary::Intersection => both!(registers, at, a, b => {
-                        let (by_a, by_b) = r0_slopes(a, b, -1.0);
-                        (-math::r0_union(-a, -b), by_a, by_b)
+                        let (value, by_a, by_b) = math::r0_union_with_slopes(-a, -b);
+                        (-value, by_a, by_b)
                     }),
                     Binary::Corner => both!(registers, at, a, b => {
                         let (by_a, by_b) = corner_slopes(a, b);
@@ -193,19 +197,16 @@ fn body(run: &Run, registers: &mut [Dual], outs: &mut [&mut Gradients]) {
     }
 }
 
+/// A derivative, or zero where it is too small to matter: the weights of R₀ operands far from the surface multiply
+/// to numbers below the normal range, on which some processors are a hundred times slower.
+#[inline(always)]
+fn flushed(derivative: f32) -> f32 {
+    if derivative.abs() < 1e-18 { 0.0 } else { derivative }
+}
+
 #[inline(always)]
 fn copy(to: &mut [f32], from: &[f32; LANES]) {
     to.copy_from_slice(from);
-}
-
-/// ∂/∂a and ∂/∂b of `a + b + sign·√(a² + b²)`; where both are zero, the first operand's side.
-#[inline(always)]
-fn r0_slopes(a: f32, b: f32, sign: f32) -> (f32, f32) {
-    let root = (a * a + b * b).sqrt();
-    let inverse = sign / root;
-    let (by_a, by_b) = (1.0 + a * inverse, 1.0 + b * inverse);
-    let smooth = root > 0.0;
-    (if smooth { by_a } else { 1.0 }, if smooth { by_b } else { 0.0 })
 }
 
 #[inline(always)]

@@ -18,6 +18,22 @@ pub(super) fn r0_union(a: f32, b: f32) -> f32 {
     greater + if lesser < 0.0 { ratio } else { both }
 }
 
+/// [`r0_union`] with its derivatives `1 + a/√(a² + b²)` and `1 + b/√(a² + b²)`; where both arguments are zero, the
+/// first one's side.
+#[inline(always)]
+pub(super) fn r0_union_with_slopes(a: f32, b: f32) -> (f32, f32, f32) {
+    let (lesser, greater) = if a < b { (a, b) } else { (b, a) };
+    let square = greater * greater;
+    let root = (lesser * lesser + square).sqrt();
+    let both = root + lesser.abs();
+    let ratio = square / both;
+    let value = greater + if lesser < 0.0 { ratio } else { both };
+    let inverse = 1.0 / root;
+    let (by_a, by_b) = (1.0 + a * inverse, 1.0 + b * inverse);
+    let smooth = root > 0.0;
+    (value, if smooth { by_a } else { 1.0 }, if smooth { by_b } else { 0.0 })
+}
+
 /// See `scalar::corner`.
 #[inline(always)]
 pub(super) fn corner(a: f32, b: f32) -> f32 {

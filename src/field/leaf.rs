@@ -55,7 +55,7 @@ impl Affine {
     /// Bounds over a box, rounded outward.
     pub fn bounds(&self, region: &Aabb) -> Interval {
         if self.is_constant() {
-            return Interval::new(self.constant, self.constant);
+            return Interval::checked(self.constant, self.constant);
         }
         let (mut lo, mut hi) = (self.constant, self.constant);
         let (mut below, mut above) = (self.constant.abs(), self.constant.abs());
@@ -126,13 +126,12 @@ impl Quadric {
     /// The sum, or `None` where it has more than three terms.
     pub fn plus(&self, other: &Self) -> Option<Self> {
         let mut sum = Self { constant: self.constant + other.constant, ..*self };
-        let mut free = self.used();
-        if free + other.used() > 3 {
+        if self.used() + other.used() > 3 {
             return None;
         }
-        for term in other.terms.iter().filter(|(weight, _)| *weight != 0.0) {
-            sum.terms[free] = *term;
-            free += 1;
+        let added = other.terms.iter().filter(|(weight, _)| *weight != 0.0);
+        for (place, term) in sum.terms[self.used()..].iter_mut().zip(added) {
+            *place = *term;
         }
         Some(sum)
     }
@@ -143,7 +142,7 @@ impl Quadric {
             .iter()
             .filter(|(weight, _)| *weight != 0.0)
             .fold(Interval::new(self.constant, self.constant), |sum, (weight, form)| {
-                sum.add(form.bounds(region).square().linear(*weight, 0.0))
+                sum + form.bounds(region).square().linear(*weight, 0.0)
             })
     }
 

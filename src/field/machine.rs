@@ -17,7 +17,8 @@ pub(super) struct Machine {
     registers: Vec<Lanes>,
     duals: Vec<Dual>,
     /// What each external field answered for the batch.
-    inputs: Vec<Gradients>,
+    inputs: Vec<Box<Gradients>>,
+    spare: Option<Box<Gradients>>,
     /// Positions in an external field's own space.
     local: Box<Points>,
     /// Those positions' own gradients, where they are not affine.
@@ -55,7 +56,8 @@ impl Machine {
             width,
             registers: Vec::new(),
             duals: Vec::new(),
-            inputs: vec![Gradients::new(); externals],
+            inputs: (0..externals).map(|_| Box::default()).collect(),
+            spare: None,
             local: Box::new(Points::new(DVec3::ZERO)),
             moved: Box::new(std::array::from_fn(|_| Gradients::new())),
             arguments: Tape::default(),
@@ -88,13 +90,14 @@ impl Machine {
         }
         for op in ops {
             let Op::External { leaf, at } = *op else { continue };
-            let mut answer = std::mem::take(&mut self.inputs[leaf as usize]);
+            // What earlier fields answered must stay readable while this one is asked.
+            let mut answer = self.spare.take().unwrap_or_default();
             let external = &mut externals[leaf as usize];
             let read = |points: &Points, answer: &mut Gradients| {
                 if gradients { external.gradients(points, answer) } else { external.values(points, &mut answer.value) }
             };
             self.read_at(program, ops, at, points, gradients, &mut answer, read);
-            self.inputs[leaf as usize] = answer;
+            self.spare = Some(std::mem::replace(&mut self.inputs[leaf as usize], answer));
         }
     }
 

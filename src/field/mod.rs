@@ -7,10 +7,13 @@
 mod batch;
 mod bounds;
 mod branch;
+pub mod cells;
 mod combine;
 mod expression;
 mod extent;
+pub mod facet;
 mod facts;
+mod formula;
 mod graph;
 mod interval;
 mod kernel;
@@ -32,6 +35,7 @@ mod width;
 pub use batch::{BATCH, Gradients, Points};
 pub use combine::{Blend, BlendBounds, SetSystem};
 pub use expression::{Expression, ExpressionEvaluator};
+pub use formula::{FUNCTIONS, Formula, FormulaError, Names};
 pub use graph::{Graph, Node};
 pub use interval::{Aabb, Interval};
 pub use place::{NotInvertible, rotation};
@@ -91,6 +95,12 @@ pub trait Evaluator {
 
     /// F and its gradient at each point. Where F has no gradient (a crease) one of the sides' is given.
     fn gradients(&mut self, points: &Points, out: &mut Gradients);
+
+    /// Bounds of ∂F/∂x, ∂F/∂y, ∂F/∂z over the innermost region entered, or `None` where they are not known. A morph
+    /// of two fields that answer opens fewer blocks: where one grows as the other falls, their slopes cancel.
+    fn gradient_bounds(&mut self) -> Option<[Interval; 3]> {
+        None
+    }
 
     /// The number of smooth branches that remain in the region: the operands, below all set operations, whose
     /// zero sets together contain the zero set of F. At least 1; 1 means that F is itself smooth here (or is

@@ -148,16 +148,17 @@ fn unary(operation: Unary, a: Interval) -> Interval {
         Unary::Log => a.log(),
         Unary::Floor => Interval::new(a.lo.floor(), a.hi.floor()),
         Unary::Sign => Interval::new(scalar::sign(a.lo), scalar::sign(a.hi)),
-        Unary::Exp | Unary::Cbrt | Unary::Smooth => a.rising(|end| scalar::unary(operation, end)),
+        Unary::Exp => a.exp(),
+        Unary::Cbrt | Unary::Smooth => a.rising(|end| scalar::unary(operation, end)),
     }
 }
 
 fn binary(operation: Binary, a: Interval, b: Interval) -> Interval {
     match operation {
-        Binary::Add => a.add(b),
-        Binary::Sub => a.sub(b),
-        Binary::Mul => a.mul(b),
-        Binary::Div => a.mul(b.recip()),
+        Binary::Add => a + b,
+        Binary::Sub => a - b,
+        Binary::Mul => a * b,
+        Binary::Div => a * b.recip(),
         Binary::Min => a.min(b),
         Binary::Max => a.max(b),
         Binary::Union => a.r0_union(b),

@@ -71,6 +71,9 @@ impl Graph {
     /// An ellipsoid by its half axes. Not a distance: `(1 − |p/r|)` times the least half axis, never steeper
     /// than 1.
     pub fn ellipsoid(&mut self, radii: DVec3) -> Node {
+        if radii.min_element() <= 0.0 {
+            return self.constant(-1.0);
+        }
         let scaled = [(DVec3::X, radii.x), (DVec3::Y, radii.y), (DVec3::Z, radii.z)]
             .map(|(axis, radius)| self.affine(axis / radius, 0.0));
         let length = self.length(&scaled);
@@ -128,6 +131,9 @@ impl Graph {
         /// The mean slope of F on the surface.
         const STEEPNESS: f64 = 2.5;
 
+        if width <= 0.0 {
+            return self.constant(-1.0);
+        }
         let scale = width / 2.0 / REACH[0];
         let x = self.affine(DVec3::X / scale, 0.0);
         let y = self.affine(DVec3::Y / scale, 0.0);

@@ -4,6 +4,9 @@
 
 mod band;
 mod lattice;
+pub mod measure;
+#[cfg(test)]
+pub(crate) mod testing;
 
 pub use band::{Band, Channel, InsideTile};
 pub use lattice::{Lattice, VoxelSize, block_order, block_origin, voxel_offset};

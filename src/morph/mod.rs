@@ -1,1 +1,30 @@
 //! Space-time blending of shapes and space-time transfinite interpolation of attributes.
+//!
+//! [`Morph`] takes two objects and plans once how one becomes the other; from then on any scene time's field and
+//! colour can be had by itself. Knows scene time τ (0 at a shot's first frame, 1 at its last), but no frames, no files
+//! and no scene text.
+
+mod coarse;
+mod motion;
+mod pace;
+mod plan;
+mod real;
+mod section;
+mod settings;
+mod stb;
+mod stti;
+mod volume;
+
+pub use coarse::CoarseGrid;
+pub use motion::{Motion, Moved, Similarity};
+pub use pace::Curve;
+pub use plan::{FrameReport, Morph, MorphObject, Plan, Report, Stage};
+pub use section::{Round, Section};
+pub use settings::{Ease, Error, Flow, Mode, Pace, Paper, Settings, Side};
+pub use stb::Stb;
+pub use stti::{MorphColour, Transfer};
+
+#[cfg(test)]
+mod exact;
+#[cfg(test)]
+mod tests;

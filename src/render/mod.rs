@@ -1,6 +1,7 @@
-//! Pictures: ray casting of a coloured level set held in memory, PNG.
+//! Pictures: ray casting of a coloured level set held in memory, contact sheets of a sequence, PNG.
 //!
-//! [`render`] looks at a [`crate::grid::Band`] through a [`Camera`]. Nothing here computes a distance or knows a
+//! [`render`] looks at a [`crate::grid::Band`] through a [`Camera`]; a [`ContactSheet`] sets the pictures of a
+//! sequence in rows, over the curves that tell whether a morph is sound. Nothing here computes a distance or knows a
 //! file format but PNG.
 //!
 //! Geometry is seen as trilinear interpolation shows it: a ray meets the surface where the interpolated distance
@@ -9,10 +10,15 @@
 mod camera;
 mod image;
 mod picture;
+mod plot;
+mod screen;
+mod sheet;
 mod studio;
+mod text;
 mod trace;
 mod volume;
 
 pub use camera::{Camera, View};
 pub use image::{Image, PictureError};
 pub use picture::{Lighting, Look, Scene, render};
+pub use sheet::{ContactSheet, SheetFrame};

@@ -6,6 +6,7 @@ use rayon::prelude::*;
 use super::{
     camera::Camera,
     image::{Image, decode_srgb, encode_srgb},
+    screen::Screen,
     studio::{Shade, Studio, combine, expose},
     trace::{Ray, first_hit},
     volume::Volume,
@@ -20,12 +21,14 @@ const SAMPLE_PLACES: [(usize, usize); SAMPLES * SAMPLES] =
 /// Directions that each sample looks into for the sky.
 const DRAWS: usize = 2;
 /// Directions that a pixel's ground looks into for the sky.
-const GROUND_DRAWS: usize = 6;
+const GROUND_DRAWS: usize = 4;
 /// Directions chosen for one pixel.
 const PIXEL_DRAWS: usize = SAMPLES * SAMPLES * DRAWS;
 /// Pixels each way over which visibility is smoothed. Directions differ from pixel to pixel with this period, so
 /// that a window of this edge holds each of them once, and no grain is left.
 const WINDOW: usize = 4;
+/// The part of a picture's width and height, at each border, over which the ground's shadow fades.
+const FADE: f32 = 0.16;
 /// The albedo where nothing gives a colour: that of sRGB `#cccccc`.
 const CLAY: [f32; 3] = [0.604; 3];
 
@@ -77,6 +80,7 @@ pub fn render(scene: &Scene<'_>, width: usize, height: usize) -> Image {
     let painter = Painter {
         scene,
         studio: Studio::new(&volume, &scene.camera),
+        screen: Screen::new(&volume, &scene.camera, width, height),
         volume: &volume,
         width,
         height,
@@ -132,6 +136,7 @@ struct Painter<'a> {
     scene: &'a Scene<'a>,
     volume: &'a Volume<'a>,
     studio: Studio<'a>,
+    screen: Screen,
     width: usize,
     height: usize,
     draws: Vec<DVec2>,
@@ -143,10 +148,11 @@ impl Painter<'_> {
     fn pixel(&self, column: usize, row: usize) -> Pixel {
         let phase = row % WINDOW * WINDOW + column % WINDOW;
         let draws = &self.draws[phase * PIXEL_DRAWS..][..PIXEL_DRAWS];
+        let may_show = self.screen.may_show(column, row);
         let mut pixel = Pixel::default();
         let mut colours = [[0.0; 3]; 4];
         for (order, (across, down)) in SAMPLE_PLACES.into_iter().enumerate() {
-            if order == 4 && pixel.is_plain(&colours) {
+            if order == 4 && (!may_show || pixel.is_plain(&colours)) {
                 break;
             }
             let within = |index: usize| (index as f64 + 0.5) / SAMPLES as f64;
@@ -154,7 +160,7 @@ impl Painter<'_> {
                 (column as f64 + within(across)) / self.width as f64 * 2.0 - 1.0,
                 1.0 - (row as f64 + within(down)) / self.height as f64 * 2.0,
             );
-            let colour = self.add_sample(&mut pixel, place, order, draws);
+            let colour = self.add_sample(&mut pixel, place, order, draws, may_show);
             if let Some(place) = colours.get_mut(order) {
                 *place = colour;
             }
@@ -163,12 +169,13 @@ impl Painter<'_> {
     }
 
     /// Adds a sample to the sums; returns the object's own colour there.
-    fn add_sample(&self, pixel: &mut Pixel, place: DVec2, order: usize, draws: &[DVec2]) -> [f32; 3] {
+    fn add_sample(&self, pixel: &mut Pixel, place: DVec2, order: usize, draws: &[DVec2], may_show: bool) -> [f32; 3] {
         let camera = &self.scene.camera;
         let ray = Ray::new(camera.eye / self.volume.voxel_size(), camera.direction(place));
         let ground = self.ground_distance(&ray);
         pixel.samples += 1.0;
-        let Some(t) = first_hit(self.volume, &ray, 0.0, ground.unwrap_or(f64::INFINITY)) else {
+        let end = if may_show { ground.unwrap_or(f64::INFINITY) } else { 0.0 };
+        let Some(t) = first_hit(self.volume, &ray, 0.0, end) else {
             if let Some(t) = ground {
                 // The ground's light is smooth: one sample of a pixel tells enough.
                 if pixel.ground == 0.0 {
@@ -217,8 +224,16 @@ impl Painter<'_> {
                     .map(|value| expose(value) * pixel.object)
             }
         };
-        let plain = count - pixel.object - pixel.ground + pixel.ground * seen.ground;
+        let ground = 1.0 - (1.0 - seen.ground) * self.fade(column, row);
+        let plain = count - pixel.object - pixel.ground + pixel.ground * ground;
         Some(std::array::from_fn(|channel| (object[channel] + self.background[channel] * plain) / count))
+    }
+
+    /// How much of the ground's shadow shows: none at the border, so that pictures side by side are one paper.
+    fn fade(&self, column: usize, row: usize) -> f32 {
+        let from_border = |place: usize, end: usize| (place.min(end - 1 - place) as f32 + 0.5) / (FADE * end as f32);
+        let ramp = |part: f32| part.min(1.0) * part.min(1.0) * (3.0 - 2.0 * part.min(1.0));
+        ramp(from_border(column, self.width)) * ramp(from_border(row, self.height))
     }
 
     /// What a pixel sees of sky, key and ground light: means over the pixels around it that lie on the same piece
@@ -284,21 +299,20 @@ mod tests {
     use super::*;
     use crate::{
         field::Aabb,
-        grid::BLOCK_VOXELS,
-        render::{
-            View,
-            trace::tests::{band_of, sphere},
+        grid::{
+            BLOCK_VOXELS,
+            testing::{band_of, sphere, voxel_of},
         },
+        render::View,
     };
 
     const RED: [f32; 3] = [0.6, 0.05, 0.1];
     const BLUE: [f32; 3] = [0.05, 0.2, 0.7];
 
     fn painted(band: &Band, colour: impl Fn(DVec3) -> [f32; 3]) -> Channel<[f32; 3]> {
-        let voxel = |origin: IVec3, at: usize| {
-            band.lattice.centre(origin + IVec3::new((at / 64) as i32, (at / 8 % 8) as i32, (at % 8) as i32))
+        let block = |&origin: &IVec3| {
+            std::array::from_fn::<_, BLOCK_VOXELS, _>(|at| colour(band.lattice.centre(voxel_of(origin, at))))
         };
-        let block = |&origin: &IVec3| std::array::from_fn::<_, BLOCK_VOXELS, _>(|at| colour(voxel(origin, at)));
         Channel { name: "Cd".into(), values: band.origins.iter().map(block).collect(), background: [0.0; 3] }
     }
 

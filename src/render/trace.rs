@@ -157,58 +157,9 @@ fn bisect(value: impl Fn(f64) -> f64, mut low: f64, mut high: f64) -> f64 {
 }
 
 #[cfg(test)]
-pub(super) mod tests {
+mod tests {
     use super::*;
-    use crate::grid::{BLOCK_VOXELS, Band, InsideTile, Lattice, VoxelSize, block_order};
-
-    /// The band of any distance function, positive inside, over a cube of ± `reach` world units; found by looking
-    /// at every block's centre.
-    pub(crate) fn band_of(distance: impl Fn(DVec3) -> f64, reach: f64, voxel_size: f64) -> Band {
-        let lattice = Lattice { voxel_size: VoxelSize::new(voxel_size).unwrap() };
-        let half_width = 3.0;
-        let limit = f64::from(half_width) * voxel_size;
-        let blocks = (reach / voxel_size / 8.0).ceil() as i32 + 1;
-        let mut origins = Vec::new();
-        let mut inside_tiles = Vec::new();
-        for x in -blocks..blocks {
-            for y in -blocks..blocks {
-                for z in -blocks..blocks {
-                    let origin = IVec3::new(x, y, z) * BLOCK_EDGE;
-                    let centre = distance((origin.as_dvec3() + 3.5) * voxel_size);
-                    // The farthest voxel of a block is 3.5·√3 voxels from its centre.
-                    if centre.abs() < limit + 6.1 * voxel_size {
-                        origins.push(origin);
-                    } else if centre > 0.0 {
-                        inside_tiles.push(InsideTile { origin, edge: 8 });
-                    }
-                }
-            }
-        }
-        origins.sort_by_key(|&origin| block_order(origin));
-        inside_tiles.sort_by_key(|tile| block_order(tile.origin));
-        let voxel = |origin: IVec3, at: usize| {
-            lattice.centre(origin + IVec3::new((at / 64) as i32, (at / 8 % 8) as i32, (at % 8) as i32))
-        };
-        let distances: Vec<[f32; BLOCK_VOXELS]> = origins
-            .iter()
-            .map(|&origin| std::array::from_fn(|at| distance(voxel(origin, at)).clamp(-limit, limit) as f32))
-            .collect();
-        let active = distances
-            .iter()
-            .map(|block| {
-                std::array::from_fn(|x| {
-                    (0..64).fold(0, |word, bit| word | u64::from(block[x * 64 + bit].abs() < limit as f32) << bit)
-                })
-            })
-            .collect();
-        Band { lattice, half_width, origins, distances, active, inside_tiles }
-    }
-
-    /// The band of a sphere.
-    pub(crate) fn sphere(centre: DVec3, radius: f64, voxel_size: f64) -> Band {
-        let reach = centre.abs().max_element() + radius + 4.0 * voxel_size;
-        band_of(|p| radius - (p - centre).length(), reach, voxel_size)
-    }
+    use crate::grid::{BLOCK_VOXELS, Band, testing::sphere};
 
     fn hit(band: &Band, origin: DVec3, direction: DVec3) -> Option<f64> {
         let size = band.lattice.voxel_size.get();

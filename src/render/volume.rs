@@ -179,6 +179,13 @@ impl<'a> Volume<'a> {
         }
     }
 
+    /// The cells that may hold solid: least corner and edge.
+    pub(super) fn solid_cells(&self) -> impl Iterator<Item = (DVec3, f64)> {
+        let blocks = self.band.origins.iter().zip(&self.peaks).filter(|(_, peak)| **peak >= 0.0);
+        let blocks = blocks.map(|(origin, _)| (origin.as_dvec3(), f64::from(BLOCK_EDGE)));
+        blocks.chain(self.band.inside_tiles.iter().map(|tile| (tile.origin.as_dvec3(), f64::from(tile.edge))))
+    }
+
     /// The greatest value that interpolation in a block may give.
     pub(super) fn peak(&self, block: usize) -> f32 {
         self.peaks[block]
@@ -319,10 +326,7 @@ fn open<'t>(tables: &'t mut Vec<Vec<u32>>, code: &mut u32, across: usize) -> &'t
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{
-        grid::{InsideTile, Lattice, VoxelSize},
-        render::trace::tests::sphere,
-    };
+    use crate::grid::{InsideTile, Lattice, VoxelSize, testing::sphere};
 
     #[test]
     fn interpolation_gives_back_a_linear_function() {

@@ -1,37 +1,76 @@
-//! Formulas of a scene.
+//! Formulas of a scene: read with the names that a scene gives them, evaluated at a moment.
 
 use std::sync::Arc;
+
+use crate::field::{self, FormulaError, Graph, Node};
 
 use super::number::Moment;
 use super::reader::FormulaProblem;
 
-/// The names of parameters.
+/// The names of the scene's parameters, in their order.
 pub type Names = Arc<[String]>;
 
 /// Names that formulas know by themselves.
 pub const RESERVED: [&str; 7] = ["x", "y", "z", "t", "frame", "time", "pi"];
 
-/// A formula that was read.
+/// A formula that was read and whose names are all known.
 #[derive(Clone, Debug)]
 pub struct Formula {
-    text: Arc<str>,
+    parsed: Arc<field::Formula>,
     names: Names,
 }
 
 impl Formula {
-    /// A formula of time.
+    /// A formula of t, frame, time and parameters.
     pub fn of_time(text: &str, names: Names) -> Result<Self, FormulaProblem> {
-        Ok(Self { text: text.into(), names })
+        let formula = Self::parse(text, names)?;
+        let mut graph = Graph::new();
+        formula.parsed.compile(&mut graph, &formula.known(field::Names::new(), &Moment::any(&formula.names)))?;
+        Ok(formula)
     }
 
-    /// A formula of space and time.
+    /// A formula of x, y, z, t, frame, time and parameters.
     pub fn of_space(text: &str, names: Names) -> Result<Self, FormulaProblem> {
-        Self::of_time(text, names)
+        let formula = Self::parse(text, names)?;
+        let mut graph = Graph::new();
+        let space = field::Names::space(&mut graph);
+        formula.parsed.compile(&mut graph, &formula.known(space, &Moment::any(&formula.names)))?;
+        Ok(formula)
     }
 
-    /// Its value.
-    pub fn number(&self, _moment: &Moment) -> f64 {
-        let _ = &self.names;
-        self.text.len() as f64
+    fn parse(text: &str, names: Names) -> Result<Self, FormulaProblem> {
+        Ok(Self { parsed: Arc::new(field::Formula::parse(text)?), names })
+    }
+
+    /// What names mean at a moment.
+    fn known(&self, space: field::Names, moment: &Moment) -> field::Names {
+        let time = space.number("t", moment.t).number("frame", moment.frame).number("time", moment.time);
+        let values = moment.parameters.iter().copied();
+        self.names.iter().zip(values).fold(time, |known, (name, value)| known.number(name, value))
+    }
+
+    /// The names in it, functions not among them.
+    pub fn names(&self) -> impl Iterator<Item = &str> {
+        self.parsed.names().into_iter()
+    }
+
+    /// Its value at a moment; NaN where it has none. For formulas of time.
+    pub fn number(&self, moment: &Moment) -> f64 {
+        self.parsed.evaluate(&self.known(field::Names::new(), moment)).unwrap_or(f64::NAN)
+    }
+
+    /// As a node of a graph, in its own x, y, z.
+    pub fn node(&self, graph: &mut Graph, moment: &Moment) -> Node {
+        let space = field::Names::space(graph);
+        let known = self.known(space, moment);
+        // All names were looked up when the scene was read.
+        self.parsed.compile(graph, &known).unwrap_or_else(|_| graph.constant(f64::NAN))
+    }
+}
+
+impl From<FormulaError> for FormulaProblem {
+    fn from(error: FormulaError) -> Self {
+        let help = error.suggestion.map_or_else(String::new, |name| format!("did you mean `{name}`?"));
+        Self { message: error.message, at: error.span, help }
     }
 }

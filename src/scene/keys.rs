@@ -245,19 +245,19 @@ pub const MAKERS: &[Maker] = &[
         .limit(Limit::Positive)
         .unit("units"),
         parameters: &[],
-        formula: "signed distance to the box",
+        formula: "the signed distance to it",
     },
     Maker {
         key: Key::new("ellipsoid", Kind::Vector, Required, "An ellipsoid around the origin: its half axes.")
             .limit(Limit::Positive)
             .unit("units"),
         parameters: &[],
-        formula: "1 − (x/a)² − (y/b)² − (z/c)²",
+        formula: "(1 − |(x/a, y/b, z/c)|)·min(a, b, c)",
     },
     Maker {
         key: Key::length("cylinder", Required, "A cylinder along z around the origin: its radius."),
         parameters: &[Key::length("height", Number(2.0), "From its bottom to its top.")],
-        formula: "signed distance to the cylinder",
+        formula: "the signed distance to it",
     },
     Maker {
         key: Key::length("torus", Required, "A ring around the z axis: the radius of its middle line."),
@@ -301,7 +301,7 @@ pub const MAKERS: &[Maker] = &[
             "A heart around the origin, upright along z, front towards −y: its width along x.",
         ),
         parameters: &[],
-        formula: "x²z³ + 9/80·y²z³ − (x² + 9/4·y² + z² − 1)³, scaled",
+        formula: "z·∛(x² + 9/80·y²) − (x² + 9/4·y² + z² − 1), scaled: the cube roots of the well-known sextic",
     },
     Maker {
         key: Key::new(
@@ -321,7 +321,7 @@ pub const MAKERS: &[Maker] = &[
             "A closed mesh: OBJ, PLY. Its vertex colours are its colour where `color` is left out.",
         ),
         parameters: &[],
-        formula: "signed distance to the mesh",
+        formula: "the signed distance to it",
     },
     Maker {
         key: Key::new(
@@ -356,7 +356,7 @@ pub const MAKERS: &[Maker] = &[
             "facet",
             Kind::Shape,
             Required,
-            "A mesh whose surface, cell by cell, is cut by a plane at random.",
+            "A shape whose surface, cell by cell, is cut by a plane at random.",
         ),
         parameters: FACET_PARAMETERS,
         formula: "",
@@ -368,11 +368,18 @@ const SET_PARAMETERS: &[Key] = &[];
 const FACET_PARAMETERS: &[Key] = &[
     Key::new("cells", Kind::Cells, Required, "The cells that the surface is cut by."),
     Key::new("tilt", Kind::Constant, Number(20.0), "The most that a plane is tilted.")
-        .limit(Limit::Within(0.0, 80.0))
+        .limit(Limit::Within(0.0, 60.0))
         .unit("degrees"),
-    Key::new("cut", Kind::Constant, Number(0.1), "The most that a plane cuts off or adds.")
+    Key::new("cut", Kind::Constant, Number(0.1), "The deepest that a plane cuts.")
         .limit(Limit::NotNegative)
         .unit("units"),
+    Key::new(
+        "seed",
+        Kind::Whole,
+        Words("from the scene's `seed` and the name"),
+        "The number that its chances start from.",
+    )
+    .limit(Limit::NotNegative),
 ];
 
 /// What every shape takes beside its maker. The order of the text does not matter: this is the order of work.
@@ -408,7 +415,7 @@ pub const CELLS: &[Key] = &[
         "octree",
         Kind::Shape,
         Required,
-        "The mesh around which the octree stands; its leaves are where its surface is.",
+        "The shape around which the octree stands; its leaves are where its surface is.",
     ),
     Key::new("depth", Kind::Depth, Words("`[1, 3]`"), "How often a cell is halved: at least, at most."),
     Key::new("chance", Kind::Constant, Number(0.5), "That a cell between the two is halved once more.")
@@ -424,7 +431,12 @@ pub const CELLS: &[Key] = &[
 
 /// Copies in cells: the table of `at`.
 pub const COPIES: &[Key] = &[
-    Key::new("cells", Kind::Cells, Required, "The cells that copies stand in, each in its cell's middle."),
+    Key::new(
+        "cells",
+        Kind::Cells,
+        Required,
+        "The cells that copies stand in, each on the surface near its cell's middle.",
+    ),
     Key::new("pick", Kind::Constant, Number(1.0), "The share of cells that get one.").limit(Limit::Within(0.0, 1.0)),
     Key::new(
         "seed",
@@ -529,16 +541,10 @@ pub const MORPH: &[Key] = &[
         .limit(Limit::Positive)
         .also(&["time_scale"]),
     Key::new("slab", Kind::Table, Words("`[0, 1]`"), "`mode = \"paper\"`: the slab of time that bounds the blend."),
-    Key::new(
-        "round",
-        Kind::Flag,
-        Text("false"),
-        "`mode = \"paper\"`: the half-cylinders are rounded where time cuts them.",
-    ),
 ];
 
 /// Keys of `[morph]` that only `mode = "paper"` uses.
-pub const PAPER_ONLY: &[&str] = &["a0", "a1", "a2", "a3", "s", "slab", "round"];
+pub const PAPER_ONLY: &[&str] = &["a0", "a1", "a2", "a3", "s", "slab"];
 
 /// Grids that a file can hold.
 pub const GRIDS: &[&str] = &["surface", "Cd"];
@@ -576,7 +582,8 @@ pub const LATER: &[(&str, &[&str])] = &[
             "revolve", "keep",
         ],
     ),
-    ("morph", &["delay", "keep", "weight"]),
+    ("morph", &["delay", "keep", "round", "volume", "weight"]),
     ("color", &["texture", "sample", "grid", "noise", "wood", "marble"]),
-    ("output", &["density", "vel", "adaptive"]),
+    ("output", &["adaptive"]),
+    ("grid", &["vel", "density"]),
 ];

@@ -3,9 +3,11 @@
 //! The way: [`load`] reads TOML or JSON into a tree of values that know their places, applies overrides, and
 //! checks it against [`keys`] into a [`Model`]. Knows no voxels and writes no files.
 
+mod assets;
 mod builtin;
 mod colour;
 mod diagnostic;
+mod error;
 mod files;
 mod formula;
 mod frames;
@@ -13,18 +15,29 @@ mod hash;
 pub mod keys;
 mod load;
 mod model;
+mod morphing;
 mod number;
 mod overrides;
+mod paint;
+mod pending;
+mod placed_colour;
+mod prepare;
 mod read;
 mod reader;
+mod reference;
+mod solid;
 mod source;
 mod value;
+mod variation;
 
+#[cfg(test)]
+mod frame_tests;
 #[cfg(test)]
 mod tests;
 
 pub use builtin::{builtin_line, builtin_names, builtin_text};
 pub use diagnostic::{Diagnostic, Diagnostics, Severity};
+pub use error::Error;
 pub use files::{FilePlace, FileReference};
 pub use formula::Formula;
 pub use frames::{FrameRange, Shot};
@@ -32,6 +45,8 @@ pub use load::{Source, load};
 pub use model::*;
 pub use number::{BadNumber, Ease, Keys, Moment, Number, NumberValue};
 pub use overrides::Overrides;
+pub use prepare::{FrameContent, FrameInfo, PrepareOptions, Prepared};
 pub use reader::Setting;
+pub use reference::reference;
 pub use source::{Place, Span};
 pub use value::Origin;

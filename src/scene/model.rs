@@ -123,7 +123,7 @@ pub enum Maker {
     /// Shapes that flow together.
     Blend { operands: Vec<ShapeId>, radius: Number, within: Option<ShapeId> },
     /// A mesh cut by planes at random, cell by cell.
-    Facet { of: ShapeId, cells: CellsId, tilt: f64, cut: f64 },
+    Facet { of: ShapeId, cells: CellsId, tilt: f64, cut: f64, seed: u64 },
 }
 
 /// What is done to a shape after it is made.
@@ -175,14 +175,14 @@ pub enum ShapeColour {
     ByCell { palette: Vec<LinearRgb>, seed: u64 },
 }
 
-/// Octree cells around a mesh.
+/// Octree cells around a shape.
 #[derive(Clone, Debug)]
 pub struct Cells {
     /// Their name; for cells written in place, where that is.
     pub name: String,
     /// Their name's place.
     pub span: Span,
-    /// The mesh shape they stand around.
+    /// The shape they stand around.
     pub around: ShapeId,
     /// How often a cell is halved at least.
     pub least_depth: u32,
@@ -239,8 +239,6 @@ pub enum MorphMode {
         s: f64,
         /// The slab of time.
         slab: [f64; 2],
-        /// Whether the half-cylinders are rounded.
-        round: bool,
     },
 }
 

@@ -104,6 +104,13 @@ pub struct Moment {
     pub parameters: Arc<[f64]>,
 }
 
+impl Moment {
+    /// Some moment with a value for each parameter: to find out whether formulas can be read.
+    pub(super) fn any(names: &[String]) -> Self {
+        Self { t: 0.0, frame: 1.0, time: 0.0, parameters: names.iter().map(|_| 1.0).collect() }
+    }
+}
+
 impl Number {
     /// A number that stays.
     pub fn constant(value: f64, name: &str, span: Span) -> Self {

@@ -258,7 +258,7 @@ impl<'r, 'a> Fields<'r, 'a> {
         let name = entry.key.as_str();
         let here =
             if self.path.is_empty() { "at the top of a scene".into() } else { format!("in `{}`", clip(&self.path)) };
-        if LATER.iter().any(|(table, names)| *table == family && names.contains(&name)) {
+        if is_later(family, name) {
             let problem = format!("`{name}` {here} is not supported in this version");
             return self.reader.say(Diagnostic::error(entry.key_span, problem));
         }
@@ -443,8 +443,13 @@ impl<'r, 'a> Fields<'r, 'a> {
         };
         let known = |value: &Value| {
             let found = choices.iter().copied().find(|choice| value.text() == Some(*choice));
-            if found.is_none() {
-                self.reader.choice_problem(&self.full(name), choices, value);
+            match value.text() {
+                Some(text) if is_later("grid", text) => {
+                    let problem = format!("the grid `{text}` is not supported in this version");
+                    self.reader.say(Diagnostic::error(value.span, problem));
+                }
+                _ if found.is_none() => self.reader.choice_problem(&self.full(name), choices, value),
+                _ => {}
             }
             found
         };
@@ -458,6 +463,11 @@ impl<'r, 'a> Fields<'r, 'a> {
 }
 
 use Absent::Required;
+
+/// Whether the format will know a name.
+fn is_later(family: &str, name: &str) -> bool {
+    LATER.iter().any(|(table, names)| *table == family && names.contains(&name))
+}
 
 /// A problem of a formula: what is wrong, and which bytes of the formula's own text it is about.
 #[derive(Clone, Debug, PartialEq)]

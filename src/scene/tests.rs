@@ -67,6 +67,20 @@ fn what_comes_later_is_said_to_come_later() {
 }
 
 #[test]
+fn the_lion_waits_for_a_later_version() {
+    let lion = "hfvdb = 1\nframes = \"1001-1096\"\nup = \"y\"\n[shape.lion]\nmesh = \"cube.obj\"\n\
+                color = { texture = \"base_color\", sample = \"filtered\" }\n[shape.splash]\n\
+                vdb = \"$SHOT/sim/splash.####.vdb\"\ngrid = \"surface\"\ncolor = { grid = \"Cd\" }\n\
+                velocity = { grid = \"vel\" }\nhold = \"both\"\n[morph]\nfrom = \"lion\"\nto = \"splash\"\n\
+                over = \"1009-1080\"\nease = \"smooth\"\ndelay = \"0.4\"\nkeep = \"largest\"\n\
+                [output]\nvoxel_size = 0.008\ngrids = [\"surface\", \"Cd\", \"vel\"]\n";
+    let problems = problems(lion);
+    let later = |problem: &&String| problem.ends_with("is not supported in this version");
+    assert_eq!(problems.iter().filter(later).count(), problems.len(), "{problems:#?}");
+    assert!(problems.len() >= 8, "{problems:#?}");
+}
+
+#[test]
 fn a_shape_has_one_maker() {
     only(
         "[shape.a]\nsphere = 1\nbox = 2\n",
@@ -294,6 +308,24 @@ fn keys_and_easing() {
     assert_eq!([1.0, 13.0, 25.0, 49.0].map(|frame| at(x, frame)), [0.0, 14.0625, 45.0, 90.0]);
     assert_eq!(at(y, 25.0), 2.0);
     assert_eq!([1.0, 24.5, 25.0].map(|frame| at(z, frame)), [5.0, 5.0, 7.0]);
+}
+
+#[test]
+fn formulas_point_into_the_text() {
+    only("[shape.a]\nsphere = \"1 + tt\"\n", "2:15 nothing here is called `tt`; did you mean `t`?");
+    only("[shape.a]\nformula = \"1 - x^2 - (y^2\"\n", "A");
+    only("[param]\nsize = 2\n[shape.a]\nformula = \"sise - x^2\"\n", "B");
+    only("[shape.a]\nsphere = \"1 + x\"\n", "C");
+    only("[shape.a]\nmove = [0, \"sin(t\", 0]\n", "D");
+    only("[shape.a]\nsphere = 1\nmove = [0, '', 0]\n", "E");
+    only("[param]\nt = 2\n[shape.a]\nsphere = 1\n", "2:1 `t` already means something in formulas");
+    let model = model(
+        "frames='1-5'\n[param]\nsize = 3\nslow = \"t/2\"\n[shape.a]\nsphere = 1\nmove = [\"size*t\", \"frame + time\", \"cos(pi*slow)\"]\n",
+    );
+    let at = |i: usize, frame: f64| shape(&model, "a").modifiers.translate[i].at(&model.moment(frame)).unwrap();
+    assert_eq!((at(0, 1.0), at(0, 3.0), at(0, 5.0)), (0.0, 1.5, 3.0));
+    assert_eq!(at(1, 3.0), 3.0 + 2.0 / 24.0);
+    assert!((at(2, 5.0)).abs() < 1e-15);
 }
 
 #[test]

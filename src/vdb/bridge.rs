@@ -51,6 +51,32 @@ pub(super) mod ffi {
         tiles_active: bool,
     }
 
+    /// What a grid holds.
+    #[derive(Clone, Copy, Debug)]
+    struct Counts {
+        blocks: usize,
+        /// Tiles that are active, or hold another value than the background.
+        tiles: usize,
+    }
+
+    /// Where a grid's blocks and tiles are copied to.
+    struct Target<'a> {
+        /// Three numbers a block.
+        origins: &'a mut [i32],
+        /// Eight words a block.
+        masks: &'a mut [u64],
+        /// 512 values a block.
+        values: &'a mut [f32],
+        /// Four numbers a tile: its least corner and its edge.
+        tiles: &'a mut [i32],
+        /// One value a tile.
+        tile_values: &'a mut [f32],
+        /// 1 for an active tile.
+        tile_states: &'a mut [u8],
+        /// One value.
+        background: &'a mut [f32],
+    }
+
     /// How buffers are compressed in the file.
     #[derive(Clone, Copy, Debug, PartialEq, Eq)]
     enum Codec {
@@ -96,6 +122,15 @@ pub(super) mod ffi {
         fn encode(frame: &Frame, codec: Codec) -> Result<UniquePtr<Encoded>>;
         fn pieces(self: &Encoded) -> usize;
         fn piece(self: &Encoded, index: usize) -> &[u8];
+
+        /// One grid of a file that lies in memory and was walked; `descriptor` is where its descriptor stands.
+        fn decode(bytes: &[u8], descriptor: usize) -> Result<SharedPtr<Grid>>;
+        /// How much `copy_floats` or `copy_vectors` gives.
+        fn count(grid: &Grid) -> Result<Counts>;
+        /// A grid's blocks and tiles as 32-bit floats. `flip` makes a level set positive inside: the one place where
+        /// the sign flips on the way in.
+        fn copy_floats(grid: &Grid, flip: bool, target: &mut Target) -> Result<()>;
+        fn copy_vectors(grid: &Grid, target: &mut Target) -> Result<()>;
     }
 }
 

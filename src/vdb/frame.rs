@@ -39,8 +39,8 @@ pub struct Grid<'a> {
 /// The voxels of a grid.
 #[derive(Clone, Debug)]
 pub enum Content<'a> {
-    /// A level set: the band's distances, sign flipped on the way. Its inactive voxels and tiles become ± the
-    /// background.
+    /// A level set: the band's distances, sign flipped on the way and limited to ± the background, which is what
+    /// inactive voxels hold. Tiles become − the background.
     LevelSet(&'a Band),
     /// One number a voxel.
     Floats {

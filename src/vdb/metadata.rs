@@ -1,6 +1,7 @@
 //! Metadata of files and grids: named values, sorted by name.
 
 use std::collections::BTreeMap;
+use std::fmt;
 
 use serde::Serialize;
 
@@ -56,4 +57,17 @@ pub(super) fn to_bridge(metadata: &Metadata) -> Vec<ffi::Meta> {
             item
         })
         .collect()
+}
+
+impl fmt::Display for MetadataValue {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Text(value) => value.fmt(f),
+            Self::Bool(value) => value.fmt(f),
+            Self::Int32(value) => value.fmt(f),
+            Self::Int64(value) => value.fmt(f),
+            Self::Float(value) => value.fmt(f),
+            Self::Double(value) => value.fmt(f),
+        }
+    }
 }

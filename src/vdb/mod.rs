@@ -6,8 +6,10 @@
 //! * [`write()`] makes one file of a [`Frame`]: built and encoded on all threads, written under a temporary name,
 //!   checked, synced to the disk and renamed, so that a file with a final name is always whole.
 //! * [`prepare`] and [`Prepared::write`] are its two halves, for whoever computes the next frame meanwhile.
+//! * [`walk::walk`] parses a whole file in safe Rust and checks every length in it; it stands before every reading.
+//! * [`inspect()`] says what is in a file, [`read()`] gives its blocks.
 //!
-//! Files are of format 224, with OpenVDB's statistics. Two writes of one frame differ only in bytes 21 to 56, where
+//! Files written here are of format 224, with OpenVDB's statistics. Two writes of one frame differ only in bytes 21 to 56, where
 //! OpenVDB keeps a random identifier.
 //!
 //! No field, no scene and no picture is known here.
@@ -15,13 +17,20 @@
 mod bridge;
 mod error;
 mod frame;
+mod inspect;
 mod metadata;
+mod read;
+#[cfg(feature = "rivals")]
+pub mod rivals;
 mod temporary;
+pub mod walk;
 mod write;
 
 pub use error::Error;
 pub use frame::{Blocks, Class, Content, Frame, Grid, Values, VectorType};
+pub use inspect::{FileInfo, GridInfo, Range, inspect};
 pub use metadata::{Metadata, MetadataValue};
+pub use read::{Contents, SparseBlocks, StoredClass, StoredGrid, Tile, Voxels, read};
 pub use temporary::remove_temporaries;
 pub use write::{Compression, Prepared, WriteOptions, Written, prepare, write};
 

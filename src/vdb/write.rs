@@ -1,10 +1,11 @@
 //! From a frame to a file that is whole.
 
-use std::io::Write;
+use std::io::{Read, Seek, Write};
 use std::path::Path;
 
 use super::bridge::ffi;
 use super::temporary::{Temporary, folder_of};
+use super::walk::walk_bytes;
 use super::{Error, Frame};
 
 /// How a file's buffers are compressed. In all cases inactive voxels are not stored where they can be restored.
@@ -87,10 +88,25 @@ impl Prepared {
             bytes += piece.len() as u64;
         }
         drop(encoded);
+        check_arrival(&mut temporary, bytes, path)?;
         temporary.file_mut().sync_all().map_err(|error| Error::system(path, "sync it to the disk", error))?;
         temporary.persist(path, options.overwrite)?;
         Ok(Written { bytes })
     }
+}
+
+/// Reads back what was written, and walks it. Messages name `path`, the final name.
+fn check_arrival(temporary: &mut Temporary, bytes: u64, path: &Path) -> Result<(), Error> {
+    let mut arrived = Vec::new();
+    let file = temporary.file_mut();
+    file.rewind()
+        .and_then(|()| file.read_to_end(&mut arrived))
+        .map_err(|error| Error::system(path, "read it back", error))?;
+    if arrived.len() as u64 != bytes {
+        let problem = format!("{bytes} bytes were written, and {} arrived", arrived.len());
+        return Err(Error::Damaged { path: path.into(), offset: arrived.len() as u64, problem });
+    }
+    walk_bytes(&arrived, path).map(drop)
 }
 
 /// What is wrong with a target before any work is done.

@@ -1,8 +1,11 @@
-use glam::{DMat3, DVec3};
+use glam::{DMat3, DVec3, Vec3};
 
 use super::*;
 use crate::{
-    distance::testing::{Joined, Leaf, exact},
+    distance::{
+        accuracy::exact,
+        testing::{Joined, Leaf, Saturated},
+    },
     grid::VoxelSize,
 };
 
@@ -11,30 +14,50 @@ struct Errors {
     max: f64,
 }
 
-/// Measures a band and compares every voxel of every block, and every voxel that no block holds, with the truth.
-fn judge(field: &dyn Field, size: f64, truth: impl Fn(DVec3) -> f64) -> Errors {
+fn measure_at(field: &dyn Field, size: f64, chunk: usize) -> Measured<Vec<f32>> {
     let lattice = Lattice { voxel_size: VoxelSize::new(size).unwrap() };
     let region = field.bounding_box().unwrap().grown(4.0 * size);
     let cancel = AtomicBool::new(false);
     let settings = Settings { lattice, half_width: 3.0, region, cancel: &cancel, progress: &|_| {} };
+    let visitor = || {
+        |block: &MeasuredBlock| {
+            check_feet(block, size);
+            block.feet.x.to_vec()
+        }
+    };
     let start = std::time::Instant::now();
-    let measured = measure(field, &settings, || |_: &MeasuredBlock| ()).unwrap();
+    let measured = measure_by_chunks(field, &settings, &visitor, chunk).unwrap();
     eprintln!("{:?} for {} voxels, {:?}", start.elapsed(), measured.band.active_voxels(), measured.report);
+    measured
+}
+
+/// Feet and normals agree with the distances.
+fn check_feet(block: &MeasuredBlock, size: f64) {
+    for i in 0..BLOCK_VOXELS {
+        if block.active[i >> 6] >> (i & 63) & 1 == 0 {
+            assert_eq!(block.feet.offset(i), block.points.offset(i));
+            continue;
+        }
+        let normal = Vec3::from(std::array::from_fn::<f32, 3, _>(|axis| block.normals[axis][i]));
+        let foot = block.feet.offset(i) - (block.points.offset(i) - normal * block.distances[i]);
+        assert!((normal.length() - 1.0).abs() < 1e-5 && f64::from(foot.length()) < 1e-5 * size);
+        assert!(block.region.contains(block.feet.position(i)));
+    }
+}
+
+/// Compares every voxel of every block with the truth.
+fn judge(measured: &Measured<Vec<f32>>, truth: impl Fn(DVec3) -> f64) -> Errors {
     let band = &measured.band;
+    let size = band.lattice.voxel_size.get();
     let (mut sum, mut max, mut judged) = (0.0, 0.0f64, 0u64);
     for ((&origin, distances), active) in band.origins.iter().zip(&band.distances).zip(&band.active) {
-        let points = crate::field::Points::of_block(origin, &lattice);
+        let points = crate::field::Points::of_block(origin, &band.lattice);
         for i in 0..BLOCK_VOXELS {
             let exact = truth(points.position(i));
-            let clamped = exact.clamp(-3.0 * size, 3.0 * size);
-            let error = (f64::from(distances[i]) - clamped).abs() / size;
+            let error = (f64::from(distances[i]) - exact.clamp(-3.0 * size, 3.0 * size)).abs() / size;
             assert!(error < 0.05, "{error} at {} (exact {})", points.position(i) / size, exact / size);
-            assert!(
-                exact.abs() < 1e-4 * size || (exact > 0.0) == (distances[i] > 0.0),
-                "sign of {} for {exact} at {}",
-                distances[i],
-                points.position(i)
-            );
+            let same_side = (exact > 0.0) == (distances[i] > 0.0);
+            assert!(exact.abs() < 1e-4 * size || same_side, "sign of {} at {}", distances[i], points.position(i));
             if active[i >> 6] >> (i & 63) & 1 == 1 {
                 sum += error;
                 max = max.max(error);
@@ -42,14 +65,15 @@ fn judge(field: &dyn Field, size: f64, truth: impl Fn(DVec3) -> f64) -> Errors {
             }
         }
     }
-    assert_eq!((measured.report.cut_voxels, measured.report.thin_voxels), ([0; 6], 0));
     Errors { mean: sum / judged as f64, max }
 }
 
 fn check(field: &dyn Field, size: f64, truth: impl Fn(DVec3) -> f64) {
-    let errors = judge(field, size, truth);
+    let measured = measure_at(field, size, CHUNK);
+    let errors = judge(&measured, truth);
     eprintln!("mean {} max {}", errors.mean, errors.max);
     assert!(errors.mean <= 0.005 && errors.max <= 0.05, "mean {} max {}", errors.mean, errors.max);
+    assert_eq!((measured.report.cut_voxels, measured.report.thin_voxels), ([0; 6], 0));
 }
 
 #[test]
@@ -101,4 +125,44 @@ fn a_ball_smaller_than_a_voxel_is_found_and_reported() {
     }
     assert!(measured.report.thin_voxels > 0);
     assert!(measured.report.thin_at.unwrap().distance(centre) < 1.0);
+}
+
+#[test]
+fn feet_travel_where_newton_fails_and_across_chunks_and_threads() {
+    let size = 1.0 / 24.0;
+    // The value saturates half a voxel from the surface; farther away its gradient is zero in f32.
+    let field = Saturated { inner: Joined::one(Leaf::Sphere(DVec3::splat(0.02), 1.0)), width: 0.2 * size };
+    let truth = |p| exact::sphere(p, DVec3::splat(0.02), 1.0);
+    let pool = |threads| rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+    let mut results = Vec::new();
+    for (chunk, threads) in [(CHUNK, 1), (CHUNK, 3), (32, 2)] {
+        let measured = pool(threads).install(|| measure_at(&field, size, chunk));
+        let errors = judge(&measured, truth);
+        eprintln!("mean {} max {}", errors.mean, errors.max);
+        assert!(errors.mean <= 0.005);
+        results.push(measured);
+    }
+    assert_eq!(results[0].band.distances, results[1].band.distances);
+    assert_eq!(results[0].visits, results[1].visits);
+    assert_eq!(results[0].band.origins, results[2].band.origins);
+}
+
+#[test]
+fn what_cannot_be_measured_says_why() {
+    let field = Joined::one(Leaf::Sphere(DVec3::ZERO, 1.0));
+    let run = |half: f64, size: f64, stop: bool| {
+        let cancel = AtomicBool::new(stop);
+        let region = Aabb::new(DVec3::splat(-half), DVec3::splat(half));
+        let lattice = Lattice { voxel_size: VoxelSize::new(size).unwrap() };
+        let settings = Settings { lattice, half_width: 3.0, region, cancel: &cancel, progress: &|_| {} };
+        measure(&field, &settings, || |_: &MeasuredBlock| ()).map(|measured| measured.report)
+    };
+    assert_eq!(run(0.1, 0.01, false).unwrap_err(), Error::Empty { solid: true });
+    assert_eq!(run(1.0, 0.05, true).unwrap_err(), Error::Cancelled);
+    assert!(matches!(run(1.0, 1e-10, false).unwrap_err(), Error::TooFar { .. }));
+    let cut = run(0.8, 0.05, false).unwrap().cut_voxels;
+    // The region's blocks end at voxels −16 and 24, the solid at ± 20.
+    for side in [0, 2, 4] {
+        assert!(cut[side] > 100 && cut[side + 1] == 0, "{cut:?}");
+    }
 }

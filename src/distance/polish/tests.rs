@@ -2,7 +2,10 @@ use glam::{DMat3, DVec3, IVec3, Vec3};
 
 use super::{Polisher, Request};
 use crate::{
-    distance::testing::{Joined, Leaf, exact},
+    distance::{
+        accuracy::exact,
+        testing::{Joined, Leaf},
+    },
     field::{BATCH, Field, Points},
     grid::{Lattice, VoxelSize},
 };

@@ -1,7 +1,10 @@
 //! Random solids, built twice: as an expression, and as plain closures written down independently. Every
 //! evaluator is held against the one slow reference, and that against the closures.
 
+#![allow(clippy::needless_range_loop, reason = "points, values and gradients are walked side by side")]
+
 mod external;
+mod formulas;
 mod properties;
 mod recipe;
 

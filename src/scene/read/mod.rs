@@ -274,8 +274,7 @@ impl<'r, 'a> Building<'r, 'a> {
 
     /// `depth = 2` or `[1, 3]`.
     fn depth(&self, fields: &Fields<'r, 'a>) -> (u32, u32) {
-        /// 4096 cells along an edge: more is a slip of the keyboard.
-        const MOST: i64 = 12;
+        const MOST: i64 = crate::field::cells::MOST_DEPTH as i64;
         let default = (1, 3);
         let Some(value) = fields.value("depth") else { return default };
         let whole = |value: &Value| match value.data {

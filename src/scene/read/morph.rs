@@ -63,7 +63,6 @@ impl<'r, 'a> Building<'r, 'a> {
             a: [number("a0"), number("a1"), number("a2"), number("a3")],
             s: number("s"),
             slab: fields.value("slab").and_then(|value| pair(self.reader, "morph.slab", value)).unwrap_or([0.0, 1.0]),
-            round: fields.flag("round"),
         }
     }
 

@@ -140,7 +140,8 @@ impl<'r, 'a> Building<'r, 'a> {
         let of = fields.value("facet").and_then(|value| self.operand(&fields.full("facet"), id, value, false));
         let cells = fields.value("cells").and_then(|value| self.cells_reference(&fields.full("cells"), id, value));
         let (tilt, cut) = (fields.constant("tilt").unwrap_or(0.0), fields.constant("cut").unwrap_or(0.0));
-        Some(Maker::Facet { of: of?, cells: cells?, tilt, cut })
+        let seed = self.seed_of(fields.whole("seed"), &fields.path);
+        Some(Maker::Facet { of: of?, cells: cells?, tilt, cut, seed })
     }
 
     /// The shapes of a list.

@@ -101,3 +101,20 @@ pub fn dumped(folder: &Path, name: &str) -> (Vec<f32>, Vec<bool>) {
     let number = |bytes: &[u8]| f32::from_le_bytes(bytes.try_into().unwrap());
     (values.chunks_exact(4).map(number).collect(), active.iter().map(|byte| *byte != 0).collect())
 }
+
+/// Numbers that repeat: SplitMix64.
+pub struct Random(pub u64);
+
+impl Random {
+    pub fn next(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut mixed = self.0;
+        mixed = (mixed ^ mixed >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        mixed = (mixed ^ mixed >> 27).wrapping_mul(0x94d0_49bb_1331_11eb);
+        mixed ^ mixed >> 31
+    }
+
+    pub fn below(&mut self, limit: usize) -> usize {
+        (self.next() % limit as u64) as usize
+    }
+}

@@ -1,0 +1,90 @@
+#include "rivals.h"
+
+#include "border.h"
+
+#include <openvdb/openvdb.h>
+
+#include <chrono>
+#include <cstring>
+#include <thread>
+#include <vector>
+
+namespace hfvdb {
+
+namespace {
+
+using Tree = openvdb::FloatTree;
+using Leaf = Tree::LeafNodeType;
+
+// Calls `act` with the bounds of each thread's share of `count`.
+template <typename Act>
+void share(std::size_t count, std::size_t threads, const Act& act)
+{
+    std::vector<std::thread> workers;
+    for (std::size_t thread = 0; thread < threads; ++thread) {
+        workers.emplace_back([&, thread] { act(thread, count * thread / threads, count * (thread + 1) / threads); });
+    }
+    for (std::thread& worker : workers) worker.join();
+}
+
+} // namespace
+
+// What an experienced C++ programmer writes: each thread copies its share of leaves and links them into a tree of its
+// own, and the trees, which share no leaf, are merged by moving nodes.
+std::uint64_t link_in_cpp(rust::Slice<const std::int32_t> origins, rust::Slice<const std::uint64_t> masks,
+    rust::Slice<const float> values, float background, std::size_t threads, double& seconds)
+{
+    const auto start = std::chrono::steady_clock::now();
+    std::vector<std::unique_ptr<Tree>> trees(threads);
+    share(origins.size() / 3, threads, [&](std::size_t thread, std::size_t first, std::size_t end) {
+        trees[thread] = std::make_unique<Tree>(background);
+        openvdb::tree::ValueAccessor<Tree> accessor(*trees[thread]);
+        for (std::size_t block = first; block < end; ++block) {
+            const openvdb::Coord origin(origins[3 * block], origins[3 * block + 1], origins[3 * block + 2]);
+            auto leaf = std::make_unique<Leaf>(openvdb::PartialCreate(), origin, background, false);
+            leaf->allocate();
+            std::memcpy(leaf->buffer().data(), values.data() + 512 * block, 512 * sizeof(float));
+            for (openvdb::Index word = 0; word < 8; ++word) {
+                leaf->getValueMask().getWord<std::uint64_t>(word) = masks[8 * block + word];
+            }
+            accessor.addLeaf(leaf.release());
+        }
+    });
+    for (std::size_t thread = 1; thread < threads; ++thread) trees[0]->merge(*trees[thread]);
+    seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    return trees[0]->activeVoxelCount();
+}
+
+struct VoxelTree::Parts {
+    Tree tree;
+    openvdb::tree::ValueAccessor<Tree> accessor;
+
+    explicit Parts(float background)
+        : tree(background)
+        , accessor(tree)
+    {
+    }
+};
+
+VoxelTree::VoxelTree(float background)
+    : mParts(std::make_unique<Parts>(background))
+{
+}
+VoxelTree::~VoxelTree() = default;
+
+void VoxelTree::set(std::int32_t x, std::int32_t y, std::int32_t z, float value)
+{
+    mParts->accessor.setValueOn(openvdb::Coord(x, y, z), value);
+}
+
+std::uint64_t VoxelTree::active_voxels() const
+{
+    return mParts->tree.activeVoxelCount();
+}
+
+std::unique_ptr<VoxelTree> new_voxel_tree(float background)
+{
+    return std::make_unique<VoxelTree>(background);
+}
+
+} // namespace hfvdb

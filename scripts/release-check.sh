@@ -1,0 +1,26 @@
+#!/usr/bin/env bash
+# What is run before a release, beyond scripts/test.sh: every built-in scene in full, at 256 voxels, by the release
+# build; each file read by OpenVDB's Python module, and each sequence opened in Blender. Takes minutes to an hour.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+
+readonly folder=out/release-check
+blender_python=${HFVDB_BLENDER_PYTHON:-.venv/bin/python}
+
+scripts/install.sh --tests
+cargo build --release --locked
+rm -rf "$folder"
+mkdir -p "$folder"
+for file in scenes/*.toml; do
+    scene=$(basename "$file" .toml)
+    printf '\n== %s\n' "$scene"
+    mkdir "$folder/$scene"
+    target/release/hfvdb bake "$scene" --resolution 256 --output "$folder/$scene/$scene.####.vdb" >/dev/null </dev/null
+    frames=("$folder/$scene"/*.vdb)
+    /usr/bin/python3 tests/check_frames.py "${frames[@]}"
+    sequence=()
+    [ ${#frames[@]} -eq 1 ] || sequence=(--sequence)
+    "$blender_python" scripts/check_blender.py "${frames[@]}" "${sequence[@]}"
+    target/release/hfvdb preview "${frames[@]}" --output "$folder/$scene.png" </dev/null
+done
+printf '\nAll scenes are good. Look at the contact sheets: %s/*.png\n' "$PWD/$folder"

@@ -1,0 +1,90 @@
+//! `hfvdb check`: is the scene right, and what would it take?
+
+use std::fmt::Write;
+
+use clap::Args;
+use serde_json::json;
+
+use super::failure::Failure;
+use super::job;
+use super::options::{Global, Sampling, SceneArguments};
+use super::progress::Progress;
+use crate::bake;
+use crate::scene::{Model, Origin};
+
+/// Arguments of `hfvdb check`.
+#[derive(Args)]
+pub struct Arguments {
+    #[command(flatten)]
+    scene: SceneArguments,
+    #[command(flatten)]
+    sampling: Sampling,
+}
+
+/// Runs the command.
+pub fn run(arguments: &Arguments, global: &Global) -> Result<(), Failure> {
+    let model = job::load(&arguments.scene, global)?;
+    let interrupt = job::interrupt()?;
+    let progress = Progress::new(1, global);
+    let prepared = job::prepare(&model, &arguments.sampling, None, &interrupt, &progress, global)?;
+    let shot = model.shot.range;
+    // A shot's middle is where a morph is largest, its ends are where shapes are most intricate.
+    let mut frames = vec![shot.first, shot.first + (shot.last - shot.first) / 2, shot.last];
+    frames.dedup();
+    let mut largest: Option<bake::Estimate> = None;
+    for frame in frames {
+        let estimate = bake::estimate(&prepared, &prepared.frame(frame)?);
+        if largest.is_none_or(|largest| estimate.memory > largest.memory) {
+            largest = Some(estimate);
+        }
+    }
+    drop(progress);
+    let count = shot.last - shot.first + 1;
+    let voxel_size = prepared.lattice.voxel_size.get();
+    let limit = job::limit(&arguments.sampling);
+    let Some(estimate) = largest else { return Ok(()) };
+    if global.json {
+        super::print_json(&json!({
+            "scene": arguments.scene.scene,
+            "frames": [shot.first, shot.last],
+            "voxel_size": voxel_size,
+            "box": [prepared.extent.min.to_array(), prepared.extent.max.to_array()],
+            "unit": model.unit,
+            "estimate": {
+                "active_voxels": estimate.voxels,
+                "blocks": estimate.blocks,
+                "memory_bytes": estimate.memory.0,
+                "file_bytes": estimate.file.0,
+            },
+            "memory_limit_bytes": limit.0,
+        }))?;
+    } else {
+        let mut text = if global.verbose { settings(&model) } else { String::new() };
+        let size = prepared.extent.size();
+        // Writing to a string cannot fail.
+        let _ = write!(
+            text,
+            "frames {}-{} ({count})\nbox {:.4} x {:.4} x {:.4} {}\nvoxel size {voxel_size}\n\
+             about {:.2e} voxels, {} of memory (limit {limit}), at most {} a file before compression\n",
+            shot.first, shot.last, size.x, size.y, size.z, model.unit, estimate.voxels, estimate.memory, estimate.file
+        );
+        super::print(&text)?;
+    }
+    if estimate.memory > limit {
+        let error = bake::Error::Memory { needed: estimate.memory, limit, voxels: estimate.voxels };
+        return Err(error.into());
+    }
+    Ok(())
+}
+
+/// Every value and who gave it.
+fn settings(model: &Model) -> String {
+    let lines = model.settings.iter().map(|setting| {
+        let origin = match setting.origin {
+            Origin::Default => "default",
+            _ => "scene",
+        };
+        format!("{:40} {:24} {origin}\n", setting.name, setting.value)
+    });
+    lines.collect()
+}

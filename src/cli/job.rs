@@ -1,0 +1,90 @@
+//! From arguments to a scene made ready: what `bake`, `morph`, `check` and `preview` have in common.
+
+use std::sync::Arc;
+
+use super::failure::Failure;
+use super::options::{Global, Sampling, SceneArguments};
+use super::progress::Progress;
+use crate::bake::{Bytes, Frames, Interrupt, default_limit};
+use crate::scene::{self, Model, Overrides, PrepareOptions, Prepared, Source};
+
+/// Starts to listen for SIGINT and SIGTERM.
+pub fn interrupt() -> Result<Interrupt, Failure> {
+    Interrupt::listen().map_err(|error| Failure::work(format!("cannot listen for signals: {error}")))
+}
+
+/// Reads a scene and says what is worth saying about it.
+pub fn load(arguments: &SceneArguments, global: &Global) -> Result<Arc<Model>, Failure> {
+    let overrides = Overrides { set: arguments.changes.set.clone(), variant: arguments.changes.variant.clone() };
+    let model = scene::load(&Source::of_argument(&arguments.scene), &overrides)?;
+    warn(&model.warnings, global);
+    Ok(Arc::new(model))
+}
+
+/// Prints a scene's warnings.
+fn warn(warnings: &scene::Diagnostics, global: &Global) {
+    if !global.quiet && !warnings.is_empty() {
+        eprintln!("{}", warnings.render(styled()).trim_end());
+    }
+}
+
+/// Whether messages may have colours.
+pub fn styled() -> bool {
+    std::io::IsTerminal::is_terminal(&std::io::stderr()) && std::env::var_os("NO_COLOR").is_none()
+}
+
+/// Makes a scene ready for frames.
+pub fn prepare(
+    model: &Arc<Model>,
+    sampling: &Sampling,
+    default_resolution: Option<u32>,
+    interrupt: &Interrupt,
+    progress: &Progress,
+    global: &Global,
+) -> Result<Prepared, Failure> {
+    progress.stage("measuring the scene");
+    let options = PrepareOptions {
+        voxel_size: sampling.voxel_size,
+        resolution: sampling.resolution.or(default_resolution),
+        half_width: sampling.half_width,
+        cancel: interrupt.flag(),
+        progress: &|_| {},
+    };
+    let prepared = model.prepare(&options).map_err(|error| failure_of(error, interrupt))?;
+    warn(&prepared.warnings, global);
+    Ok(prepared)
+}
+
+/// A failure, or the interruption that caused it.
+pub fn failure_of(error: impl Into<Failure>, interrupt: &Interrupt) -> Failure {
+    if interrupt.is_raised() { Failure::interrupted(interrupt.exit_code()) } else { error.into() }
+}
+
+/// The memory the job may take.
+pub fn limit(sampling: &Sampling) -> Bytes {
+    sampling.max_memory.unwrap_or_else(default_limit)
+}
+
+/// The frames asked for, else the whole shot; a note where some lie outside of it.
+pub fn frames(asked: Option<&Frames>, model: &Model, global: &Global) -> Frames {
+    let shot = model.shot;
+    let frames = asked.cloned().unwrap_or_else(|| Frames::range(shot.range.first, shot.range.last));
+    let (first, last) = frames.ends();
+    if (first < shot.range.first || last > shot.range.last) && !global.quiet {
+        let range = (shot.range.first, shot.range.last);
+        if shot.still {
+            eprintln!("warning: the scene has no `frames` and does not move: all frames are alike");
+        } else {
+            eprintln!("warning: some frames lie outside of the shot {}-{}, where its ends hold", range.0, range.1);
+        }
+    }
+    frames
+}
+
+/// The scene's hash in hexadecimal.
+pub fn hash(model: &Model) -> Result<String, Failure> {
+    let bytes = model
+        .hash()
+        .map_err(|(file, error)| Failure::work(format!("{}: cannot read this file: {error}", file.name())))?;
+    Ok(bytes.iter().map(|byte| format!("{byte:02x}")).collect())
+}

@@ -1,0 +1,299 @@
+//! One pass over all blocks: chunk after chunk is measured, improved by its neighbours, finished and visited.
+//!
+//! Feet live only as long as a chunk. Of blocks whose neighbour comes in a later chunk the facing layer is kept; where
+//! the later one turns out to offer nearer feet, the earlier block is measured again at the end. Which blocks make a
+//! chunk depends on the field and the lattice only, so the result is the same for any number of threads.
+
+use std::{
+    collections::{BTreeMap, HashMap},
+    sync::atomic::{AtomicBool, Ordering},
+};
+
+use glam::IVec3;
+use rayon::prelude::*;
+
+use crate::{
+    field::Field,
+    grid::{BLOCK_EDGE, BLOCK_VOXELS, Band, BlockMask, InsideTile, block_order},
+};
+
+use super::{Error, MeasuredBlock, Report};
+use crate::distance::{
+    block::Meter,
+    descent::Scope,
+    exchange::{Face, Layer, Seed},
+    staged::{Finisher, Kind, Staged},
+};
+
+/// Edge in voxels of the nodes whose blocks one task measures, cut from one shortened tape.
+const TASK_EDGE: i32 = 32;
+
+/// One finished block on its way into the band.
+struct Entry<T> {
+    distances: [f32; BLOCK_VOXELS],
+    active: BlockMask,
+    visit: T,
+}
+
+enum Outcome<T> {
+    Band(Box<Entry<T>>),
+    Outside,
+    Inside,
+}
+
+pub(super) struct Pass<'a, T, M> {
+    field: &'a dyn Field,
+    scope: &'a Scope,
+    cancel: &'a AtomicBool,
+    visitor: &'a M,
+    /// All blocks of the pass, in order.
+    all: &'a [IVec3],
+    band: Band,
+    visits: Vec<T>,
+    report: Report,
+    /// The blocks of the chunk, those of one task together.
+    staged: Vec<Staged>,
+    /// Layers that later blocks will face.
+    borders: HashMap<(IVec3, Face), Layer>,
+    /// What improved blocks were improved by, to have it when they are measured once more.
+    imports: HashMap<IVec3, Vec<Seed>>,
+    /// What later blocks offer to finished ones, in the order of blocks.
+    late: BTreeMap<[i32; 9], (IVec3, Vec<Seed>)>,
+}
+
+impl<'a, T, V, M> Pass<'a, T, M>
+where
+    T: Send,
+    V: FnMut(&MeasuredBlock) -> T,
+    M: Fn() -> V + Sync,
+{
+    pub fn new(
+        field: &'a dyn Field,
+        scope: &'a Scope,
+        cancel: &'a AtomicBool,
+        visitor: &'a M,
+        all: &'a [IVec3],
+    ) -> Self {
+        let band = Band {
+            lattice: scope.lattice,
+            half_width: scope.half_width,
+            origins: Vec::with_capacity(all.len()),
+            distances: Vec::with_capacity(all.len()),
+            active: Vec::with_capacity(all.len()),
+            inside_tiles: Vec::new(),
+        };
+        Self {
+            field,
+            scope,
+            cancel,
+            visitor,
+            all,
+            band,
+            visits: Vec::with_capacity(all.len()),
+            report: Report { opened_blocks: all.len() as u64, ..Report::default() },
+            staged: Vec::new(),
+            borders: HashMap::new(),
+            imports: HashMap::new(),
+            late: BTreeMap::new(),
+        }
+    }
+
+    /// Takes the next blocks all the way into the band.
+    pub fn chunk(&mut self, chunk: &[IVec3]) -> Result<(), Error> {
+        let blocks = by_task(chunk);
+        self.stage(&blocks)?;
+        let places: HashMap<IVec3, usize> = blocks.iter().enumerate().map(|(place, &origin)| (origin, place)).collect();
+        self.improve(&places)?;
+        self.keep_borders(&places);
+        let outcomes = self.finish();
+        let mut in_order: Vec<_> = self.staged.iter().map(|block| block.origin).zip(outcomes).collect();
+        in_order.sort_by_key(|&(origin, _)| block_order(origin));
+        for (origin, outcome) in in_order {
+            self.push(origin, outcome);
+        }
+        Ok(())
+    }
+
+    /// Measures blocks, each by itself.
+    fn stage(&mut self, blocks: &[IVec3]) -> Result<(), Error> {
+        while self.staged.len() < blocks.len() {
+            self.staged.push(Staged::new());
+        }
+        self.staged.truncate(blocks.len());
+        let mut tasks = Vec::new();
+        let mut rest = &mut self.staged[..];
+        for task in blocks.chunk_by(|a, b| task_node(*a) == task_node(*b)) {
+            let (staged, after) = std::mem::take(&mut rest).split_at_mut(task.len());
+            rest = after;
+            tasks.push((task, staged));
+        }
+        tasks.into_par_iter().try_for_each_init(
+            || Meter::new(self.field, self.scope),
+            |meter, (task, staged)| {
+                meter.enter_node(task_node(task[0]), TASK_EDGE);
+                task.iter().zip(staged).try_for_each(|(&origin, staged)| {
+                    if self.cancel.load(Ordering::Relaxed) {
+                        return Err(Error::Cancelled);
+                    }
+                    meter.measure(origin, &[], staged)
+                })
+            },
+        )
+    }
+
+    /// Measures again those blocks whose neighbours have nearer feet for some of their voxels.
+    fn improve(&mut self, places: &HashMap<IVec3, usize>) -> Result<(), Error> {
+        let voxel = self.scope.lattice.voxel_size.get() as f32;
+        let offers = |block: &Staged| {
+            let mut seeds = Vec::new();
+            for face in Face::ALL {
+                let neighbour = block.origin + face.step();
+                let own = || Layer::new(block, face, voxel);
+                if let Some(&place) = places.get(&neighbour) {
+                    own().offers(&Layer::new(&self.staged[place], face.facing(), voxel), &mut seeds);
+                } else if let Some(layer) = self.borders.get(&(neighbour, face.facing())) {
+                    own().offers(layer, &mut seeds);
+                }
+            }
+            seeds
+        };
+        let offers: Vec<Vec<Seed>> = self.staged.par_iter().map(offers).collect();
+        let improved: Vec<usize> = (0..offers.len()).filter(|&place| !offers[place].is_empty()).collect();
+        let again = improved
+            .par_iter()
+            .map_init(
+                || Meter::new(self.field, self.scope),
+                |meter, &place| {
+                    let mut block = Staged::new();
+                    meter.measure(self.staged[place].origin, &offers[place], &mut block).map(|()| block)
+                },
+            )
+            .collect::<Result<Vec<_>, Error>>()?;
+        for (place, block) in improved.into_iter().zip(again) {
+            self.imports.insert(block.origin, offers[place].clone());
+            self.staged[place] = block;
+        }
+        Ok(())
+    }
+
+    /// Keeps the layers that face later chunks, and offers those that face earlier ones.
+    fn keep_borders(&mut self, places: &HashMap<IVec3, usize>) {
+        let voxel = self.scope.lattice.voxel_size.get() as f32;
+        for block in &self.staged {
+            let order = block_order(block.origin);
+            for face in Face::ALL {
+                let neighbour = block.origin + face.step();
+                if places.contains_key(&neighbour) {
+                    continue;
+                }
+                let earlier = block_order(neighbour) < order;
+                if earlier {
+                    let Some(layer) = self.borders.remove(&(neighbour, face.facing())) else { continue };
+                    let mut seeds = Vec::new();
+                    layer.offers(&Layer::new(block, face, voxel), &mut seeds);
+                    if !seeds.is_empty() {
+                        let late = self.late.entry(block_order(neighbour)).or_insert((neighbour, Vec::new()));
+                        late.1.append(&mut seeds);
+                    }
+                } else if self.all.binary_search_by_key(&block_order(neighbour), |&other| block_order(other)).is_ok() {
+                    self.borders.insert((block.origin, face), Layer::new(block, face, voxel));
+                }
+            }
+        }
+    }
+
+    /// Clamps, masks and visits the staged blocks.
+    fn finish(&mut self) -> Vec<Outcome<T>> {
+        for block in &self.staged {
+            self.report.thin_voxels += u64::from(block.thin);
+            self.report.thin_at = self.report.thin_at.or(block.thin_at);
+        }
+        let worker = || (Finisher::new(self.scope), (self.visitor)());
+        self.staged
+            .par_iter()
+            .map_init(worker, |(finisher, visitor), block| outcome(finisher, visitor, block))
+            .collect()
+    }
+
+    fn push(&mut self, origin: IVec3, outcome: Outcome<T>) {
+        match outcome {
+            Outcome::Band(entry) => {
+                self.band.origins.push(origin);
+                self.band.distances.push(entry.distances);
+                self.band.active.push(entry.active);
+                self.visits.push(entry.visit);
+            }
+            Outcome::Inside => self.band.inside_tiles.push(InsideTile { origin, edge: BLOCK_EDGE }),
+            Outcome::Outside => {}
+        }
+    }
+
+    /// Measures the blocks again to which later ones offered nearer feet.
+    pub fn redo(&mut self) -> Result<(), Error> {
+        let late: Vec<(IVec3, Vec<Seed>)> = std::mem::take(&mut self.late).into_values().collect();
+        let worker =
+            || (Meter::new(self.field, self.scope), Finisher::new(self.scope), (self.visitor)(), Staged::new());
+        let outcomes = late
+            .into_par_iter()
+            .map_init(worker, |(meter, finisher, visitor, block), (origin, mut seeds)| {
+                if let Some(imports) = self.imports.get(&origin) {
+                    seeds.extend_from_slice(imports);
+                }
+                meter.measure(origin, &seeds, block)?;
+                Ok((origin, outcome(finisher, visitor, block)))
+            })
+            .collect::<Result<Vec<_>, Error>>()?;
+        for (origin, outcome) in outcomes {
+            self.replace(origin, outcome);
+        }
+        Ok(())
+    }
+
+    /// Puts a block measured again in its place. It can only have gained: nearer feet, active voxels.
+    fn replace(&mut self, origin: IVec3, outcome: Outcome<T>) {
+        let Outcome::Band(entry) = outcome else { return };
+        match self.band.origins.binary_search_by_key(&block_order(origin), |&other| block_order(other)) {
+            Ok(place) => {
+                self.band.distances[place] = entry.distances;
+                self.band.active[place] = entry.active;
+                self.visits[place] = entry.visit;
+            }
+            Err(place) => {
+                self.band.origins.insert(place, origin);
+                self.band.distances.insert(place, entry.distances);
+                self.band.active.insert(place, entry.active);
+                self.visits.insert(place, entry.visit);
+                self.band.inside_tiles.retain(|tile| tile.origin != origin);
+            }
+        }
+    }
+
+    /// The band, the visits and the counts.
+    pub fn done(mut self) -> (Band, Vec<T>, Report) {
+        self.report.band_blocks = self.band.origins.len() as u64;
+        (self.band, self.visits, self.report)
+    }
+}
+
+fn outcome<T>(finisher: &mut Finisher, visitor: &mut impl FnMut(&MeasuredBlock) -> T, block: &Staged) -> Outcome<T> {
+    match finisher.finish(block) {
+        Kind::Outside => Outcome::Outside,
+        Kind::Inside => Outcome::Inside,
+        Kind::Band => {
+            let block = finisher.block();
+            let visit = visitor(&block);
+            Outcome::Band(Box::new(Entry { distances: *block.distances, active: *block.active, visit }))
+        }
+    }
+}
+
+fn task_node(origin: IVec3) -> IVec3 {
+    origin & IVec3::splat(!(TASK_EDGE - 1))
+}
+
+/// A chunk's blocks, those of one task together.
+fn by_task(chunk: &[IVec3]) -> Vec<IVec3> {
+    let mut blocks = chunk.to_vec();
+    blocks.sort_by_key(|&origin| block_order(task_node(origin)));
+    blocks
+}

@@ -1,0 +1,279 @@
+//! Formulas: `"0.01 - x^2 - y^2 - z^2"`, `"-1.3 + 0.2*sin(2*pi*t)"`.
+//!
+//! `+ − * / ^`, parentheses, numbers, names and [functions](FUNCTIONS); `^` binds tightest and to the right, so
+//! `-x^2` is `-(x^2)`. A formula is parsed once and compiled with the [`Names`] known where it stands: to a node of
+//! a graph, or, where all names are numbers, to a number. Both are the same operations, so they mean the same.
+
+mod functions;
+mod parser;
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::fmt;
+use std::ops::Range;
+
+use super::graph::{Graph, Node};
+use super::op::Binary;
+pub use functions::FUNCTIONS;
+use functions::Function;
+
+/// What is wrong with a formula, and where.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct FormulaError {
+    /// The bytes of the formula that are wrong.
+    pub span: Range<usize>,
+    /// What is wrong.
+    pub message: String,
+    /// The nearest name that would be right.
+    pub suggestion: Option<String>,
+}
+
+impl fmt::Display for FormulaError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}", self.message)?;
+        match &self.suggestion {
+            Some(name) => write!(f, "; did you mean `{name}`?"),
+            None => Ok(()),
+        }
+    }
+}
+
+impl std::error::Error for FormulaError {}
+
+/// The candidate that looks most like a word, if any looks like it at all.
+fn nearest<'a>(word: &str, candidates: impl Iterator<Item = &'a str>) -> Option<String> {
+    candidates
+        .map(|candidate| (strsim::damerau_levenshtein(word, candidate), candidate))
+        .filter(|(distance, candidate)| *distance <= 1 + candidate.len() / 4 && *distance < word.len())
+        .min()
+        .map(|(_, candidate)| candidate.to_owned())
+}
+
+/// What names mean where a formula stands. `pi` is always known.
+#[derive(Clone, Debug, Default)]
+pub struct Names {
+    values: BTreeMap<String, Meaning>,
+}
+
+#[derive(Clone, Copy, Debug)]
+enum Meaning {
+    Number(f64),
+    Node(Node),
+}
+
+impl Names {
+    /// Only `pi`.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// The coordinates `x`, `y`, `z` of a graph.
+    pub fn space(graph: &mut Graph) -> Self {
+        let (x, y, z) = (graph.x(), graph.y(), graph.z());
+        Self::new().node("x", x).node("y", y).node("z", z)
+    }
+
+    /// With a name for a number; an earlier meaning of the name is forgotten.
+    pub fn number(mut self, name: &str, value: f64) -> Self {
+        self.values.insert(name.to_owned(), Meaning::Number(value));
+        self
+    }
+
+    /// With a name for a node of the graph that formulas are compiled into.
+    pub fn node(mut self, name: &str, node: Node) -> Self {
+        self.values.insert(name.to_owned(), Meaning::Node(node));
+        self
+    }
+
+    fn meaning(&self, name: &str) -> Option<Meaning> {
+        let known = self.values.get(name).copied();
+        known.or((name == "pi").then_some(Meaning::Number(std::f64::consts::PI)))
+    }
+}
+
+/// A parsed formula.
+#[derive(Clone, Debug)]
+pub struct Formula {
+    /// Arguments come before what they are arguments of; the last is the whole.
+    terms: Vec<Term>,
+    length: usize,
+}
+
+#[derive(Clone, Debug)]
+struct Term {
+    what: What,
+    span: Range<usize>,
+}
+
+#[derive(Clone, Debug)]
+enum What {
+    Number(f64),
+    Name(String),
+    Negated(usize),
+    Binary(Binary, usize, usize),
+    Call(Function, Vec<usize>),
+}
+
+impl Formula {
+    /// Parses a formula; names are looked up only when it is compiled.
+    pub fn parse(text: &str) -> Result<Self, FormulaError> {
+        Ok(Self { terms: parser::parse(text)?, length: text.len() })
+    }
+
+    /// The names it uses, functions not among them.
+    pub fn names(&self) -> BTreeSet<&str> {
+        self.terms
+            .iter()
+            .filter_map(|term| match &term.what {
+                What::Name(name) => Some(name.as_str()),
+                _ => None,
+            })
+            .collect()
+    }
+
+    /// The formula as a node of a graph.
+    pub fn compile(&self, graph: &mut Graph, names: &Names) -> Result<Node, FormulaError> {
+        let mut nodes: Vec<Node> = Vec::with_capacity(self.terms.len());
+        for term in &self.terms {
+            let node = match &term.what {
+                What::Number(value) => graph.constant(*value),
+                What::Name(name) => match names.meaning(name) {
+                    Some(Meaning::Number(value)) => graph.constant(value),
+                    Some(Meaning::Node(node)) => node,
+                    None => return Err(unknown(name, names, term.span.clone())),
+                },
+                What::Negated(a) => graph.neg(nodes[*a]),
+                What::Binary(operation, a, b) => graph.binary(*operation, nodes[*a], nodes[*b]),
+                What::Call(function, arguments) => {
+                    let arguments: Vec<Node> = arguments.iter().map(|argument| nodes[*argument]).collect();
+                    function.build(graph, &arguments)
+                }
+            };
+            nodes.push(node);
+        }
+        nodes.last().copied().ok_or_else(|| FormulaError {
+            span: 0..self.length,
+            message: "the formula is empty".to_owned(),
+            suggestion: None,
+        })
+    }
+
+    /// The formula as a number. A name for a node, a name that is not known, and a result that is no finite
+    /// number are errors.
+    pub fn evaluate(&self, names: &Names) -> Result<f64, FormulaError> {
+        for term in &self.terms {
+            if let What::Name(name) = &term.what
+                && let Some(Meaning::Node(_)) = names.meaning(name)
+            {
+                let message = format!("`{name}` differs from point to point, but one number is needed here");
+                return Err(FormulaError { span: term.span.clone(), message, suggestion: None });
+            }
+        }
+        let mut graph = Graph::new();
+        let node = self.compile(&mut graph, names)?;
+        graph.as_constant(node).filter(|value| value.is_finite()).ok_or_else(|| FormulaError {
+            span: 0..self.length,
+            message: "the formula has no finite value here: look for a division by zero, or a root or logarithm of \
+                      a negative number"
+                .to_owned(),
+            suggestion: None,
+        })
+    }
+}
+
+fn unknown(name: &str, names: &Names, span: Range<usize>) -> FormulaError {
+    if FUNCTIONS.contains(&name) {
+        let message = format!("`{name}` is a function: write `{name}(…)`");
+        return FormulaError { span, message, suggestion: None };
+    }
+    let known = names.values.keys().map(String::as_str).chain(["pi"]);
+    let suggestion = nearest(name, known.clone());
+    let mut message = format!("nothing here is called `{name}`");
+    if suggestion.is_none() {
+        message += &format!("; known are {}", known.map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", "));
+    }
+    FormulaError { span, message, suggestion }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::field::{Expression, Field};
+    use glam::DVec3;
+
+    fn number(text: &str) -> Result<f64, FormulaError> {
+        Formula::parse(text)?.evaluate(&Names::new().number("t", 0.25).number("size", 3.0))
+    }
+
+    #[test]
+    fn numbers_follow_the_usual_rules() {
+        let cases = [
+            ("1 + 2 * 3", 7.0),
+            ("(1 + 2) * 3", 9.0),
+            ("-2^2", -4.0),
+            ("2^3^2", 512.0),
+            ("2^-1", 0.5),
+            ("1 - 2 - 3", -4.0),
+            ("8 / 4 / 2", 1.0),
+            (".5e1 + 1.5E-1", 5.15),
+            ("- - 3", 3.0),
+            ("-1.3 + 0.2*sin(2*pi*t)", -1.1),
+            ("min(3, 1, 2) + max(size, 4)", 5.0),
+            ("clamp(7, 0, 2) + mix(1, 3, t)", 3.5),
+            ("smoothstep(0, 1, 0.5) + step(2, 3)", 1.5),
+            ("mod(-1, 3) + fract(2.25) + ceil(0.1) + round(1.5)", 5.25),
+            ("length(2, 3, 6) + abs(-1) + sign(-9)", 7.0),
+            ("pow(4, 1.5) + sqrt(16) + cbrt(27)", 15.0),
+            ("atan2(0, -1) - pi + exp(0) + log(1) + tan(0) + tanh(0) + cos(0)", 2.0),
+        ];
+        for (text, wanted) in cases {
+            let value = number(text).expect(text);
+            assert!((value - wanted).abs() < 1e-14, "{text} = {value}, not {wanted}");
+        }
+    }
+
+    #[test]
+    fn errors_point_at_the_place() {
+        let cases = [
+            ("1 + sizw", 4..8, Some("size")),
+            ("1 + sni(t)", 4..7, Some("sin")),
+            ("1 +", 3..3, None),
+            ("2 t", 2..3, None),
+            ("(1 + 2", 0..1, None),
+            ("1 + 2)", 5..6, None),
+            ("clamp(1, 2)", 0..11, None),
+            ("1 § 2", 2..4, None),
+            ("1e", 0..2, None),
+            ("", 0..0, None),
+            ("sqrt + 1", 0..4, None),
+            ("1 / 0", 0..5, None),
+            ("x", 0..1, None),
+        ];
+        for (text, span, suggestion) in cases {
+            let error = number(text).expect_err(text);
+            assert_eq!((error.span.clone(), error.suggestion.as_deref()), (span, suggestion), "{text}: {error}");
+        }
+    }
+
+    #[test]
+    fn depth_and_length_are_no_danger() {
+        let deep = "(".repeat(100_000);
+        assert!(Formula::parse(&deep).is_err());
+        assert!(Formula::parse(&"-".repeat(100_000)).is_err());
+        assert!(Formula::parse(&"2^".repeat(100_000)).is_err());
+        let long = vec!["t"; 20_000].join("+");
+        assert_eq!(number(&long), Ok(5000.0));
+    }
+
+    #[test]
+    fn a_shape_is_its_formula_anywhere() {
+        let formula = Formula::parse("0.01 - (x - 100000)^2 - y^2 - z^2").expect("it parses");
+        let mut graph = Graph::new();
+        let names = Names::space(&mut graph);
+        let node = formula.compile(&mut graph, &names).expect("it compiles");
+        let field = Expression::new(&graph, node);
+        assert_eq!(field.operations(), 1);
+        let bounds = field.bounding_box().expect("bounds find the ball");
+        assert!((bounds.max - DVec3::new(100_000.1, 0.1, 0.1)).abs().max_element() < 0.01, "{bounds:?}");
+        assert!((field.reference(DVec3::new(100_000.1, 0.0, 0.0))).abs() < 1e-11);
+    }
+}

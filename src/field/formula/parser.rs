@@ -1,0 +1,182 @@
+//! The Pratt parser of formulas: a term, then operators as long as they bind tighter than what waits.
+
+use std::ops::Range;
+
+use super::functions::{FUNCTIONS, Function};
+use super::{FormulaError, Term, What, nearest};
+use crate::field::op::Binary;
+
+/// Deeper nesting is refused, so that no text overflows the stack.
+const DEEPEST: usize = 200;
+
+/// How tightly the sign before a term binds: tighter than `*`, looser than `^`.
+const SIGN: u8 = 5;
+
+struct Parser<'a> {
+    text: &'a str,
+    at: usize,
+    depth: usize,
+    terms: Vec<Term>,
+}
+
+pub(super) fn parse(text: &str) -> Result<Vec<Term>, FormulaError> {
+    let mut parser = Parser { text, at: 0, depth: 0, terms: Vec::new() };
+    parser.expression(0)?;
+    match parser.peek() {
+        None => Ok(parser.terms),
+        Some(')') => Err(parser.error_here("this `)` closes nothing")),
+        Some(_) => Err(parser.error_here("an operator is missing before this")),
+    }
+}
+
+/// An operator's meaning and how tightly it binds on its left and right.
+fn operator(symbol: char) -> Option<(Binary, u8, u8)> {
+    Some(match symbol {
+        '+' => (Binary::Add, 1, 2),
+        '-' => (Binary::Sub, 1, 2),
+        '*' => (Binary::Mul, 3, 4),
+        '/' => (Binary::Div, 3, 4),
+        '^' => (Binary::Pow, 8, 7),
+        _ => return None,
+    })
+}
+
+impl Parser<'_> {
+    /// The next character that is not space.
+    fn peek(&mut self) -> Option<char> {
+        let rest = self.text[self.at..].trim_start();
+        self.at = self.text.len() - rest.len();
+        rest.chars().next()
+    }
+
+    fn push(&mut self, what: What, span: Range<usize>) -> usize {
+        self.terms.push(Term { what, span });
+        self.terms.len() - 1
+    }
+
+    fn start_of(&self, term: usize) -> usize {
+        self.terms[term].span.start
+    }
+
+    fn error(&self, span: Range<usize>, message: impl Into<String>) -> FormulaError {
+        FormulaError { span, message: message.into(), suggestion: None }
+    }
+
+    /// An error at the word or character that comes next.
+    fn error_here(&mut self, message: &str) -> FormulaError {
+        let next = self.peek();
+        let word = self.word_length();
+        let length = if word > 0 { word } else { next.map_or(0, char::len_utf8) };
+        self.error(self.at..self.at + length, message)
+    }
+
+    /// The length of the name or number that comes next.
+    fn word_length(&self) -> usize {
+        let rest = &self.text[self.at..];
+        rest.find(|c: char| !(c.is_alphanumeric() || c == '_' || c == '.')).unwrap_or(rest.len())
+    }
+
+    /// An expression of operators that bind at least as tightly as given; its place among the terms.
+    fn expression(&mut self, loosest: u8) -> Result<usize, FormulaError> {
+        self.depth += 1;
+        if self.depth > DEEPEST {
+            return Err(self.error_here("the formula is nested too deeply: split it up"));
+        }
+        let mut left = self.term()?;
+        while let Some((operation, before, after)) = self.peek().and_then(operator) {
+            if before < loosest {
+                break;
+            }
+            self.at += 1;
+            let right = self.expression(after)?;
+            left = self.push(What::Binary(operation, left, right), self.start_of(left)..self.at);
+        }
+        self.depth -= 1;
+        Ok(left)
+    }
+
+    fn term(&mut self) -> Result<usize, FormulaError> {
+        match self.peek() {
+            None if self.at == 0 || self.text.trim().is_empty() => Err(self.error_here("the formula is empty")),
+            None => Err(self.error_here("the formula ends where a number, name or `(` is expected")),
+            Some('-' | '+') => {
+                let (start, negative) = (self.at, self.text.as_bytes()[self.at] == b'-');
+                self.at += 1;
+                let value = self.expression(SIGN)?;
+                Ok(if negative { self.push(What::Negated(value), start..self.at) } else { value })
+            }
+            Some('(') => {
+                let open = self.at;
+                self.at += 1;
+                let value = self.expression(0)?;
+                self.close(open)?;
+                Ok(value)
+            }
+            Some(first) if first.is_ascii_digit() || first == '.' => self.number(),
+            Some(first) if first.is_alphabetic() || first == '_' => self.name(),
+            Some(_) => Err(self.error_here("a number, name or `(` is expected here")),
+        }
+    }
+
+    fn close(&mut self, open: usize) -> Result<(), FormulaError> {
+        match self.peek() {
+            Some(')') => {
+                self.at += 1;
+                Ok(())
+            }
+            None => Err(self.error(open..open + 1, "this `(` is never closed")),
+            Some(_) => Err(self.error_here("an operator, `,` or `)` is expected here")),
+        }
+    }
+
+    fn number(&mut self) -> Result<usize, FormulaError> {
+        let start = self.at;
+        let bytes = self.text.as_bytes();
+        let mut end = start + self.word_length();
+        // The sign of an exponent ends the word, but not the number.
+        let exponent = matches!(bytes[end - 1], b'e' | b'E') && matches!(bytes.get(end), Some(b'+' | b'-'));
+        if exponent {
+            self.at = end + 1;
+            end = self.at + self.word_length();
+        }
+        self.at = end;
+        match self.text[start..end].parse() {
+            Ok(value) => Ok(self.push(What::Number(value), start..end)),
+            Err(_) => {
+                let message = format!("`{}` is not a number; write `2 * x` for a product", &self.text[start..end]);
+                Err(self.error(start..end, message))
+            }
+        }
+    }
+
+    /// A name, or a call.
+    fn name(&mut self) -> Result<usize, FormulaError> {
+        let start = self.at;
+        self.at += self.word_length();
+        let span = start..self.at;
+        let name = &self.text[span.clone()];
+        if self.peek() != Some('(') {
+            return Ok(self.push(What::Name(name.to_owned()), span));
+        }
+        let Some(function) = Function::named(name) else {
+            let suggestion = nearest(name, FUNCTIONS.into_iter());
+            return Err(FormulaError { span, message: format!("there is no function `{name}`"), suggestion });
+        };
+        let open = self.at;
+        self.at += 1;
+        let mut arguments = Vec::new();
+        if self.peek() != Some(')') {
+            arguments.push(self.expression(0)?);
+            while self.peek() == Some(',') {
+                self.at += 1;
+                arguments.push(self.expression(0)?);
+            }
+        }
+        self.close(open)?;
+        if !(function.least..=function.most).contains(&arguments.len()) {
+            let message = format!("`{name}` takes {}, not {}", function.arity(), arguments.len());
+            return Err(self.error(start..self.at, message));
+        }
+        Ok(self.push(What::Call(function, arguments), start..self.at))
+    }
+}

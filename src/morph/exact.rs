@@ -1,0 +1,171 @@
+//! Exact distances for tests: balls, blocks, tori and what keeps them exact.
+
+use std::sync::Arc;
+
+use glam::DVec3;
+
+use crate::distance::{Distance, Foot};
+use crate::field::{Aabb, BATCH, Evaluator, Field, Gradients, Interval, Points, Slope};
+
+/// A solid whose signed distance is known in closed form.
+#[derive(Clone, Debug)]
+pub enum Exact {
+    Ball {
+        centre: DVec3,
+        radius: f64,
+    },
+    Block {
+        centre: DVec3,
+        half: DVec3,
+    },
+    /// Around the z axis.
+    Torus {
+        large: f64,
+        small: f64,
+    },
+    /// Solids that do not meet: the greatest of their distances.
+    Apart(Vec<Exact>),
+    /// What is within some thickness of a surface.
+    Shell {
+        of: Box<Exact>,
+        half: f64,
+    },
+}
+
+impl Exact {
+    pub fn ball(x: f64, radius: f64) -> Arc<Self> {
+        Arc::new(Self::Ball { centre: DVec3::new(x, 0.0, 0.0), radius })
+    }
+
+    pub fn block(x: f64, half: DVec3) -> Arc<Self> {
+        Arc::new(Self::Block { centre: DVec3::new(x, 0.0, 0.0), half })
+    }
+
+    pub fn cube(x: f64, half: f64) -> Arc<Self> {
+        Self::block(x, DVec3::splat(half))
+    }
+
+    pub fn torus(large: f64, small: f64) -> Arc<Self> {
+        Arc::new(Self::Torus { large, small })
+    }
+
+    /// Signed distance, positive inside, and its gradient.
+    fn at(&self, p: DVec3) -> (f64, DVec3) {
+        match self {
+            Self::Ball { centre, radius } => {
+                let from = p - *centre;
+                (radius - from.length(), -from.normalize_or(DVec3::X))
+            }
+            Self::Block { centre, half } => {
+                let from = p - *centre;
+                let beyond = from.abs() - *half;
+                let sign = DVec3::select(from.cmplt(DVec3::ZERO), DVec3::NEG_ONE, DVec3::ONE);
+                let outside = beyond.max(DVec3::ZERO);
+                if outside != DVec3::ZERO {
+                    return (-outside.length(), -outside.normalize() * sign);
+                }
+                let axis = (0..3).max_by(|a, b| beyond[*a].total_cmp(&beyond[*b])).unwrap_or(0);
+                (-beyond[axis], -DVec3::AXES[axis] * sign)
+            }
+            Self::Torus { large, small } => {
+                let ring = p.with_z(0.0).normalize_or(DVec3::X) * *large;
+                let from = p - ring;
+                (small - from.length(), -from.normalize_or(DVec3::Z))
+            }
+            Self::Apart(solids) => {
+                let all = solids.iter().map(|solid| solid.at(p));
+                all.max_by(|a, b| a.0.total_cmp(&b.0)).expect("solids")
+            }
+            Self::Shell { of, half } => {
+                let (distance, gradient) = of.at(p);
+                (half - distance.abs(), -gradient * distance.signum())
+            }
+        }
+    }
+
+    fn own_box(&self) -> Aabb {
+        match self {
+            Self::Ball { centre, radius } => Aabb::new(*centre - *radius, *centre + *radius),
+            Self::Block { centre, half } => Aabb::new(*centre - *half, *centre + *half),
+            Self::Torus { large, small } => {
+                let reach = DVec3::new(large + small, large + small, *small);
+                Aabb::new(-reach, reach)
+            }
+            Self::Apart(solids) => solids.iter().map(Self::own_box).reduce(Aabb::union).expect("solids"),
+            Self::Shell { of, half } => of.own_box().grown(*half),
+        }
+    }
+}
+
+impl Field for Exact {
+    fn bounding_box(&self) -> Option<Aabb> {
+        Some(self.own_box())
+    }
+
+    fn slope(&self) -> Slope {
+        Slope::Exact { outside: true, inside: true }
+    }
+
+    fn reference(&self, position: DVec3) -> f64 {
+        self.at(position).0
+    }
+
+    fn evaluator(&self) -> Box<dyn Evaluator + '_> {
+        Box::new(ExactEvaluator { exact: self, regions: Vec::new() })
+    }
+}
+
+impl Distance for Exact {
+    fn foot(&self, position: DVec3) -> Foot {
+        let (distance, gradient) = self.at(position);
+        Foot { point: position - distance * gradient, distance, gradient, part: 0 }
+    }
+}
+
+struct ExactEvaluator<'a> {
+    exact: &'a Exact,
+    regions: Vec<Aabb>,
+}
+
+impl Evaluator for ExactEvaluator<'_> {
+    fn enter(&mut self, region: &Aabb) -> Interval {
+        self.regions.push(*region);
+        let (middle, reach) = (self.exact.at(region.centre()).0, region.size().length() * 0.5 + 1e-6);
+        Interval::new(middle - reach, middle + reach)
+    }
+
+    fn leave(&mut self) {
+        self.regions.pop().expect("a region was entered");
+    }
+
+    fn values(&mut self, points: &Points, out: &mut [f32; BATCH]) {
+        (0..points.len).for_each(|i| out[i] = self.exact.at(points.position(i)).0 as f32);
+    }
+
+    fn gradients(&mut self, points: &Points, out: &mut Gradients) {
+        for i in 0..points.len {
+            let (value, gradient) = self.exact.at(points.position(i));
+            out.value[i] = value as f32;
+            [out.dx[i], out.dy[i], out.dz[i]] = gradient.as_vec3().to_array();
+        }
+    }
+
+    /// Of a ball: minus the unit vectors of the region.
+    fn gradient_bounds(&mut self) -> Option<[Interval; 3]> {
+        let (Exact::Ball { centre, .. }, region) = (self.exact, self.regions.last()?) else { return None };
+        let (lo, hi) = (region.min - *centre, region.max - *centre);
+        let square = |axis: usize| {
+            let least = if lo[axis] <= 0.0 && hi[axis] >= 0.0 { 0.0 } else { lo[axis].abs().min(hi[axis].abs()) };
+            [least * least, lo[axis].abs().max(hi[axis].abs()).powi(2)]
+        };
+        Some(std::array::from_fn(|axis| {
+            let others = [(axis + 1) % 3, (axis + 2) % 3].map(square);
+            let unit = |x: f64, end: usize| {
+                if x == 0.0 { 0.0 } else { x / (x * x + others[0][end] + others[1][end]).sqrt() }
+            };
+            let greatest = unit(hi[axis], usize::from(hi[axis] < 0.0));
+            let least = unit(lo[axis], usize::from(lo[axis] > 0.0));
+            Interval::new(-greatest - 1e-9, -least + 1e-9)
+        }))
+    }
+}

@@ -1,0 +1,301 @@
+//! An object's own motion: similarities over scene time, and fields, distances and colours seen through one.
+
+use std::fmt;
+use std::sync::Arc;
+
+use glam::{DMat3, DVec3, Mat3, Vec3};
+
+use crate::attribute::{Colour, ColourSampler, LinearRgb};
+use crate::distance::{Distance, Foot};
+use crate::field::{Aabb, BATCH, Evaluator, Field, Gradients, Interval, Points, Slope};
+
+/// A uniform scale, then a rotation, then a translation: from an object's space to the world.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Similarity {
+    scale: f64,
+    rotation: DMat3,
+    translation: DVec3,
+}
+
+impl Similarity {
+    /// Leaves everything where it is.
+    pub const IDENTITY: Self = Self { scale: 1.0, rotation: DMat3::IDENTITY, translation: DVec3::ZERO };
+
+    /// Scales about the origin, rotates about the fixed x, then y, then z axis by `degrees`, then moves. `None` where
+    /// the scale is not a finite positive number or another number is not finite.
+    pub fn new(scale: f64, degrees: DVec3, translation: DVec3) -> Option<Self> {
+        let sound = scale.is_finite() && scale > 0.0 && degrees.is_finite() && translation.is_finite();
+        sound.then(|| Self { scale, rotation: rotation_xyz(degrees), translation })
+    }
+
+    /// The factor by which lengths grow.
+    pub fn scale(&self) -> f64 {
+        self.scale
+    }
+
+    /// A position of the object, in the world.
+    pub fn to_world(&self, position: DVec3) -> DVec3 {
+        self.rotation * (position * self.scale) + self.translation
+    }
+
+    /// A world position, in the object's space.
+    pub fn to_object(&self, position: DVec3) -> DVec3 {
+        self.rotation.transpose() * (position - self.translation) / self.scale
+    }
+
+    /// The box around a moved box.
+    pub fn box_to_world(&self, aabb: Aabb) -> Aabb {
+        around(self.to_world(aabb.centre()), absolute(self.rotation) * (aabb.size() * 0.5) * self.scale)
+    }
+
+    /// The box, in the object's space, around a box of the world.
+    pub fn box_to_object(&self, aabb: Aabb) -> Aabb {
+        let half = absolute(self.rotation.transpose()) * (aabb.size() * 0.5) / self.scale;
+        around(self.to_object(aabb.centre()), half)
+    }
+
+    /// A batch of world positions, in the object's space: the origin in `f64`, the offsets in `f32`.
+    fn points_to_object(&self, points: &Points, out: &mut Points) {
+        out.origin = self.to_object(points.origin);
+        out.len = points.len;
+        let turn = Mat3::from_cols_array(&(self.rotation.transpose() * (1.0 / self.scale)).to_cols_array().map(to_f32));
+        rotate(turn, [&points.x, &points.y, &points.z], [&mut out.x, &mut out.y, &mut out.z]);
+    }
+}
+
+fn to_f32(value: f64) -> f32 {
+    value as f32
+}
+
+/// The box around a centre, a few rounding errors larger than asked.
+fn around(centre: DVec3, half: DVec3) -> Aabb {
+    let half = half + (centre.abs() + half) * (8.0 * f64::EPSILON);
+    Aabb::new(centre - half, centre + half)
+}
+
+fn absolute(matrix: DMat3) -> DMat3 {
+    DMat3::from_cols(matrix.x_axis.abs(), matrix.y_axis.abs(), matrix.z_axis.abs())
+}
+
+/// About the fixed x, then y, then z axis.
+fn rotation_xyz(degrees: DVec3) -> DMat3 {
+    let [(sx, cx), (sy, cy), (sz, cz)] = degrees.to_array().map(sin_cos_degrees);
+    let x = DMat3::from_cols(DVec3::X, DVec3::new(0.0, cx, sx), DVec3::new(0.0, -sx, cx));
+    let y = DMat3::from_cols(DVec3::new(cy, 0.0, -sy), DVec3::Y, DVec3::new(sy, 0.0, cy));
+    let z = DMat3::from_cols(DVec3::new(cz, sz, 0.0), DVec3::new(-sz, cz, 0.0), DVec3::Z);
+    z * y * x
+}
+
+/// Sine and cosine, exact at quarter turns.
+fn sin_cos_degrees(degrees: f64) -> (f64, f64) {
+    let turned = degrees % 360.0;
+    let quarter = (turned / 90.0).round();
+    let (sin, cos) = libm::sincos((turned - quarter * 90.0).to_radians());
+    match (quarter as i32).rem_euclid(4) {
+        0 => (sin, cos),
+        1 => (cos, -sin),
+        2 => (-sin, -cos),
+        _ => (-cos, sin),
+    }
+}
+
+#[multiversion::multiversion(targets = "simd")]
+fn rotate(turn: Mat3, from: [&[f32; BATCH]; 3], to: [&mut [f32; BATCH]; 3]) {
+    let [x, y, z] = from;
+    let [out_x, out_y, out_z] = to;
+    for i in 0..BATCH {
+        out_x[i] = turn.x_axis.x * x[i] + turn.y_axis.x * y[i] + turn.z_axis.x * z[i];
+        out_y[i] = turn.x_axis.y * x[i] + turn.y_axis.y * y[i] + turn.z_axis.y * z[i];
+        out_z[i] = turn.x_axis.z * x[i] + turn.y_axis.z * y[i] + turn.z_axis.z * z[i];
+    }
+}
+
+/// Where an object stands at each scene time τ (0 at the shot's first frame, 1 at its last).
+#[derive(Clone)]
+pub struct Motion(Way);
+
+#[derive(Clone)]
+enum Way {
+    Still(Similarity),
+    Moving(Arc<dyn Fn(f64) -> Similarity + Send + Sync>),
+}
+
+impl Motion {
+    /// Always at one place.
+    pub fn still(placement: Similarity) -> Self {
+        Self(Way::Still(placement))
+    }
+
+    /// At `placement(τ)`, a pure function of scene time.
+    pub fn moving(placement: impl Fn(f64) -> Similarity + Send + Sync + 'static) -> Self {
+        Self(Way::Moving(Arc::new(placement)))
+    }
+
+    /// The placement at scene time τ.
+    pub fn at(&self, time: f64) -> Similarity {
+        match &self.0 {
+            Way::Still(placement) => *placement,
+            Way::Moving(placement) => placement(time),
+        }
+    }
+
+    /// Whether the object never moves.
+    pub fn is_still(&self) -> bool {
+        matches!(self.0, Way::Still(_))
+    }
+}
+
+impl Default for Motion {
+    fn default() -> Self {
+        Self::still(Similarity::IDENTITY)
+    }
+}
+
+impl fmt::Debug for Motion {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match &self.0 {
+            Way::Still(placement) => f.debug_tuple("Still").field(placement).finish(),
+            Way::Moving(_) => f.write_str("Moving"),
+        }
+    }
+}
+
+/// A field, distance or colour of an object's space, standing in the world.
+pub struct Moved<T: ?Sized> {
+    inner: Arc<T>,
+    placement: Similarity,
+}
+
+impl<T: ?Sized> Moved<T> {
+    /// `inner`, placed.
+    pub fn new(inner: Arc<T>, placement: Similarity) -> Self {
+        Self { inner, placement }
+    }
+}
+
+impl<T: Field + ?Sized> Field for Moved<T> {
+    fn bounding_box(&self) -> Option<Aabb> {
+        self.inner.bounding_box().map(|aabb| self.placement.box_to_world(aabb))
+    }
+
+    fn slope(&self) -> Slope {
+        self.inner.slope()
+    }
+
+    fn reference(&self, position: DVec3) -> f64 {
+        self.inner.reference(self.placement.to_object(position)) * self.placement.scale
+    }
+
+    fn evaluator(&self) -> Box<dyn Evaluator + '_> {
+        let points = Points::new(DVec3::ZERO);
+        Box::new(MovedEvaluator { inner: self.inner.evaluator(), placement: self.placement, points })
+    }
+}
+
+impl<T: Distance + ?Sized> Distance for Moved<T> {
+    fn foot(&self, position: DVec3) -> Foot {
+        let foot = self.inner.foot(self.placement.to_object(position));
+        Foot {
+            point: self.placement.to_world(foot.point),
+            distance: foot.distance * self.placement.scale,
+            gradient: self.placement.rotation * foot.gradient,
+            part: foot.part,
+        }
+    }
+}
+
+impl<T: Colour + ?Sized> Colour for Moved<T> {
+    fn sampler(&self) -> Box<dyn ColourSampler + '_> {
+        let points = Points::new(DVec3::ZERO);
+        Box::new(MovedSampler { inner: self.inner.sampler(), placement: self.placement, points })
+    }
+}
+
+struct MovedEvaluator<'a> {
+    inner: Box<dyn Evaluator + 'a>,
+    placement: Similarity,
+    points: Points,
+}
+
+impl MovedEvaluator<'_> {
+    fn gradients_to_world(&self, out: &mut Gradients) {
+        let turn = Mat3::from_cols_array(&self.placement.rotation.to_cols_array().map(to_f32));
+        let scale = self.placement.scale as f32;
+        for i in 0..self.points.len {
+            out.value[i] *= scale;
+            let Vec3 { x, y, z } = turn * out.gradient(i);
+            (out.dx[i], out.dy[i], out.dz[i]) = (x, y, z);
+        }
+    }
+}
+
+impl Evaluator for MovedEvaluator<'_> {
+    fn enter(&mut self, region: &Aabb) -> Interval {
+        let bounds = self.inner.enter(&self.placement.box_to_object(*region));
+        let scaled = Interval::new(bounds.lo * self.placement.scale, bounds.hi * self.placement.scale);
+        if self.placement.scale == 1.0 { scaled } else { widened(scaled) }
+    }
+
+    fn leave(&mut self) {
+        self.inner.leave();
+    }
+
+    fn values(&mut self, points: &Points, out: &mut [f32; BATCH]) {
+        self.placement.points_to_object(points, &mut self.points);
+        self.inner.values(&self.points, out);
+        let scale = self.placement.scale as f32;
+        if scale != 1.0 {
+            out.iter_mut().for_each(|value| *value *= scale);
+        }
+    }
+
+    fn gradients(&mut self, points: &Points, out: &mut Gradients) {
+        self.placement.points_to_object(points, &mut self.points);
+        self.inner.gradients(&self.points, out);
+        self.gradients_to_world(out);
+    }
+
+    fn gradient_bounds(&mut self) -> Option<[Interval; 3]> {
+        let bounds = self.inner.gradient_bounds()?;
+        let centre = DVec3::from_array(bounds.map(|b| (b.lo + b.hi) * 0.5));
+        let half = DVec3::from_array(bounds.map(|b| (b.hi - b.lo) * 0.5));
+        let turned = around(self.placement.rotation * centre, absolute(self.placement.rotation) * half);
+        Some(std::array::from_fn(|axis| Interval::new(turned.min[axis], turned.max[axis])))
+    }
+
+    fn branches(&self) -> usize {
+        self.inner.branches()
+    }
+
+    fn branch(&mut self, branch: usize, points: &Points, out: &mut Gradients) {
+        self.placement.points_to_object(points, &mut self.points);
+        self.inner.branch(branch, &self.points, out);
+        self.gradients_to_world(out);
+    }
+}
+
+fn widened(interval: Interval) -> Interval {
+    let margin = |value: f64| value.abs() * (4.0 * f64::EPSILON);
+    Interval::new(interval.lo - margin(interval.lo), interval.hi + margin(interval.hi))
+}
+
+struct MovedSampler<'a> {
+    inner: Box<dyn ColourSampler + 'a>,
+    placement: Similarity,
+    points: Points,
+}
+
+impl ColourSampler for MovedSampler<'_> {
+    fn enter(&mut self, region: &Aabb) {
+        self.inner.enter(&self.placement.box_to_object(*region));
+    }
+
+    fn leave(&mut self) {
+        self.inner.leave();
+    }
+
+    fn sample(&mut self, points: &Points, out: &mut [LinearRgb; BATCH]) {
+        self.placement.points_to_object(points, &mut self.points);
+        self.inner.sample(&self.points, out);
+    }
+}

@@ -1,0 +1,408 @@
+//! A whole morph: planned once, then any instant of it by itself.
+
+use std::sync::Arc;
+
+use glam::DVec3;
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+
+use super::coarse::{CoarseGrid, Measured};
+use super::motion::{Motion, Moved};
+use super::pace::{Curve, Even, even};
+use super::section::Section;
+use super::settings::{Error, Mode, Pace, Settings, Side};
+use super::stb::Stb;
+use super::stti::{MorphColour, Transfer};
+use super::volume::{Enclosing, Volume, difference, object_fractions, total};
+use crate::attribute::{Colour, LinearRgb, Mixer, Turn};
+use crate::distance::Distance;
+use crate::field::{Aabb, BATCH, Field, Points};
+
+/// Steps of t's curve. Fewer miss short bursts of change; each costs a solve on the coarse grid in each pass.
+const STEPS: usize = 40;
+/// Steps at which a moving object's box is taken.
+const BOX_STEPS: usize = 160;
+/// The coarse grid's margin around both objects, in units of D: first tried, and the most tried before giving up.
+const MARGINS: [f64; 2] = [0.15, 2.5];
+
+/// An object of a morph, in its own space, with its motion.
+#[derive(Clone)]
+pub struct MorphObject {
+    /// Its own field, creases and all: what the first or last frame shows.
+    pub surface: Arc<dyn Field>,
+    /// Its signed distance everywhere, which the in-betweens are made of.
+    pub distance: Arc<dyn Distance>,
+    /// Its colour.
+    pub colour: Arc<dyn Colour>,
+    /// Where it stands, over scene time.
+    pub motion: Motion,
+}
+
+/// What is worked out once for a morph: the same for every frame, resolution and number of threads.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Plan {
+    /// D, world units: half the diagonal of the box around both objects while the shape changes.
+    pub unit: f64,
+    /// Where volume and change are measured.
+    pub grid: CoarseGrid,
+    /// STB's time t over the morph's progress, both in \[0, 1\].
+    pub pace: Curve,
+    /// The change of volume from each of the plan's steps to the next, cubic world units.
+    pub changes: Vec<f64>,
+    /// The least and greatest corner of the box of F ≥ 0 over all steps, to within a cell of the coarse grid.
+    pub extent: [[f64; 3]; 2],
+    /// The way round between nearly opposite hues: that of the objects' mean colours.
+    pub turn: Turn,
+}
+
+/// What a morph shows at one scene time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Stage {
+    /// The object at the start, as it is.
+    From,
+    /// A section of the blend.
+    Between(Section),
+    /// The object at the end, as it is.
+    To,
+}
+
+impl Stage {
+    /// STB's time.
+    pub fn t(&self) -> f64 {
+        match self {
+            Self::From => 0.0,
+            Self::Between(section) => section.t,
+            Self::To => 1.0,
+        }
+    }
+}
+
+/// Numbers on one frame, volumes in cubic world units, measured on the coarse grid.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct FrameReport {
+    /// Scene time τ.
+    pub time: f64,
+    /// STB's time t.
+    pub t: f64,
+    /// The blend's amount.
+    pub a0: f64,
+    /// The volume that the frame is to have; `None` in the papers' mode.
+    pub target: Option<f64>,
+    /// The volume that it has.
+    pub volume: f64,
+    /// What lies in this frame or in the one before, but not in both; 0 in the first.
+    pub change: f64,
+}
+
+/// Numbers on a sequence of frames.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Report {
+    /// One entry a frame, in order.
+    pub frames: Vec<FrameReport>,
+    /// The median of the changes.
+    pub median_change: f64,
+    /// The largest change over the median; a morph without pops stays under 2.
+    pub largest_over_median: f64,
+}
+
+/// Two objects, and how one becomes the other.
+pub struct Morph {
+    pub(super) from: MorphObject,
+    pub(super) to: MorphObject,
+    pub(super) settings: Settings,
+    plan: Plan,
+    /// The coarse grid's distances, where no object moves.
+    still: Option<Measured>,
+}
+
+impl Morph {
+    /// Checks the settings and plans the morph: the one slow step, a second or two.
+    pub fn new(from: MorphObject, to: MorphObject, settings: Settings) -> Result<Self, Error> {
+        settings.check()?;
+        let boxes = [object_box(&from, &settings, Side::From)?, object_box(&to, &settings, Side::To)?];
+        let both = boxes[0].union(boxes[1]);
+        let unit = both.size().length() * 0.5;
+        let mut margin = MARGINS[0];
+        while margin <= MARGINS[1] {
+            let grid = CoarseGrid::over(both.grown(margin * unit));
+            let plan =
+                Plan { unit, grid, pace: Curve::line(), changes: Vec::new(), extent: [[0.0; 3]; 2], turn: Turn::Up };
+            let mut morph = Self { from: from.clone(), to: to.clone(), settings: settings.clone(), plan, still: None };
+            if morph.make_plan()? {
+                return Ok(morph);
+            }
+            margin *= 2.0;
+        }
+        Err(Error::Spreads)
+    }
+
+    /// A morph whose plan was made before, from the same objects and settings.
+    pub fn with_plan(from: MorphObject, to: MorphObject, settings: Settings, plan: Plan) -> Result<Self, Error> {
+        settings.check()?;
+        let mut morph = Self { from, to, settings, plan, still: None };
+        morph.measure_still();
+        Ok(morph)
+    }
+
+    /// What was planned.
+    pub fn plan(&self) -> &Plan {
+        &self.plan
+    }
+
+    /// The box of F ≥ 0 while the shape changes, to within a cell of the coarse grid.
+    pub fn extent(&self) -> Aabb {
+        let [min, max] = self.plan.extent;
+        Aabb::new(DVec3::from_array(min), DVec3::from_array(max))
+    }
+
+    /// What the morph shows at scene time τ.
+    pub fn stage(&self, time: f64) -> Stage {
+        let t = self.time_at(time);
+        if t <= 0.0 {
+            return Stage::From;
+        }
+        if t >= 1.0 {
+            return Stage::To;
+        }
+        match &self.settings.mode {
+            Mode::Paper(paper) => Stage::Between(paper.section(t)),
+            Mode::Flow(flow) => {
+                let a0 = match &self.still {
+                    Some(measured) => self.enclosing(measured, t).a0,
+                    None => self.enclosing(&self.measure(time), t).a0,
+                };
+                Stage::Between(Section { a0, ..flow.section(t) })
+            }
+        }
+    }
+
+    /// The frame's field in world units, at scene time τ. At the ends it is the object's own.
+    pub fn field(&self, time: f64) -> Arc<dyn Field> {
+        let placed = |object: &MorphObject| Moved::new(object.distance.clone(), object.motion.at(time));
+        let own = |object: &MorphObject| Arc::new(Moved::new(object.surface.clone(), object.motion.at(time)));
+        match self.stage(time) {
+            Stage::From => own(&self.from),
+            Stage::To => own(&self.to),
+            Stage::Between(section) => {
+                Arc::new(Stb::new(Arc::new(placed(&self.from)), Arc::new(placed(&self.to)), self.plan.unit, &section))
+            }
+        }
+    }
+
+    /// The frame's colour at scene time τ. Where shape and colour are both at an end, it is the object's own.
+    pub fn colour(&self, time: f64) -> Arc<dyn Colour> {
+        let colour_time = self.colour_time(time);
+        let colour = |object: &MorphObject| Moved::new(object.colour.clone(), object.motion.at(time));
+        let distance = |object: &MorphObject| Moved::new(object.distance.clone(), object.motion.at(time));
+        let t = self.time_at(time);
+        if t <= 0.0 && colour_time <= 0.0 {
+            return Arc::new(colour(&self.from));
+        }
+        if t >= 1.0 && colour_time == 1.0 {
+            return Arc::new(colour(&self.to));
+        }
+        let Settings { alpha, beta, colour_space, .. } = self.settings;
+        Arc::new(MorphColour {
+            first: Arc::new(distance(&self.from)),
+            second: Arc::new(distance(&self.to)),
+            from: Arc::new(colour(&self.from)),
+            to: Arc::new(colour(&self.to)),
+            unit: self.plan.unit,
+            transfer: Transfer { time: colour_time, alpha, beta },
+            mixer: Mixer::new(colour_space, self.plan.turn),
+        })
+    }
+
+    /// STTI's time at scene time τ: even, 0 before its span, after it 1 or, with the octopus effect, on and on.
+    fn colour_time(&self, time: f64) -> f64 {
+        let [start, end] = self.settings.colour_over;
+        let colour_time = ((time - start) / (end - start)).max(0.0);
+        if self.settings.octopus { colour_time } else { colour_time.min(1.0) }
+    }
+
+    /// Numbers on the frames at some scene times, in order.
+    pub fn report(&self, times: &[f64]) -> Report {
+        let measured: Vec<(FrameReport, Vec<f32>)> = times.par_iter().map(|time| self.frame_report(*time)).collect();
+        let cell = self.plan.grid.cell_volume();
+        let changes: Vec<f64> = measured.par_windows(2).map(|two| difference(&two[0].1, &two[1].1) * cell).collect();
+        let mut frames: Vec<FrameReport> = measured.into_iter().map(|(frame, _)| frame).collect();
+        for (frame, change) in frames.iter_mut().skip(1).zip(&changes) {
+            frame.change = *change;
+        }
+        let mut sorted = changes;
+        sorted.sort_by(f64::total_cmp);
+        let median_change = sorted.get(sorted.len() / 2).copied().unwrap_or(0.0);
+        let largest = sorted.last().copied().unwrap_or(0.0);
+        let largest_over_median = if median_change > 0.0 { largest / median_change } else { 0.0 };
+        Report { frames, median_change, largest_over_median }
+    }
+
+    fn frame_report(&self, time: f64) -> (FrameReport, Vec<f32>) {
+        let fresh = if self.still.is_none() { Some(self.measure(time)) } else { None };
+        let measured = fresh.as_ref().or(self.still.as_ref()).expect("one of both is there");
+        let t = self.time_at(time);
+        let Enclosing { a0, fractions } = self.enclosing(measured, t);
+        let cell = self.plan.grid.cell_volume();
+        let target = match &self.settings.mode {
+            Mode::Flow(_) => Some(self.target(measured, t) * cell),
+            Mode::Paper(_) => None,
+        };
+        let volume = total(&fractions) * cell;
+        (FrameReport { time, t, a0, target, volume, change: 0.0 }, fractions)
+    }
+
+    /// STB's t at scene time τ, in \[0, 1\].
+    fn time_at(&self, time: f64) -> f64 {
+        let progress = self.progress(time).clamp(0.0, 1.0);
+        // Even pace has its ease in its curve.
+        self.plan.pace.at(if self.paced() { progress } else { self.settings.ease.at(progress) })
+    }
+
+    /// How far the change of shape is along its span, without ease or pace.
+    fn progress(&self, time: f64) -> f64 {
+        let [start, end] = self.settings.over;
+        (time - start) / (end - start)
+    }
+
+    fn time_of(&self, progress: f64) -> f64 {
+        let [start, end] = self.settings.over;
+        start + progress * (end - start)
+    }
+
+    fn paced(&self) -> bool {
+        matches!(&self.settings.mode, Mode::Flow(flow) if flow.pace == Pace::Even)
+    }
+
+    /// The blend's amount at t and what it encloses; at the ends, 0 and the object.
+    fn enclosing(&self, measured: &Measured, t: f64) -> Enclosing {
+        let grid = &self.plan.grid;
+        let own =
+            |distances: &[f32]| Enclosing { a0: 0.0, fractions: object_fractions(grid, distances, self.plan.unit) };
+        if t <= 0.0 {
+            return own(&measured.first);
+        }
+        if t >= 1.0 {
+            return own(&measured.second);
+        }
+        match &self.settings.mode {
+            Mode::Paper(paper) => Volume::new(grid, measured, self.plan.unit, paper.section(t)).as_it_is(),
+            Mode::Flow(flow) => {
+                let volume = Volume::new(grid, measured, self.plan.unit, flow.section(t));
+                volume.enclosing(self.target(measured, t))
+            }
+        }
+    }
+
+    /// The volume at t, in cells.
+    fn target(&self, measured: &Measured, t: f64) -> f64 {
+        let own = |distances: &[f32]| total(&object_fractions(&self.plan.grid, distances, self.plan.unit));
+        let (first, second) = (own(&measured.first), own(&measured.second));
+        let factor = match &self.settings.mode {
+            Mode::Flow(flow) => flow.volume.as_ref().map_or(1.0, |curve| curve.at(t)),
+            Mode::Paper(_) => 1.0,
+        };
+        ((1.0 - t) * first + t * second) * factor
+    }
+
+    fn measure(&self, time: f64) -> Measured {
+        let first = Moved::new(self.from.distance.clone(), self.from.motion.at(time));
+        let second = Moved::new(self.to.distance.clone(), self.to.motion.at(time));
+        Measured::new(&self.plan.grid, &first, &second, self.plan.unit)
+    }
+
+    fn measure_still(&mut self) {
+        if self.from.motion.is_still() && self.to.motion.is_still() {
+            self.still = Some(self.measure(0.0));
+        }
+    }
+
+    /// The mean of an object's colour over cells spread evenly over its surface, or else over the whole grid.
+    fn mean_colour(&self, object: &MorphObject, time: f64, distances: &[f32]) -> LinearRgb {
+        let near = (self.plan.grid.edge() / self.plan.unit) as f32;
+        let on_surface: Vec<usize> = (0..distances.len()).filter(|&i| distances[i].abs() < near).collect();
+        let cells = if on_surface.is_empty() { (0..distances.len()).collect() } else { on_surface };
+        let stride = cells.len().div_ceil(BATCH);
+        let colour = Moved::new(object.colour.clone(), object.motion.at(time));
+        let mut points = Points::new(self.plan.grid.centre(cells[0]));
+        for &cell in cells.iter().step_by(stride) {
+            points.push((self.plan.grid.centre(cell) - points.origin).as_vec3());
+        }
+        let mut colours = [[0.0; 3]; BATCH];
+        colour.sampler().sample(&points, &mut colours);
+        let mean = |i: usize| colours[..points.len].iter().map(|colour| colour[i]).sum::<f32>() / points.len as f32;
+        [mean(0), mean(1), mean(2)]
+    }
+
+    /// Paces the morph and finds its extent. False where it reaches a face of the coarse grid.
+    fn make_plan(&mut self) -> Result<bool, Error> {
+        self.measure_still();
+        let shares: Vec<f64> = (0..=STEPS).map(|step| step as f64 / STEPS as f64).collect();
+        let samples: Vec<Measured> = match &self.still {
+            Some(_) => Vec::new(),
+            None => shares.iter().map(|share| self.measure(self.time_of(*share))).collect(),
+        };
+        let progress: Vec<f64> = shares.iter().map(|share| self.settings.ease.at(*share)).collect();
+        let at = |step: usize| self.still.as_ref().unwrap_or_else(|| &samples[step]);
+        let ends = [self.enclosing(at(0), 0.0), self.enclosing(at(STEPS), 1.0)];
+        if ends.iter().all(|end| total(&end.fractions) <= 0.0) {
+            return Err(Error::Empty);
+        }
+        let all = |times: &[f64]| -> Vec<Vec<f32>> {
+            let step = |step: usize| self.enclosing(at(step), times[step]).fractions;
+            (0..=STEPS).into_par_iter().map(step).collect()
+        };
+        let changes = |fractions: &[Vec<f32>]| -> Vec<f64> {
+            fractions.par_windows(2).map(|two| difference(&two[0], &two[1])).collect()
+        };
+        let Even { times, changes: in_cells } = if self.paced() {
+            even(&progress, |times| changes(&all(times)))
+        } else {
+            Even { changes: changes(&all(&progress)), times: progress }
+        };
+        let fractions = all(&times);
+        let [start, end] = self.settings.over;
+        let from = self.mean_colour(&self.from, start, &at(0).first);
+        let to = self.mean_colour(&self.to, end, &at(STEPS).second);
+        self.plan.turn = Turn::between(self.settings.colour_space, from, to);
+        let cell = self.plan.grid.cell_volume();
+        let extent = extent(&self.plan.grid, &fractions);
+        let clear = !fractions.par_iter().any(|one| touches_a_face(&self.plan.grid, one));
+        self.plan.changes = in_cells.into_iter().map(|change| change * cell).collect();
+        self.plan.extent = [extent.min.to_array(), extent.max.to_array()];
+        if self.paced() {
+            let points = shares.iter().zip(&times).map(|(share, t)| [*share, *t]).collect();
+            self.plan.pace = Curve::through(points).unwrap_or_else(Curve::line);
+        }
+        Ok(clear)
+    }
+}
+
+/// The box around an object wherever it stands while the shape changes.
+fn object_box(object: &MorphObject, settings: &Settings, side: Side) -> Result<Aabb, Error> {
+    let own = object.distance.bounding_box().filter(|aabb| aabb.min.is_finite() && aabb.max.is_finite());
+    let own = own.ok_or(Error::Unbounded(side))?;
+    let [start, end] = settings.over;
+    let steps = if object.motion.is_still() { 0 } else { BOX_STEPS };
+    let boxes = (0..=steps).map(|step| {
+        let share = step as f64 / BOX_STEPS as f64;
+        object.motion.at(start + share * (end - start)).box_to_world(own)
+    });
+    boxes.reduce(Aabb::union).ok_or(Error::Unbounded(side))
+}
+
+fn touches_a_face(grid: &CoarseGrid, fractions: &[f32]) -> bool {
+    fractions.iter().enumerate().any(|(cell, fraction)| *fraction > 0.0 && grid.on_face(cell))
+}
+
+/// The box around all that is inside at any step; a cell counts as far from its middle as its fraction says.
+fn extent(grid: &CoarseGrid, steps: &[Vec<f32>]) -> Aabb {
+    let nothing = Aabb::new(DVec3::INFINITY, DVec3::NEG_INFINITY);
+    let mut most = vec![0.0f32; grid.cell_count()];
+    for fractions in steps {
+        most.iter_mut().zip(fractions).for_each(|(most, fraction)| *most = most.max(*fraction));
+    }
+    most.iter().enumerate().filter(|(_, fraction)| **fraction > 0.0).fold(nothing, |all, (cell, fraction)| {
+        let (centre, reach) = (grid.centre(cell), (f64::from(*fraction) - 0.5) * grid.edge());
+        all.union(Aabb::new(centre - reach, centre + reach))
+    })
+}

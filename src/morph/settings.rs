@@ -1,0 +1,278 @@
+//! What an artist sets on a morph, and what can be wrong with it.
+
+use std::fmt;
+
+use super::pace::Curve;
+use super::section::{Round, Section};
+use crate::attribute::ColourSpace;
+
+/// How a morph runs.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Settings {
+    /// How the shape changes.
+    pub mode: Mode,
+    /// The scene times τ at which the shape starts and ends to change, within or beyond \[0, 1\].
+    pub over: [f64; 2],
+    /// How fast it changes on the way.
+    pub ease: Ease,
+    /// The scene times at which colour starts and ends to change.
+    pub colour_over: [f64; 2],
+    /// Colour runs on past its end (STTI's octopus effect): the second object's creeps outward.
+    pub octopus: bool,
+    /// STTI's α, ≥ 0: near 0 the shapes drive the colour, from 3 on time alone.
+    pub alpha: f64,
+    /// STTI's β in \[0, 1\]: below 0.5 the first object's colour holds on longer, above it the second's comes sooner.
+    pub beta: f64,
+    /// Where the two colours are mixed.
+    pub colour_space: ColourSpace,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self {
+            mode: Mode::Flow(Flow::default()),
+            over: [0.0, 1.0],
+            ease: Ease::Linear,
+            colour_over: [0.0, 1.0],
+            octopus: false,
+            alpha: 0.3,
+            beta: 0.5,
+            colour_space: ColourSpace::Oklab,
+        }
+    }
+}
+
+/// How the shape changes.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Mode {
+    /// The volume goes evenly from one object's to the other's; a₀ follows from it.
+    Flow(Flow),
+    /// All of the blend's parameters by hand, t as it comes; frames may be empty.
+    Paper(Paper),
+}
+
+/// A morph that keeps to a volume.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Flow {
+    /// 0.05: one shape shrinks while the other grows; 0.5: separate objects flow through one body; 1.5: more so.
+    pub bridge: f64,
+    /// How t follows the morph's progress.
+    pub pace: Pace,
+    /// A factor on the volume over t, 1 at both ends; `None` is 1 all the way.
+    pub volume: Option<Curve>,
+}
+
+impl Default for Flow {
+    fn default() -> Self {
+        Self { bridge: 0.5, pace: Pace::Even, volume: None }
+    }
+}
+
+/// How t follows the morph's progress.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Pace {
+    /// Equal steps change equal volumes.
+    Even,
+    /// t is the progress itself, as in the papers.
+    Time,
+}
+
+/// The parameters of space-time blending by hand, in units of D and of t.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Paper {
+    /// The bounding slab's ends on the time axis.
+    pub slab: [f64; 2],
+    /// Units of D a unit of t is worth.
+    pub time_scale: f64,
+    /// a₀ to a₃.
+    pub a: [f64; 4],
+    /// Rounds each half-cylinder against its cutting plane first (heterogeneous STB, eq. 6).
+    pub round: Option<Round>,
+}
+
+impl Default for Paper {
+    fn default() -> Self {
+        Self { slab: [0.0, 1.0], time_scale: 1.0, a: [1.0; 4], round: None }
+    }
+}
+
+/// How fast progress is made.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Ease {
+    /// Evenly.
+    Linear,
+    /// Slowly at both ends: 3u² − 2u³.
+    Smooth,
+}
+
+impl Ease {
+    /// Progress at u, both in \[0, 1\].
+    pub fn at(self, u: f64) -> f64 {
+        match self {
+            Self::Linear => u,
+            Self::Smooth => u * u * (3.0 - 2.0 * u),
+        }
+    }
+}
+
+/// The slab, time scale and reach that keep the first and last frames alive and whole.
+const FLOW_SLAB: [f64; 2] = [-1.0, 2.0];
+const FLOW_TIME_SCALE: f64 = 0.25;
+const FLOW_REACH: f64 = 2.5;
+/// The bridge at both ends of every morph, where the blend must end soon: the least a bridge can be.
+const LEAST_BRIDGE: f64 = 0.05;
+
+impl Flow {
+    /// The section at t, with an a₀ still to be found.
+    pub(super) fn section(&self, t: f64) -> Section {
+        let sin = libm::sin(std::f64::consts::PI * t);
+        Section {
+            t,
+            time_scale: FLOW_TIME_SCALE,
+            slab: FLOW_SLAB,
+            a0: 0.0,
+            a1: FLOW_REACH,
+            a2: FLOW_REACH,
+            a3: LEAST_BRIDGE + (self.bridge - LEAST_BRIDGE) * sin * sin,
+            round: None,
+        }
+    }
+}
+
+impl Paper {
+    pub(super) fn section(&self, t: f64) -> Section {
+        let [a0, a1, a2, a3] = self.a;
+        Section { t, time_scale: self.time_scale, slab: self.slab, a0, a1, a2, a3, round: self.round }
+    }
+}
+
+impl Settings {
+    /// What is out of range, if anything is.
+    pub fn check(&self) -> Result<(), Error> {
+        within("alpha", self.alpha, 0.0, 1e6)?;
+        within("beta", self.beta, 0.0, 1.0)?;
+        for (name, over) in [("over", self.over), ("color_over", self.colour_over)] {
+            let spans = over.iter().all(|time| time.is_finite()) && over[0] < over[1];
+            if !spans {
+                return Err(Error::Span { name, from: over[0], to: over[1] });
+            }
+        }
+        match &self.mode {
+            Mode::Flow(flow) => flow.check(),
+            Mode::Paper(paper) => paper.check(),
+        }
+    }
+}
+
+impl Flow {
+    fn check(&self) -> Result<(), Error> {
+        within("bridge", self.bridge, LEAST_BRIDGE, 100.0)?;
+        let Some(volume) = &self.volume else { return Ok(()) };
+        for t in [0.0, 1.0] {
+            within("volume at the ends", volume.at(t), 1.0, 1.0)?;
+        }
+        for step in 0..=64 {
+            within("volume", volume.at(f64::from(step) / 64.0), 1e-3, 100.0)?;
+        }
+        Ok(())
+    }
+}
+
+impl Paper {
+    fn check(&self) -> Result<(), Error> {
+        within("time_scale", self.time_scale, 1e-6, 1e6)?;
+        within("a0", self.a[0], -1e6, 1e6)?;
+        for (name, value) in ["a1", "a2", "a3"].into_iter().zip(&self.a[1..]) {
+            within(name, *value, 1e-6, 1e6)?;
+        }
+        if !(self.slab[0] < self.slab[1]) {
+            return Err(Error::Span { name: "slab", from: self.slab[0], to: self.slab[1] });
+        }
+        let Some(round) = self.round else { return Ok(()) };
+        within("round.a0", round.a0, -1e6, 1e6)?;
+        within("round.reach", round.reach, 1e-6, 1e6)?;
+        within("round.a3", round.a3, 1e-6, 1e6)?;
+        within("round.depth", round.depth, 0.0, 1e6)
+    }
+}
+
+fn within(name: &'static str, value: f64, least: f64, most: f64) -> Result<(), Error> {
+    if (least..=most).contains(&value) { Ok(()) } else { Err(Error::Setting { name, value, least, most }) }
+}
+
+/// Why a morph cannot be made.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Error {
+    /// A setting is out of its range.
+    Setting {
+        /// Its name in a scene.
+        name: &'static str,
+        /// What was given.
+        value: f64,
+        /// The least it can be.
+        least: f64,
+        /// The most it can be.
+        most: f64,
+    },
+    /// A span does not run forward.
+    Span {
+        /// Its name in a scene.
+        name: &'static str,
+        /// Where it was to start.
+        from: f64,
+        /// Where it was to end.
+        to: f64,
+    },
+    /// An object reaches to infinity, or its box is not finite.
+    Unbounded(Side),
+    /// Neither object holds any volume that the coarse grid can see.
+    Empty,
+    /// The in-betweens reach too far outside both objects to be measured.
+    Spreads,
+}
+
+/// One of a morph's two objects.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Side {
+    /// The object at the start.
+    From,
+    /// The object at the end.
+    To,
+}
+
+impl fmt::Display for Side {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::From => "from",
+            Self::To => "to",
+        })
+    }
+}
+
+impl fmt::Display for Error {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Setting { name, value, least, most } if least == most => {
+                write!(f, "the morph's {name} is {value}; it must be {least}")
+            }
+            Self::Setting { name, value, least, most } => {
+                write!(f, "the morph's {name} is {value}; it must lie between {least} and {most}")
+            }
+            Self::Span { name, from, to } => {
+                write!(f, "the morph's {name} runs from {from} to {to}; it must end after it starts")
+            }
+            Self::Unbounded(side) => {
+                write!(f, "the object the morph goes {side} has no bounds; give the shape `bounds`")
+            }
+            Self::Empty => {
+                write!(f, "neither of the morph's objects holds any volume; check their formulas, sizes and places")
+            }
+            Self::Spreads => write!(
+                f,
+                "the in-betweens spread far outside both objects; use a smaller `bridge` or less `volume` on the way"
+            ),
+        }
+    }
+}
+
+impl std::error::Error for Error {}

@@ -1,0 +1,182 @@
+//! One frame of a morph by space-time blending, as a field in world units.
+
+use std::sync::Arc;
+
+use glam::DVec3;
+
+use super::section::{Kernel, Section};
+use crate::distance::Distance;
+use crate::field::{Aabb, BATCH, Evaluator, Field, Gradients, Interval, Points, Slope};
+
+/// F_b of two distances at one instant (heterogeneous STB, eq. 5), in world units: F_b of lengths over D, times D.
+///
+/// Its zero set is the frame's surface; away from it the value has the sign and about the size of a distance, no more.
+pub struct Stb {
+    first: Arc<dyn Distance>,
+    second: Arc<dyn Distance>,
+    unit: f64,
+    fast: Kernel<f32>,
+    exact: Kernel<f64>,
+}
+
+impl Stb {
+    /// The section of the morph between two distances that stand in the world as they do at this instant; `unit` is D.
+    pub fn new(first: Arc<dyn Distance>, second: Arc<dyn Distance>, unit: f64, section: &Section) -> Self {
+        Self { first, second, unit, fast: Kernel::new(section), exact: Kernel::new(section) }
+    }
+
+    /// How far outside both objects' boxes F_b may still be positive, in units of D: where both distances are the
+    /// same. `None` where it never falls, or does not fall with the distances.
+    fn reach(&self) -> Option<f64> {
+        let outside = |reach: f64| self.exact.rises() && self.exact.value(-reach, -reach) < 0.0;
+        let mut far = 1.0 / 64.0;
+        while !outside(far) {
+            far *= 2.0;
+            if far > 1e6 {
+                return None;
+            }
+        }
+        let mut near = 0.0;
+        for _ in 0..40 {
+            let middle = (near + far) * 0.5;
+            if outside(middle) { far = middle } else { near = middle }
+        }
+        Some(far)
+    }
+}
+
+impl Field for Stb {
+    /// The box around both objects' boxes grown by the reach of the blend.
+    fn bounding_box(&self) -> Option<Aabb> {
+        let both = self.first.bounding_box()?.union(self.second.bounding_box()?);
+        Some(both.grown(self.reach()? * self.unit))
+    }
+
+    fn slope(&self) -> Slope {
+        let steepest = |field: &dyn Distance| match field.slope() {
+            Slope::Exact { .. } => Some(1.0),
+            Slope::Lipschitz(slope) => Some(slope),
+            Slope::Unknown => None,
+        };
+        match (steepest(self.first.as_ref()), steepest(self.second.as_ref())) {
+            (Some(one), Some(two)) => Slope::Lipschitz(self.exact.greatest_slope() * f64::max(one, two)),
+            _ => Slope::Unknown,
+        }
+    }
+
+    fn reference(&self, position: DVec3) -> f64 {
+        let of = |field: &dyn Distance| field.reference(position) / self.unit;
+        self.exact.value(of(self.first.as_ref()), of(self.second.as_ref())) * self.unit
+    }
+
+    fn evaluator(&self) -> Box<dyn Evaluator + '_> {
+        Box::new(StbEvaluator {
+            stb: self,
+            first: self.first.evaluator(),
+            second: self.second.evaluator(),
+            values: [0.0; BATCH],
+            gradients: Gradients::new(),
+            centre: Points::new(DVec3::ZERO),
+        })
+    }
+}
+
+struct StbEvaluator<'a> {
+    stb: &'a Stb,
+    first: Box<dyn Evaluator + 'a>,
+    second: Box<dyn Evaluator + 'a>,
+    values: [f32; BATCH],
+    gradients: Gradients,
+    centre: Points,
+}
+
+impl StbEvaluator<'_> {
+    /// The value in the middle of the region ± what the slopes allow on the way to its faces, in units of D (the mean
+    /// value form). Narrower than the ends of both distances where the objects' slopes oppose one another.
+    fn mean_value_bounds(&mut self, region: &Aabb, first: Interval, second: Interval) -> Option<Interval> {
+        let (one, two) = (self.first.gradient_bounds()?, self.second.gradient_bounds()?);
+        let kernel = &self.stb.exact;
+        let [by_first, by_second] = kernel.slope_bounds(first, second);
+        let half = region.size() * (0.5 / self.stb.unit);
+        let reach: f64 = (0..3)
+            .map(|axis| {
+                let slope = sum(product(by_first, one[axis]), product(by_second, two[axis]));
+                slope.lo.abs().max(slope.hi.abs()) * half[axis]
+            })
+            .sum();
+        self.centre.origin = region.centre();
+        self.centre.len = 1;
+        self.first.values(&self.centre, &mut self.values);
+        let at_first = f64::from(self.values[0]) / self.stb.unit;
+        self.second.values(&self.centre, &mut self.values);
+        let at_second = f64::from(self.values[0]) / self.stb.unit;
+        let at_centre = kernel.bounds(Interval::new(at_first, at_first), Interval::new(at_second, at_second));
+        Some(Interval::new(at_centre.lo - reach, at_centre.hi + reach))
+    }
+}
+
+impl Evaluator for StbEvaluator<'_> {
+    fn enter(&mut self, region: &Aabb) -> Interval {
+        let unit = self.stb.unit;
+        let scaled = |bounds: Interval, by: f64| Interval::new(bounds.lo * by, bounds.hi * by);
+        let first = scaled(self.first.enter(region), 1.0 / unit);
+        let second = scaled(self.second.enter(region), 1.0 / unit);
+        let mut bounds = self.stb.exact.bounds(first, second);
+        let finite = [first.lo, first.hi, second.lo, second.hi].iter().all(|end| end.is_finite());
+        if bounds.contains(0.0)
+            && finite
+            && self.stb.exact.rises()
+            && let Some(other) = self.mean_value_bounds(region, first, second)
+        {
+            bounds = Interval::new(bounds.lo.max(other.lo), bounds.hi.min(other.hi));
+        }
+        scaled(bounds, unit)
+    }
+
+    fn leave(&mut self) {
+        self.first.leave();
+        self.second.leave();
+    }
+
+    fn values(&mut self, points: &Points, out: &mut [f32; BATCH]) {
+        self.first.values(points, out);
+        self.second.values(points, &mut self.values);
+        let len = points.len;
+        blend_values(&self.stb.fast, self.stb.unit as f32, &mut out[..len], &self.values[..len]);
+    }
+
+    fn gradients(&mut self, points: &Points, out: &mut Gradients) {
+        self.first.gradients(points, out);
+        self.second.gradients(points, &mut self.gradients);
+        blend_gradients(&self.stb.fast, self.stb.unit as f32, points.len, out, &self.gradients);
+    }
+}
+
+#[multiversion::multiversion(targets = "simd")]
+fn blend_values(kernel: &Kernel<f32>, unit: f32, first: &mut [f32], second: &[f32]) {
+    let per_unit = 1.0 / unit;
+    for (first, second) in first.iter_mut().zip(second) {
+        *first = kernel.value(*first * per_unit, *second * per_unit) * unit;
+    }
+}
+
+#[multiversion::multiversion(targets = "simd")]
+fn blend_gradients(kernel: &Kernel<f32>, unit: f32, len: usize, first: &mut Gradients, second: &Gradients) {
+    let per_unit = 1.0 / unit;
+    for i in 0..len {
+        let slopes = kernel.slopes(first.value[i] * per_unit, second.value[i] * per_unit);
+        first.value[i] = slopes.value * unit;
+        first.dx[i] = slopes.by_first * first.dx[i] + slopes.by_second * second.dx[i];
+        first.dy[i] = slopes.by_first * first.dy[i] + slopes.by_second * second.dy[i];
+        first.dz[i] = slopes.by_first * first.dz[i] + slopes.by_second * second.dz[i];
+    }
+}
+
+fn sum(a: Interval, b: Interval) -> Interval {
+    Interval::new(a.lo + b.lo, a.hi + b.hi)
+}
+
+fn product(a: Interval, b: Interval) -> Interval {
+    let ends = [a.lo * b.lo, a.lo * b.hi, a.hi * b.lo, a.hi * b.hi];
+    Interval::new(ends.into_iter().fold(f64::INFINITY, f64::min), ends.into_iter().fold(f64::NEG_INFINITY, f64::max))
+}

@@ -1,0 +1,202 @@
+//! Frames made from scenes: where they are inside, how large voxels are, which colours they have.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+
+use glam::{DVec3, Vec3};
+
+use crate::attribute::{Colour, LinearRgb};
+use crate::field::{BATCH, Points};
+
+use super::*;
+
+fn prepared_with(text: &str, resolution: Option<u32>) -> Result<Prepared, Error> {
+    let folder = PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/scenes"));
+    let source = Source::Text { name: "scene.toml".into(), text: text.into(), folder };
+    let model = load(&source, &Overrides::default()).unwrap_or_else(|problems| panic!("{problems}"));
+    prepare(model, resolution)
+}
+
+fn prepare(model: Model, resolution: Option<u32>) -> Result<Prepared, Error> {
+    let cancel = AtomicBool::new(false);
+    let options = PrepareOptions {
+        voxel_size: None,
+        resolution,
+        half_width: None,
+        memory_limit: None,
+        cancel: &cancel,
+        progress: &|_| (),
+    };
+    Arc::new(model).prepare(&options)
+}
+
+fn prepared(text: &str) -> Prepared {
+    prepared_with(text, None).unwrap_or_else(|error| panic!("{error}"))
+}
+
+#[track_caller]
+fn refused(text: &str, wanted: &str) {
+    let error = prepared_with(text, None).err().expect("it is refused").to_string();
+    assert!(error.contains(wanted), "{error}");
+}
+
+fn value(frame: &FrameContent, x: f64, y: f64, z: f64) -> f64 {
+    frame.field.reference(DVec3::new(x, y, z))
+}
+
+fn colour(frame: &FrameContent, x: f64, y: f64, z: f64) -> LinearRgb {
+    sample(frame.colour.as_ref().expect("it has a colour").as_ref(), DVec3::new(x, y, z))
+}
+
+fn sample(colour: &dyn Colour, at: DVec3) -> LinearRgb {
+    let mut points = Points::new(at);
+    points.push(Vec3::ZERO);
+    let mut out = [[0.0; 3]; BATCH];
+    colour.sampler().sample(&points, &mut out);
+    out[0]
+}
+
+const RED: LinearRgb = [1.0, 0.0, 0.0];
+const BLUE: LinearRgb = [0.0, 0.0, 1.0];
+
+#[test]
+fn a_ball_and_its_voxels() {
+    let ball = prepared("[shape.a]\nsphere = 2\nmove = [1, 0, 0]\n");
+    assert!((ball.extent.size().max_element() - 4.0).abs() < 0.02, "{:?}", ball.extent);
+    assert!((ball.lattice.voxel_size.get() - 4.0 / 256.0).abs() < 1e-4);
+    let frame = ball.frame(7).unwrap();
+    assert!((value(&frame, 2.5, 0.0, 0.0) - 0.5).abs() < 1e-12);
+    assert!(frame.colour.is_none());
+    assert!(frame.info.outside_shot && frame.info.t == 0.0);
+    assert!(frame.region.contains(DVec3::new(3.0, 2.0, 2.0)));
+    let fine = prepared_with("[shape.a]\nsphere = 2\n[output]\nvoxel_size = 0.5\n", None).unwrap();
+    assert_eq!(fine.lattice.voxel_size.get(), 0.5);
+    let coarse = prepared_with("[shape.a]\nsphere = 2\n[output]\nvoxel_size = 0.5\n", Some(10)).unwrap();
+    assert!((coarse.lattice.voxel_size.get() - 0.4).abs() < 0.01);
+}
+
+#[test]
+fn rotation_is_about_fixed_x_then_y_then_z() {
+    // Blender: `Euler((radians(90), 0, radians(90)), 'XYZ').to_matrix() @ Vector((0, 1, 0))` is (0, 0, 1), and of
+    // (1, 0, 0) it is (0, 1, 0).
+    let text = "[shape.a]\nunion = ['b']\nrotate = [90, 0, 90]\nmove = [0, 0, 5]\n[shape.b]\nsphere = 0.5\n";
+    let at = |place: &str| {
+        let scene = prepared(&format!("{text}move = {place}\n"));
+        let extent = scene.extent.centre();
+        (extent * 100.0).round() / 100.0
+    };
+    assert_eq!(at("[0, 1, 0]"), DVec3::new(0.0, 0.0, 6.0));
+    assert_eq!(at("[1, 0, 0]"), DVec3::new(0.0, 1.0, 5.0));
+    // Scaled before it is moved.
+    let scaled = prepared("[shape.a]\nbox = 1\nscale = [2, 1, 1]\nrotate = [0, 0, 90]\nmove = [10, 0, 0]\n");
+    let frame = scaled.frame(1).unwrap();
+    assert!(value(&frame, 10.0, 0.9, 0.0) > 0.0 && value(&frame, 10.9, 0.0, 0.0) < 0.0);
+}
+
+#[test]
+fn set_operations_and_modifiers() {
+    let text = |maker: &str| format!("[shape.r]\n{maker}\n[shape.a]\nbox = 2\n[shape.b]\nbox = 2\nmove = [1, 0, 0]\n");
+    let inside = |maker: &str, x: f64| value(&prepared(&text(maker)).frame(1).unwrap(), x, 0.0, 0.0) > 0.0;
+    let xs = [-0.5, 0.5, 1.5];
+    assert_eq!(xs.map(|x| inside("union = ['a', 'b']", x)), [true, true, true]);
+    assert_eq!(xs.map(|x| inside("intersection = ['a', 'b']", x)), [false, true, false]);
+    assert_eq!(xs.map(|x| inside("difference = ['a', 'b']", x)), [true, false, false]);
+    let ball = |modifiers: &str, x: f64| {
+        let scene = prepared(&format!("[shape.a]\nsphere = 1\n{modifiers}\n"));
+        value(&scene.frame(1).unwrap(), x, 0.0, 0.0) > 0.0
+    };
+    assert!(ball("offset = 0.5", 1.4) && !ball("offset = 0.5", 1.6));
+    assert!(ball("shell = 0.2", 1.05) && ball("shell = 0.2", -0.95) && !ball("shell = 0.2", 0.8));
+    assert!(!ball("bounds = 1", 0.6) && ball("bounds = 1", 0.4));
+    let mirrored = prepared("[shape.m]\nunion = ['a']\nmirror = 'x'\n[shape.a]\nsphere = 0.5\nmove = [2, 0, 0]\n");
+    let frame = mirrored.frame(1).unwrap();
+    assert!(value(&frame, 2.0, 0.0, 0.0) > 0.0 && value(&frame, -2.0, 0.0, 0.0) > 0.0);
+    let formula = prepared("[param]\nr = 0.5\n[shape.a]\nformula = 'r^2 - x^2 - y^2 - z^2'\nbounds = 3\n");
+    assert!((formula.extent.size().x - 1.0).abs() < 0.02);
+}
+
+#[test]
+fn shapes_change_from_frame_to_frame() {
+    let scene = prepared("frames = '1-5'\n[shape.a]\nsphere = '1 + t'\nmove = [{ 1 = 0, 5 = 4 }, 0, 0]\n");
+    assert!((scene.extent.min.x + 1.0).abs() < 0.02 && (scene.extent.max.x - 6.0).abs() < 0.02, "{:?}", scene.extent);
+    let at = |frame: i64| value(&scene.frame(frame).unwrap(), 0.0, 0.0, 0.0);
+    assert!((at(1) - 1.0).abs() < 1e-9 && (at(3) - (1.5 - 2.0)).abs() < 1e-9, "{} {}", at(1), at(3));
+    assert_eq!(at(5), at(99));
+    refused(
+        "frames = '1-5'\n[shape.a]\nsphere = '1 - 2*t'\n",
+        "`shape.a.sphere` is 0 at frame 3, and must be greater than 0\n --> scene.toml:3:11",
+    );
+}
+
+#[test]
+fn colours_of_parts() {
+    let text = "[shape.u]\nunion = ['a', 'b', 'c']\n[shape.a]\nsphere = 1\ncolor = 'red'\n\
+                [shape.b]\nsphere = 1\ncolor = 'blue'\nmove = [3, 0, 0]\n[shape.c]\nsphere = 1\nmove = [6, 0, 0]\n";
+    let frame = prepared(text).frame(1).unwrap();
+    let grey = colour(&frame, 7.0, 0.0, 0.0);
+    assert_eq!([colour(&frame, -1.0, 0.0, 0.0), colour(&frame, 2.0, 0.0, 0.0)], [RED, BLUE]);
+    assert!((grey[0] - 0.603_827_4).abs() < 1e-6, "{grey:?}");
+    // The whole union in one colour; what is cut shows the first one's.
+    let one = prepared(&text.replace("['a', 'b', 'c']", "['a', 'b', 'c']\ncolor = 'blue'")).frame(1).unwrap();
+    assert_eq!(colour(&one, -1.0, 0.0, 0.0), BLUE);
+    let cut = "[shape.d]\ndifference = ['a', 'b']\nrotate = [0, 0, 90]\n[shape.a]\nsphere = 1\ncolor = 'red'\n\
+               [shape.b]\nbox = 2\ncolor = 'blue'\nmove = [1, 0, 0]\n";
+    assert_eq!(colour(&prepared(cut).frame(1).unwrap(), 0.0, 0.0, 0.0), RED);
+    // Two colours, turned: what was at −x is at −y.
+    let turned = "[shape.t]\nunion = ['a', 'b']\nrotate = [0, 0, 90]\n[shape.a]\nsphere = 1\ncolor = 'red'\nmove = [-2, 0, 0]\n\
+                  [shape.b]\nsphere = 1\ncolor = 'blue'\nmove = [2, 0, 0]\n";
+    let frame = prepared(turned).frame(1).unwrap();
+    assert_eq!([colour(&frame, 0.0, -3.0, 0.0), colour(&frame, 0.0, 3.0, 0.0)], [RED, BLUE]);
+}
+
+#[test]
+fn what_cannot_be_built_is_said_with_its_place() {
+    refused("[shape.a]\nformula = '1 - x^2'\n", "`a` may reach to infinity\n --> scene.toml:1:8");
+    refused(
+        "[shape.u]\nunion = ['a', 'b']\n[shape.a]\nsphere = 1\n[shape.b]\nhalf_space = [0, 0, 1]\n",
+        "scene.toml:5:8",
+    );
+    refused("[shape.a]\nformula = '-1 - x^2 - y^2 - z^2'\nbounds = 2\n", "nothing is inside `a`\n --> scene.toml:1:8");
+    refused("[shape.a]\nsphere = 1e-7\n", "are too small for OpenVDB");
+    refused(
+        "[shape.a]\nunion = ['b', 'c']\n[shape.b]\nsphere = 1\n[shape.c]\nslab = 1\nnormal = [0, 0, 0]\n",
+        "a direction needs a length other than 0\n --> scene.toml:7:11",
+    );
+    refused(
+        "frames = '1-9'\n[shape.a]\nsphere = '1 + t'\n[shape.b]\nbox = 1\n[morph]\nfrom = 'a'\nto = 'b'\n",
+        "`a` changes its shape over time, and so cannot enter a morph\n --> scene.toml:2:8",
+    );
+}
+
+#[test]
+fn a_morph_begins_and_ends_as_its_objects() {
+    let text = "frames = '1-9'\n[shape.a]\nsphere = 1\ncolor = 'red'\nmove = ['-1.5 - t', 0, 0]\n\
+                [shape.b]\nbox = 1.5\ncolor = 'blue'\nmove = [1.5, 0, 0]\nscale = [1, 2, 1]\n\
+                [morph]\nfrom = 'a'\nto = 'b'\n";
+    let scene = prepared_with(text, Some(48)).unwrap_or_else(|error| panic!("{error}"));
+    let (first, last) = (scene.frame(1).unwrap(), scene.frame(9).unwrap());
+    assert!((value(&first, -1.5, 0.0, 0.0) - 1.0).abs() < 1e-9);
+    assert_eq!(colour(&first, -2.5, 0.0, 0.0), RED);
+    assert!(value(&last, 1.5, 1.4, 0.0) > 0.0 && value(&last, 1.5, 1.6, 0.0) < 0.0);
+    assert_eq!(colour(&last, 1.5, 1.5, 0.0), BLUE);
+    let middle = scene.frame(5).unwrap();
+    let [red, _, blue] = colour(&middle, 0.0, 0.0, 0.0);
+    assert!(red > 0.01 && blue > 0.01, "{red} {blue}");
+    assert!(scene.memory_estimate() > 0);
+    // Any frame alone: asked for again, and by another preparation, it is the same.
+    let again = prepared_with(text, Some(48)).unwrap_or_else(|error| panic!("{error}")).frame(5).unwrap();
+    for x in [-1.0, 0.0, 0.3, 2.0] {
+        assert_eq!(value(&again, x, 0.1, 0.0), value(&middle, x, 0.1, 0.0));
+    }
+}
+
+#[test]
+fn built_in_stills_are_made() {
+    for name in ["sphere", "heart"] {
+        let model = load(&Source::Builtin(name.into()), &Overrides::default()).unwrap();
+        let scene = prepare(model, Some(64)).unwrap_or_else(|error| panic!("{error}"));
+        let frame = scene.frame(1).unwrap();
+        assert!(value(&frame, 0.0, 0.0, 0.0) > 0.0 && frame.colour.is_some());
+    }
+}

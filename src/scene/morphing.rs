@@ -1,0 +1,258 @@
+//! The morph of a scene: two objects with their motion, measured once, planned once.
+
+use std::sync::Arc;
+
+use glam::DVec3;
+
+use crate::attribute::ColourSpace;
+use crate::distance::band;
+use crate::distance::nearest::{FieldFeet, Watch};
+use crate::distance::octree::{self, BuildError, DistanceObject};
+use crate::field::{Aabb, Field};
+use crate::morph::{self, Ease, Flow, Mode, MorphObject, Motion, Pace, Paper, Side, Similarity};
+
+use super::error::Problem;
+use super::frames::FrameRange;
+use super::model::{Model, Morph, MorphMode, Shape, ShapeId};
+use super::number::Moment;
+use super::paint::Paint;
+use super::prepare::{Stop, box_of, sampled_frames, solid_box};
+use super::solid::{Solids, Stage};
+use super::variation::Variation;
+
+/// Smallest cells of a distance object along its longest side, at most: more take memory without end, and a morph's
+/// in-betweens are smooth.
+const MOST_CELLS: f64 = 512.0;
+
+/// One of the two objects before it is measured.
+pub(super) struct Object {
+    id: ShapeId,
+    stage: Stage,
+    field: Arc<dyn Field>,
+    solid: Aabb,
+    motion: Motion,
+}
+
+/// What both objects are, before anything depends on the voxel size.
+pub(super) struct Pair {
+    from: Object,
+    to: Object,
+    /// The box around both over the whole shot.
+    pub both: Aabb,
+}
+
+/// Finds the two objects, their motion and their boxes.
+pub(super) fn pair(
+    model: &Arc<Model>,
+    solids: &mut Solids<'_>,
+    variation: &Variation,
+    morph: &Morph,
+) -> Result<Pair, Stop> {
+    let from = side(model, solids, variation, morph.from)?;
+    let to = side(model, solids, variation, morph.to)?;
+    let over_shot = |side: &Object| {
+        let frames = if side.motion.is_still() { vec![0.0] } else { sampled_frames(&model.shot) };
+        let boxes = frames.iter().map(|frame| side.motion.at(model.shot.range.share(*frame)).box_to_world(side.solid));
+        boxes.reduce(Aabb::union).unwrap_or(side.solid)
+    };
+    let both = over_shot(&from).union(over_shot(&to));
+    Ok(Pair { from, to, both })
+}
+
+fn side(model: &Arc<Model>, solids: &mut Solids<'_>, variation: &Variation, id: ShapeId) -> Result<Object, Problem> {
+    let shape = model.shape(id);
+    if variation.own(id) {
+        let problem = format!("`{}` changes its shape over time, and so cannot enter a morph", shape.name);
+        return Err(Problem::new(shape.span, problem)
+            .help("only its own `scale`, `rotate` and `move` may change; parts and sizes stand still"));
+    }
+    let uniform = scale_is_uniform(model, shape)?;
+    let stage = if uniform { Stage::Own } else { Stage::Scaled };
+    let field = solids.field(id, stage)?;
+    let solid = solid_box(model, id, field.as_ref())?;
+    Ok(Object { id, stage, field, solid, motion: motion(model, shape, uniform, variation.placed(id))? })
+}
+
+/// Whether a shape is scaled alike along x, y and z; the problem where it is not, and that changes.
+fn scale_is_uniform(model: &Model, shape: &Shape) -> Result<bool, Problem> {
+    let scale = &shape.modifiers.scale;
+    for frame in sampled_frames(&model.shot) {
+        let moment = model.moment(frame);
+        let [x, y, z] = [scale[0].at(&moment)?, scale[1].at(&moment)?, scale[2].at(&moment)?];
+        if x != y || x != z {
+            if scale.iter().any(|number| model.varies(number)) {
+                let problem = format!("`{}` is stretched over time, and so cannot enter a morph", shape.name);
+                return Err(Problem::new(scale[0].span, problem).help("scale it by one number, alike along x, y and z"));
+            }
+            return Ok(false);
+        }
+    }
+    Ok(true)
+}
+
+/// Where a shape stands over scene time.
+fn motion(model: &Arc<Model>, shape: &Shape, scaled: bool, moves: bool) -> Result<Motion, Problem> {
+    let placement = move |shape: &Shape, moment: &Moment| -> Result<Similarity, Problem> {
+        let modifiers = &shape.modifiers;
+        let vector = |numbers: &[super::Number; 3]| -> Result<DVec3, Problem> {
+            Ok(DVec3::new(numbers[0].at(moment)?, numbers[1].at(moment)?, numbers[2].at(moment)?))
+        };
+        let scale = if scaled { modifiers.scale[0].at(moment)? } else { 1.0 };
+        Similarity::new(scale, vector(&modifiers.rotate)?, vector(&modifiers.translate)?).ok_or_else(|| {
+            Problem::new(shape.span, format!("`{}` cannot be placed: a number is out of range", shape.name))
+        })
+    };
+    let range = model.shot.range;
+    if !moves {
+        return Ok(Motion::still(placement(shape, &model.moment(range.first as f64))?));
+    }
+    // Every frame is tried now, so that errors come with their place; what lies between is held to the frames.
+    let placements: Vec<Similarity> = sampled_frames(&model.shot)
+        .iter()
+        .map(|frame| placement(shape, &model.moment(*frame)))
+        .collect::<Result<_, _>>()?;
+    let (model, shape) = (Arc::clone(model), shape.clone());
+    Ok(Motion::moving(move |time| {
+        let moment = model.moment(model.shot.frame_at(time));
+        placement(&shape, &moment).unwrap_or_else(|_| {
+            let nearest = (time.clamp(0.0, 1.0) * (placements.len() - 1) as f64).round() as usize;
+            placements[nearest]
+        })
+    }))
+}
+
+/// A morph made ready.
+pub(super) struct Planned {
+    /// The morph.
+    pub morph: morph::Morph,
+    /// Whether anything in it has a colour.
+    pub has_colour: bool,
+    /// Memory that the distances take, in bytes.
+    pub bytes: u64,
+}
+
+/// Measures both objects and plans the morph. `voxel` is about a voxel's edge.
+pub(super) fn plan(
+    model: &Model,
+    solids: &mut Solids<'_>,
+    morph: &Morph,
+    pair: Pair,
+    voxel: f64,
+    memory_limit: Option<usize>,
+    watch: &Watch<'_>,
+) -> Result<Planned, Stop> {
+    let from = measured(model, solids, &pair.from, voxel, memory_limit, watch)?;
+    let to = measured(model, solids, &pair.to, voxel, memory_limit, watch)?;
+    let has_colour = from.paint.is_some() || to.paint.is_some();
+    let bytes = (from.distance.report().bytes + to.distance.report().bytes) as u64;
+    let settings = settings(model, morph);
+    let planned = morph::Morph::new(from.object(&pair.from), to.object(&pair.to), settings).map_err(|error| {
+        let span = match error {
+            morph::Error::Unbounded(Side::From) => model.shape(morph.from).span,
+            morph::Error::Unbounded(Side::To) => model.shape(morph.to).span,
+            _ => morph.span,
+        };
+        Problem::new(span, error.to_string())
+    })?;
+    Ok(Planned { morph: planned, has_colour, bytes })
+}
+
+/// An object's distance and colour.
+struct MeasuredSide {
+    distance: Arc<DistanceObject>,
+    paint: Option<Paint>,
+}
+
+impl MeasuredSide {
+    fn object(self, side: &Object) -> MorphObject {
+        MorphObject {
+            surface: Arc::clone(&side.field),
+            distance: self.distance,
+            colour: self.paint.unwrap_or_else(Paint::grey).colour,
+            motion: side.motion.clone(),
+        }
+    }
+}
+
+fn measured(
+    model: &Model,
+    solids: &mut Solids<'_>,
+    side: &Object,
+    voxel: f64,
+    memory_limit: Option<usize>,
+    watch: &Watch<'_>,
+) -> Result<MeasuredSide, Stop> {
+    let shape = model.shape(side.id);
+    // The object may be made larger where it stands: its own space needs finer cells.
+    let scale = side.motion.at(0.0).scale();
+    let longest = side.solid.size().max_element();
+    let cell = (voxel / scale).max(longest / MOST_CELLS);
+    let paint = solids.paint(side.id, side.stage, voxel / scale)?;
+    let problem = |what: String| Stop::Problem(Problem::new(shape.span, format!("`{}`: {what}", shape.name)));
+    let feet = FieldFeet::new(side.field.as_ref(), &side.solid, cell, watch).map_err(|error| match error {
+        band::Error::Cancelled => Stop::Cancelled,
+        error => problem(error.to_string()),
+    })?;
+    let mut settings = octree::Settings::new(side.solid, cell);
+    settings.memory_limit = memory_limit.unwrap_or(settings.memory_limit);
+    let distance = DistanceObject::build(&feet, &settings, watch).map_err(|error| match error {
+        BuildError::Cancelled => Stop::Cancelled,
+        error => problem(error.to_string()),
+    })?;
+    Ok(MeasuredSide { distance: Arc::new(distance), paint })
+}
+
+fn settings(model: &Model, morph: &Morph) -> morph::Settings {
+    let FrameRange { first, last } = model.shot.range;
+    // Not held: a span may begin before the shot, or end after it.
+    let time = |frame: i64| (frame - first) as f64 / (last - first).max(1) as f64;
+    let span = |range: FrameRange| [time(range.first), time(range.last)];
+    let mode = match morph.mode {
+        MorphMode::Volume { bridge } => {
+            let pace = if morph.even_pace { Pace::Even } else { Pace::Time };
+            Mode::Flow(Flow { bridge, pace, volume: None })
+        }
+        MorphMode::Paper { a, s, slab } => Mode::Paper(Paper { slab, time_scale: s, a, round: None }),
+    };
+    morph::Settings {
+        mode,
+        over: span(morph.over),
+        ease: if morph.smooth { Ease::Smooth } else { Ease::Linear },
+        colour_over: span(morph.colour_over),
+        octopus: morph.octopus,
+        alpha: morph.alpha,
+        beta: morph.beta,
+        colour_space: match morph.colour_space {
+            "rgb" => ColourSpace::Rgb,
+            "hsv" => ColourSpace::Hsv,
+            "lab" => ColourSpace::Lab,
+            "lch" => ColourSpace::Lch,
+            _ => ColourSpace::Oklab,
+        },
+    }
+}
+
+/// The box of F ≥ 0 over the whole shot: while the shape changes, as the morph knows it; before and after, of the
+/// object that is seen.
+pub(super) fn extent_over_shot(model: &Model, morph: &Morph, planned: &morph::Morph) -> Result<Aabb, Problem> {
+    let range = model.shot.range;
+    let over = morph.over;
+    let frames: Vec<f64> = sampled_frames(&model.shot)
+        .into_iter()
+        .filter(|&frame| {
+            let at_an_end = frame == range.first as f64 || frame == range.last as f64;
+            at_an_end || frame <= over.first as f64 || frame >= over.last as f64
+        })
+        .collect();
+    let mut all = if over.last <= range.first || over.first >= range.last { None } else { Some(planned.extent()) };
+    for frame in frames {
+        let field = planned.field(range.share(frame));
+        // A section in the papers' mode may be empty at the ends.
+        let seen = box_of(field.as_ref()).ok();
+        all = match (all, seen) {
+            (Some(one), Some(other)) => Some(one.union(other)),
+            (one, other) => one.or(other),
+        };
+    }
+    all.ok_or_else(|| Problem::new(morph.span, "nothing is inside in any frame of the morph"))
+}

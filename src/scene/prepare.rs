@@ -1,0 +1,319 @@
+//! A model made ready for frames: meshes read, the box of the whole shot and the voxel size known.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use rayon::prelude::*;
+
+use crate::attribute::Colour;
+use crate::distance::extent::{self, extent};
+use crate::distance::nearest::Watch;
+use crate::field::{Aabb, Field};
+use crate::grid::{Lattice, VoxelSize};
+
+use super::assets::Assets;
+use super::diagnostic::{Diagnostic, Diagnostics};
+use super::error::{Error, Problem};
+use super::frames::Shot;
+use super::model::{Content, Model, Morph, ShapeId};
+use super::morphing::{Planned, extent_over_shot, pair, plan};
+use super::paint::Scenery;
+use super::solid::{Solids, Stage};
+use super::variation::Variation;
+
+/// The finest voxels that OpenVDB takes, in world units.
+const LEAST_VOXEL: f64 = 1.45e-5;
+/// The most frames at which the box of a shape that changes is taken; more frames are sampled evenly.
+const MOST_BOXES: usize = 200;
+
+/// What the command line says about a model's frames. `None` leaves the scene's own.
+#[derive(Clone, Copy)]
+pub struct PrepareOptions<'a> {
+    /// A voxel's edge, world units. Comes before `resolution`.
+    pub voxel_size: Option<f64>,
+    /// Voxels along the longest side of the box of F ≥ 0 over the whole shot.
+    pub resolution: Option<u32>,
+    /// Half the band's width in voxels.
+    pub half_width: Option<f64>,
+    /// The most memory that measuring one object of a morph may take, in bytes; `None` for 4 GiB.
+    pub memory_limit: Option<usize>,
+    /// Set it to stop: the result is [`Error::Cancelled`].
+    pub cancel: &'a AtomicBool,
+    /// Told the share done, 0 to 1, from any thread.
+    pub progress: &'a (dyn Fn(f64) + Sync),
+}
+
+/// A model made ready: any frame can be had from it, in any order, from any thread.
+pub struct Prepared {
+    /// Where the voxels stand.
+    pub lattice: Lattice,
+    /// Half the band's width in voxels.
+    pub half_width: f32,
+    /// The box of F ≥ 0 over the whole shot, band not counted.
+    pub extent: Aabb,
+    /// What was noticed, with places in the scene.
+    pub warnings: Diagnostics,
+    model: Arc<Model>,
+    assets: Arc<Assets>,
+    variation: Variation,
+    content: Ready,
+}
+
+/// What frames are made from.
+enum Ready {
+    /// A shape that never changes.
+    Still(Scenery),
+    /// A shape that is built for each frame.
+    Changing(ShapeId),
+    /// A morph.
+    Morph(Box<Planned>),
+}
+
+/// All that a frame's grids are computed from.
+#[derive(Clone)]
+pub struct FrameContent {
+    /// F, world units.
+    pub field: Arc<dyn Field>,
+    /// The colour; `None` where nothing in the scene has one.
+    pub colour: Option<Arc<dyn Colour>>,
+    /// Where to look for the band: the solid's box grown by the band.
+    pub region: Aabb,
+    /// The frame's place in time.
+    pub info: FrameInfo,
+}
+
+/// A frame's place in time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FrameInfo {
+    /// The frame that was asked for.
+    pub frame: i64,
+    /// Scene time: 0 at the shot's first frame, 1 at its last.
+    pub t: f64,
+    /// Whether the frame lies outside of the shot, where the ends hold.
+    pub outside_shot: bool,
+}
+
+impl Model {
+    /// Makes ready for frames.
+    pub fn prepare(self: &Arc<Self>, options: &PrepareOptions<'_>) -> Result<Prepared, Error> {
+        prepare(self, options).map_err(|stop| match stop {
+            Stop::Cancelled => Error::Cancelled,
+            Stop::Problem(problem) => self.error(problem),
+        })
+    }
+}
+
+/// Why preparing stopped.
+pub(super) enum Stop {
+    Cancelled,
+    Problem(Problem),
+}
+
+impl From<Problem> for Stop {
+    fn from(problem: Problem) -> Self {
+        Self::Problem(problem)
+    }
+}
+
+fn prepare(model: &Arc<Model>, options: &PrepareOptions<'_>) -> Result<Prepared, Stop> {
+    let roots = match &model.content {
+        Content::Shape(id) => vec![*id],
+        Content::Morph(morph) => vec![morph.from, morph.to],
+    };
+    let assets = Arc::new(Assets::load(model, &model.with_parts(&roots))?);
+    let variation = Variation::of(model);
+    stop_if(options.cancel)?;
+    let mut solids = Solids::new(model, &assets, model.moment(model.shot.range.first as f64));
+    let (content, extent, lattice) = match &model.content {
+        Content::Shape(id) => ready_shape(model, &mut solids, &variation, *id, options)?,
+        Content::Morph(morph) => ready_morph(model, &mut solids, &variation, morph, options)?,
+    };
+    Ok(Prepared {
+        lattice,
+        half_width: options.half_width.unwrap_or(model.output.half_width) as f32,
+        extent,
+        warnings: Diagnostics::new(Vec::new(), model.sources.clone()),
+        model: Arc::clone(model),
+        assets,
+        variation,
+        content,
+    })
+}
+
+fn ready_shape(
+    model: &Model,
+    solids: &mut Solids<'_>,
+    variation: &Variation,
+    id: ShapeId,
+    options: &PrepareOptions<'_>,
+) -> Result<(Ready, Aabb, Lattice), Stop> {
+    if variation.placed(id) {
+        let extent = box_over_shot(model, solids, variation, id, options)?;
+        return Ok((Ready::Changing(id), extent, lattice(model, options, extent)?));
+    }
+    let extent = solid_box(model, id, solids.field(id, Stage::Placed)?.as_ref())?;
+    let lattice = lattice(model, options, extent)?;
+    Ok((Ready::Still(scenery(solids, id, &lattice)?), extent, lattice))
+}
+
+fn ready_morph(
+    model: &Arc<Model>,
+    solids: &mut Solids<'_>,
+    variation: &Variation,
+    morph: &Morph,
+    options: &PrepareOptions<'_>,
+) -> Result<(Ready, Aabb, Lattice), Stop> {
+    let pair = pair(model, solids, variation, morph)?;
+    // The in-betweens' box is known only once the objects are measured; about a voxel is enough for that.
+    let about = lattice(model, options, pair.both)?;
+    let watch = Watch { cancel: options.cancel, progress: options.progress };
+    let planned = plan(model, solids, morph, pair, about.voxel_size.get(), options.memory_limit, &watch)?;
+    let extent = extent_over_shot(model, morph, &planned.morph)?;
+    Ok((Ready::Morph(Box::new(planned)), extent, lattice(model, options, extent)?))
+}
+
+fn stop_if(cancel: &AtomicBool) -> Result<(), Stop> {
+    if cancel.load(Ordering::Relaxed) { Err(Stop::Cancelled) } else { Ok(()) }
+}
+
+/// A shape's field and colour.
+fn scenery(solids: &mut Solids<'_>, id: ShapeId, lattice: &Lattice) -> Result<Scenery, Problem> {
+    let field = solids.field(id, Stage::Placed)?;
+    let paint = solids.paint(id, Stage::Placed, lattice.voxel_size.get())?;
+    Ok(Scenery { field, colour: paint.map(|paint| paint.colour) })
+}
+
+/// The box of F ≥ 0.
+pub(super) fn box_of(field: &dyn Field) -> Result<Aabb, extent::Error> {
+    extent(field, None).map(|extent| extent.solid)
+}
+
+/// The box of F ≥ 0, or what is wrong with the shape.
+pub(super) fn solid_box(model: &Model, id: ShapeId, field: &dyn Field) -> Result<Aabb, Problem> {
+    let shape = model.shape(id);
+    box_of(field).map_err(|error| match error {
+        extent::Error::Unbounded => {
+            let culprit = model.unbounded_part(id);
+            let problem = format!("`{}` may reach to infinity", model.shape(culprit).name);
+            Problem::new(model.shape(culprit).span, problem)
+                .help("give it `bounds`, or intersect it with a shape that ends")
+        }
+        extent::Error::Empty => Problem::new(shape.span, format!("nothing is inside `{}`", shape.name))
+            .help("F is negative everywhere: check the signs (positive is inside), the sizes and the bounds"),
+    })
+}
+
+/// The box over all frames of the shot.
+fn box_over_shot(
+    model: &Model,
+    solids: &Solids<'_>,
+    variation: &Variation,
+    id: ShapeId,
+    options: &PrepareOptions<'_>,
+) -> Result<Aabb, Stop> {
+    let frames = sampled_frames(&model.shot);
+    let one = |frame: &f64| -> Result<Aabb, Stop> {
+        stop_if(options.cancel)?;
+        let mut solids = solids.at(model.moment(*frame), variation);
+        let field = solids.field(id, Stage::Placed)?;
+        Ok(solid_box(model, id, field.as_ref())?)
+    };
+    let boxes: Result<Vec<Aabb>, Stop> = frames.par_iter().map(one).collect();
+    Ok(boxes?.into_iter().reduce(Aabb::union).expect("a shot has a frame"))
+}
+
+/// All frames of a shot, or as many as are looked at, evenly, with both ends.
+pub(super) fn sampled_frames(shot: &Shot) -> Vec<f64> {
+    let count = shot.range.count();
+    if count <= MOST_BOXES {
+        return (shot.range.first..=shot.range.last).map(|frame| frame as f64).collect();
+    }
+    (0..MOST_BOXES).map(|i| shot.frame_at(i as f64 / (MOST_BOXES - 1) as f64)).collect()
+}
+
+/// Where the voxels stand: by their size, or by how many go along the longest side.
+fn lattice(model: &Model, options: &PrepareOptions<'_>, box_of_all: Aabb) -> Result<Lattice, Problem> {
+    let by_resolution = |resolution: u32| box_of_all.size().max_element() / f64::from(resolution);
+    let edge = match (options.voxel_size, options.resolution, model.output.voxel_size) {
+        (Some(edge), _, _) => edge,
+        (None, Some(resolution), _) => by_resolution(resolution),
+        (None, None, Some(edge)) => edge,
+        (None, None, None) => by_resolution(model.output.resolution),
+    };
+    let voxel_size = VoxelSize::new(edge).filter(|size| size.get() >= LEAST_VOXEL);
+    voxel_size.map(|voxel_size| Lattice { voxel_size }).ok_or_else(|| {
+        let problem = format!(
+            "voxels of {edge:e} {} are too small for OpenVDB, which takes {LEAST_VOXEL:e} and more",
+            model.unit
+        );
+        Problem(Box::new(
+            Diagnostic::without_place(problem)
+                .help("build in a smaller `unit`: the same scene in millimetres has numbers 1000 times as large"),
+        ))
+    })
+}
+
+impl Model {
+    /// The innermost part that makes a shape endless, as far as the parts tell by themselves.
+    fn unbounded_part(&self, id: ShapeId) -> ShapeId {
+        use super::model::Maker;
+        let endless =
+            |maker: &Maker| matches!(maker, Maker::HalfSpace { .. } | Maker::Slab { .. } | Maker::Formula { .. });
+        let mut at = id;
+        while let Maker::Union(operands) = &self.shape(at).maker {
+            let candidates = |test: &dyn Fn(&Maker) -> bool| {
+                operands
+                    .iter()
+                    .copied()
+                    .find(|part| self.shape(*part).bounds.is_none() && test(&self.shape(*part).maker))
+            };
+            let next = candidates(&endless).or_else(|| candidates(&|maker| matches!(maker, Maker::Union(_))));
+            match next {
+                Some(part) => at = part,
+                None => break,
+            }
+        }
+        at
+    }
+}
+
+impl Prepared {
+    /// The model.
+    pub fn model(&self) -> &Arc<Model> {
+        &self.model
+    }
+
+    /// All that one frame is computed from, whatever other frames are asked for.
+    pub fn frame(&self, frame: i64) -> Result<FrameContent, Error> {
+        let info = self.info(frame);
+        let scenery = match &self.content {
+            Ready::Still(scenery) => scenery.clone(),
+            Ready::Changing(id) => self.changing(*id, frame).map_err(|problem| self.model.error(problem))?,
+            Ready::Morph(planned) => {
+                let colour = planned.has_colour.then(|| planned.morph.colour(info.t));
+                Scenery { field: planned.morph.field(info.t), colour }
+            }
+        };
+        let margin = (f64::from(self.half_width) + 2.0) * self.lattice.voxel_size.get();
+        let region = scenery.field.bounding_box().unwrap_or(self.extent).grown(margin);
+        Ok(FrameContent { field: scenery.field, colour: scenery.colour, region, info })
+    }
+
+    fn changing(&self, id: ShapeId, frame: i64) -> Result<Scenery, Problem> {
+        let first = self.model.shot.range.first as f64;
+        let solids = Solids::new(&self.model, &self.assets, self.model.moment(first));
+        let mut solids = solids.at(self.model.moment(frame as f64), &self.variation);
+        scenery(&mut solids, id, &self.lattice)
+    }
+
+    fn info(&self, frame: i64) -> FrameInfo {
+        let Shot { range, .. } = self.model.shot;
+        FrameInfo { frame, t: range.share(frame as f64), outside_shot: !(range.first..=range.last).contains(&frame) }
+    }
+
+    /// About how much memory the prepared scene itself holds, in bytes: frames come on top.
+    pub fn memory_estimate(&self) -> u64 {
+        let distances = if let Ready::Morph(planned) = &self.content { planned.bytes } else { 0 };
+        self.assets.bytes() + distances
+    }
+}

@@ -1,0 +1,163 @@
+//! `docs/scene.md`, made from the tables that scenes are checked by.
+
+use std::fmt::Write;
+
+use super::builtin::{builtin_line, builtin_names};
+use super::keys::{self, Absent, Key, Limit, MAKERS};
+
+const BEGINNING: &str = "\
+# The scene format
+
+A scene is one TOML 1.0 file (or the same as JSON, for machines). This page is made from the tables that scenes are
+checked by. `hfvdb scenes` lists the built-in scenes, `hfvdb scenes NAME` prints one to start from, and
+`hfvdb check -v SCENE` prints every value and where it comes from.
+
+```toml
+hfvdb = 1
+frames = \"1-24\"
+
+[shape.cube]
+box = 1.6
+color = \"#d7263d\"
+
+[shape.heart]
+heart = 2.0
+color = \"#1b998b\"
+
+[morph]
+from = \"cube\"
+to = \"heart\"
+```
+
+## Values
+
+| what | how it is written |
+|---|---|
+| number | `2`, `0.5`; a formula of time, `\"0.2*sin(2*pi*t)\"`; keys, `{ 1 = 0, 48 = 90, ease = \"smooth\" }`. `ease` is `linear` (when left out), `smooth`, `in`, `out` or `hold`; before the first key and after the last one theirs holds |
+| three numbers | `[x, y, z]`, each a number as above |
+| formula | text with `x y z t frame time pi`, `[param]` names, `+ - * / ^`, and functions; `time` is seconds since the first frame |
+| frames | `\"1-48\"`, or one frame, `7` |
+| colour | `\"#rrggbb\"`, a CSS name, or `[r, g, b]` from 0 to 1: sRGB. `{ linear = [r, g, b] }`: scene-linear Rec.709. A name of `[color]`. For shapes with cells also `{ palette = …, by = \"cell\" }` |
+| shape | its name, `\"ball\"`; or one written in place, `{ sphere = 1 }`, which names others but holds no further one in place |
+| cells | their name, or `{ octree = … }` in place |
+| box | an edge length or three, around the origin; or `[[least x, y, z], [greatest x, y, z]]` |
+| file | relative to the scene; `$NAME` and `${NAME}` are variables of the environment, and must be set |
+
+Lengths are in `unit`, angles in degrees; only keys in voxels say so. F is positive inside.
+
+**Time.** t is 0 at the first frame of `frames` and 1 at its last: t = (frame − first)/(last − first). Outside the shot
+the ends hold.
+
+**Order.** Whatever the order of the text: the maker, then `bounds`, copies (`at`), `mirror`, `offset`, `shell`, `scale`, `rotate`,
+`move`. Another order is another shape: `union = [\"first\"]` with its own modifiers.
+
+**Output.** Baked is the `[morph]`, else the one shape that no other uses, else `output.shape`.
+
+**Errors** name file, line and column, mark the text and propose the nearest name; all of a scene come together.
+";
+
+const OVERRIDES: &str = "
+## Parameters, variants, `--set`
+
+```toml
+[param]
+size = 2                                        # for formulas: sphere = \"size/2\"
+bend = { value = 0.3, range = [0, 1], text = \"how far it leans\" }
+
+[variant.wide]                                  # hfvdb bake SCENE --variant wide
+shape.cube.box = [3, 1.6, 1.6]
+```
+
+`--set size=3` sets a parameter, `--set fps=25` a key at the top, `--set morph.bridge=1` any dotted key. A variant's
+dotted keys replace single values; a table in braces replaces the whole value.
+";
+
+/// The text of `docs/scene.md`.
+pub fn reference() -> String {
+    let mut out = String::from(BEGINNING);
+    section(&mut out, "The top of a scene", "", keys::SCENE);
+    makers(&mut out);
+    section(&mut out, "Every shape", "Beside its maker and the maker's parameters.", keys::SHAPE);
+    section(&mut out, "`at`: copies", "", keys::COPIES);
+    section(&mut out, "`[cells.NAME]`", "", keys::CELLS);
+    section(&mut out, "Colours as tables", "`linear`, or `palette` with the others.", keys::COLOUR);
+    section(&mut out, "`[param]`: a parameter as a table", "", keys::PARAMETER);
+    section(&mut out, "`[morph]`", "", keys::MORPH);
+    section(&mut out, "`[output]`", "The command line's options come before these.", keys::OUTPUT);
+    out.push_str(OVERRIDES);
+    out.push_str("\n## Built-in scenes\n\n");
+    for name in builtin_names() {
+        let _ = writeln!(out, "- `{name}`: {}", builtin_line(name).unwrap_or_default());
+    }
+    out
+}
+
+fn section(out: &mut String, title: &str, text: &str, keys: &[Key]) {
+    let _ = write!(out, "\n## {title}\n\n");
+    if !text.is_empty() {
+        let _ = write!(out, "{text}\n\n");
+    }
+    table(out, keys.iter());
+}
+
+fn table<'k>(out: &mut String, keys: impl Iterator<Item = &'k Key>) {
+    out.push_str("| key | takes | when left out | what it does |\n|---|---|---|---|\n");
+    for key in keys {
+        let also = key.also.iter().map(|name| format!(", `{name}`")).collect::<String>();
+        let _ = writeln!(out, "| `{}`{also} | {} | {} | {} |", key.name, takes(key), left_out(key), key.text);
+    }
+}
+
+/// Kind, range and unit.
+fn takes(key: &Key) -> String {
+    let mut words = vec![key.kind.words()];
+    if !matches!(key.limit, Limit::Any) {
+        words.push(key.limit.words());
+    }
+    if !key.unit.is_empty() {
+        words.push(key.unit.into());
+    }
+    words.join(", ")
+}
+
+fn left_out(key: &Key) -> String {
+    match key.default {
+        Absent::Required => "must be there".into(),
+        Absent::Nothing => "–".into(),
+        Absent::Number(value) => format!("{value}"),
+        Absent::Vector([x, y, z]) => format!("[{x}, {y}, {z}]"),
+        Absent::Text(text) => format!("`{text}`"),
+        Absent::Words(words) => words.into(),
+    }
+}
+
+fn makers(out: &mut String) {
+    out.push_str("\n## `[shape.NAME]`: makers\n\nA shape has exactly one of these keys.\n\n");
+    for maker in MAKERS {
+        let _ = write!(out, "### `{}`\n\n{} Takes: {}.\n", maker.key.name, maker.key.text, takes(&maker.key));
+        if !maker.formula.is_empty() {
+            let _ = write!(out, "\nF = {}\n", maker.formula);
+        }
+        out.push('\n');
+        if !maker.parameters.is_empty() {
+            table(out, maker.parameters.iter());
+            out.push('\n');
+        }
+    }
+    out.truncate(out.trim_end().len());
+    out.push('\n');
+}
+
+#[cfg(test)]
+mod tests {
+    /// `UPDATE_DOCS=1 cargo test` writes the page anew.
+    #[test]
+    fn the_page_is_what_the_tables_say() {
+        let path = concat!(env!("CARGO_MANIFEST_DIR"), "/docs/scene.md");
+        if std::env::var_os("UPDATE_DOCS").is_some() {
+            std::fs::write(path, super::reference()).unwrap();
+        }
+        let page = std::fs::read_to_string(path).unwrap();
+        assert!(page == super::reference(), "docs/scene.md is out of date: UPDATE_DOCS=1 cargo test the_page");
+    }
+}

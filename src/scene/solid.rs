@@ -1,0 +1,274 @@
+//! Shapes as fields at one moment.
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use glam::{DAffine3, DVec3};
+
+use super::pending::{Options, facet, scatter};
+use crate::field::cells::{CellId, CellOptions, Cells};
+use crate::field::{Blend, BlendBounds, Expression, Field, Graph, Node, SetSystem, rotation};
+
+use super::assets::Assets;
+use super::error::Problem;
+use super::model::{CellsId, Copies, Maker, Model, Modifiers, Shape, ShapeId};
+use super::number::{Moment, Number};
+use super::variation::Variation;
+
+/// Builds the fields of shapes at one moment, in one graph.
+#[derive(Clone)]
+pub(super) struct Solids<'m> {
+    model: &'m Model,
+    assets: &'m Assets,
+    moment: Moment,
+    graph: Graph,
+    made: BTreeMap<(ShapeId, Stage), Node>,
+    cells: BTreeMap<CellsId, Arc<Cells>>,
+}
+
+/// How far a shape is made.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) enum Stage {
+    /// All but scale, rotate and move: the shape in its own space.
+    Own,
+    /// Scaled, but neither turned nor moved.
+    Scaled,
+    /// All of it.
+    Placed,
+}
+
+impl<'m> Solids<'m> {
+    /// Nothing built yet.
+    pub fn new(model: &'m Model, assets: &'m Assets, moment: Moment) -> Self {
+        Self { model, assets, moment, graph: Graph::new(), made: BTreeMap::new(), cells: BTreeMap::new() }
+    }
+
+    /// The same at another moment: what does not change is kept.
+    pub fn at(&self, moment: Moment, variation: &Variation) -> Self {
+        let mut other = Self { moment, ..self.clone() };
+        other.made.retain(|(id, stage), _| match stage {
+            Stage::Own => !variation.own(*id),
+            Stage::Scaled | Stage::Placed => !variation.placed(*id),
+        });
+        other.cells.retain(|id, _| !variation.placed(self.model.cells[id.0].around));
+        other
+    }
+
+    /// A shape's field.
+    pub fn field(&mut self, id: ShapeId, stage: Stage) -> Result<Arc<dyn Field>, Problem> {
+        let node = self.node(id, stage)?;
+        Ok(Arc::new(Expression::new(&self.graph, node)))
+    }
+
+    /// A number at the moment.
+    pub fn number(&self, number: &Number) -> Result<f64, Problem> {
+        Ok(number.at(&self.moment)?)
+    }
+
+    /// Three numbers at the moment.
+    pub fn vector(&self, vector: &[Number; 3]) -> Result<DVec3, Problem> {
+        Ok(DVec3::new(self.number(&vector[0])?, self.number(&vector[1])?, self.number(&vector[2])?))
+    }
+
+    /// A shape's field whose values hold everywhere, not only near the surface.
+    pub fn values(&mut self, id: ShapeId) -> Result<Arc<dyn Field>, Problem> {
+        let node = self.node(id, Stage::Placed)?;
+        Ok(Arc::new(Expression::new(&self.graph, node).keeping_values()))
+    }
+
+    /// The scene.
+    pub fn model(&self) -> &'m Model {
+        self.model
+    }
+
+    /// Its meshes.
+    pub fn assets(&self) -> &'m Assets {
+        self.assets
+    }
+
+    fn node(&mut self, id: ShapeId, stage: Stage) -> Result<Node, Problem> {
+        if let Some(node) = self.made.get(&(id, stage)) {
+            return Ok(*node);
+        }
+        let shape = self.model.shape(id);
+        let node = match stage {
+            Stage::Own => self.own(id, shape)?,
+            Stage::Scaled | Stage::Placed => {
+                let own = self.node(id, Stage::Own)?;
+                let map = self.placement(&shape.modifiers, stage)?;
+                self.transformed(own, &map, shape)?
+            }
+        };
+        self.made.insert((id, stage), node);
+        Ok(node)
+    }
+
+    /// Scale, then rotate, then move: from the shape's own space to where it stands.
+    pub fn placement(&self, modifiers: &Modifiers, stage: Stage) -> Result<DAffine3, Problem> {
+        let scale = self.vector(&modifiers.scale)?;
+        if stage == Stage::Scaled {
+            return Ok(DAffine3::from_scale(scale));
+        }
+        let degrees = self.vector(&modifiers.rotate)?;
+        let by = self.vector(&modifiers.translate)?;
+        let turn = DAffine3::from_mat3_translation(rotation(degrees), by);
+        Ok(turn * DAffine3::from_scale(scale))
+    }
+
+    fn transformed(&mut self, node: Node, map: &DAffine3, shape: &Shape) -> Result<Node, Problem> {
+        if *map == DAffine3::IDENTITY {
+            return Ok(node);
+        }
+        self.graph.transform(node, map).map_err(|error| Problem::new(shape.span, format!("`{}`: {error}", shape.name)))
+    }
+
+    fn own(&mut self, id: ShapeId, shape: &'m Shape) -> Result<Node, Problem> {
+        let mut node = self.made_by(id, shape)?;
+        let modifiers = &shape.modifiers;
+        if let Some(bounds) = shape.bounds {
+            let aabb = bounds.aabb;
+            let cuboid = self.graph.cuboid(aabb.size());
+            let placed = DAffine3::from_translation(aabb.centre());
+            let cuboid = self.transformed(cuboid, &placed, shape)?;
+            node = self.graph.intersection(SetSystem::R0, &[node, cuboid]);
+        }
+        if let Some(copies) = &modifiers.at {
+            node = self.copies(node, copies)?;
+        }
+        if let Some(axis) = modifiers.mirror {
+            node = self.graph.mirror(node, DVec3::AXES[axis], 0.0);
+        }
+        let offset = self.number(&modifiers.offset)?;
+        if offset != 0.0 {
+            node = self.graph.offset(node, offset);
+        }
+        if let Some(shell) = &modifiers.shell {
+            let thickness = self.number(shell)?;
+            node = self.graph.shell(node, thickness);
+        }
+        Ok(node)
+    }
+
+    fn made_by(&mut self, id: ShapeId, shape: &'m Shape) -> Result<Node, Problem> {
+        Ok(match &shape.maker {
+            Maker::Sphere { radius } => {
+                let radius = self.number(radius)?;
+                self.graph.sphere(radius)
+            }
+            Maker::Box { edges } => {
+                let edges = self.vector(edges)?;
+                self.graph.cuboid(edges)
+            }
+            Maker::Ellipsoid { half_axes } => {
+                let half_axes = self.vector(half_axes)?;
+                self.graph.ellipsoid(half_axes)
+            }
+            Maker::Cylinder { radius, height } => {
+                let (radius, height) = (self.number(radius)?, self.number(height)?);
+                self.graph.cylinder(radius, height)
+            }
+            Maker::Torus { radius, tube } => {
+                let (radius, tube) = (self.number(radius)?, self.number(tube)?);
+                self.graph.torus(radius, tube)
+            }
+            Maker::Capsule { radius, length } => {
+                let (radius, length) = (self.number(radius)?, self.number(length)?);
+                self.graph.capsule(radius, length)
+            }
+            Maker::HalfSpace { normal, offset } => {
+                let (normal, offset) = (self.direction(normal)?, self.number(offset)?);
+                self.graph.half_space(normal, offset)
+            }
+            Maker::Slab { thickness, normal } => {
+                let (normal, thickness) = (self.direction(normal)?, self.number(thickness)?);
+                self.graph.slab(normal, thickness)
+            }
+            Maker::Heart { width } => {
+                let width = self.number(width)?;
+                self.graph.heart(width)
+            }
+            Maker::Formula { formula, .. } => formula.node(&mut self.graph, &self.moment),
+            Maker::Mesh { .. } => {
+                let mesh = Arc::clone(self.assets.mesh(id));
+                self.graph.field(mesh)
+            }
+            Maker::Facet { of, cells, tilt, cut, seed } => {
+                let cells = self.cells(*cells)?;
+                let whole = self.node(*of, Stage::Placed)?;
+                let options = Options { tilt: *tilt, cut: *cut, seed: *seed };
+                facet(&mut self.graph, whole, &cells, &options).node
+            }
+            Maker::Union(operands) => {
+                let nodes = self.nodes(operands)?;
+                self.graph.union(SetSystem::R0, &nodes)
+            }
+            Maker::Intersection(operands) => {
+                let nodes = self.nodes(operands)?;
+                self.graph.intersection(SetSystem::R0, &nodes)
+            }
+            Maker::Difference(operands) => {
+                let nodes = self.nodes(operands)?;
+                self.graph.difference(SetSystem::R0, nodes[0], &nodes[1..])
+            }
+            Maker::Blend { operands, radius, within } => self.blend(operands, radius, *within)?,
+        })
+    }
+
+    /// The cells of an id.
+    pub fn cells(&mut self, id: CellsId) -> Result<Arc<Cells>, Problem> {
+        if let Some(cells) = self.cells.get(&id) {
+            return Ok(Arc::clone(cells));
+        }
+        let cells = &self.model.cells[id.0];
+        let around = self.host(id)?;
+        let options =
+            CellOptions { depth: [cells.least_depth, cells.most_depth], chance: cells.chance, seed: cells.seed };
+        let built = Cells::build(around.as_ref(), &options)
+            .map_err(|error| Problem::new(cells.span, format!("`{}`: {error}", cells.name)))?;
+        Ok(Arc::clone(self.cells.entry(id).or_insert(Arc::new(built))))
+    }
+
+    /// The field of the shape that cells stand around.
+    pub fn host(&mut self, id: CellsId) -> Result<Arc<dyn Field>, Problem> {
+        self.field(self.model.cells[id.0].around, Stage::Placed)
+    }
+
+    /// The cells of copies, and which of them get one.
+    pub fn picked(&mut self, copies: &Copies) -> Result<(Arc<Cells>, Vec<CellId>), Problem> {
+        let cells = self.cells(copies.cells)?;
+        let picked = cells.pick(copies.pick, copies.seed);
+        Ok((cells, picked))
+    }
+
+    fn copies(&mut self, node: Node, copies: &Copies) -> Result<Node, Problem> {
+        let (cells, picked) = self.picked(copies)?;
+        let host = self.host(copies.cells)?;
+        Ok(scatter(&mut self.graph, node, host.as_ref(), &cells, &picked))
+    }
+
+    /// A direction, which has no length to lose.
+    fn direction(&self, vector: &[Number; 3]) -> Result<DVec3, Problem> {
+        let direction = self.vector(vector)?;
+        if direction.length() > 0.0 {
+            return Ok(direction);
+        }
+        Err(Problem::new(vector[0].span, "a direction needs a length other than 0"))
+    }
+
+    fn nodes(&mut self, operands: &[ShapeId]) -> Result<Vec<Node>, Problem> {
+        operands.iter().map(|id| self.node(*id, Stage::Placed)).collect()
+    }
+
+    /// One after another: the first with the second, that with the third.
+    fn blend(&mut self, operands: &[ShapeId], radius: &Number, within: Option<ShapeId>) -> Result<Node, Problem> {
+        let nodes = self.nodes(operands)?;
+        let radius = self.number(radius)?;
+        let bounds = match within {
+            Some(id) => Some(BlendBounds { solid: self.node(id, Stage::Placed)?, weight: radius }),
+            None => None,
+        };
+        let blend = Blend { amount: radius, reach: [radius; 2], bounds };
+        let rest = nodes[1..].iter();
+        Ok(rest.fold(nodes[0], |joined, next| self.graph.blend_union(joined, *next, &blend)))
+    }
+}

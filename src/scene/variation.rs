@@ -1,0 +1,129 @@
+//! What of a scene changes over the shot, and what does not.
+
+use super::model::{Maker, Model, ShapeId};
+use super::number::{Number, NumberValue};
+
+/// Which shapes change over time.
+#[derive(Clone, Debug)]
+pub(super) struct Variation {
+    own: Vec<bool>,
+    placed: Vec<bool>,
+}
+
+impl Variation {
+    /// Looks through all shapes.
+    pub fn of(model: &Model) -> Self {
+        let count = model.shapes.len();
+        let mut variation = Self { own: vec![false; count], placed: vec![false; count] };
+        // Shapes stand in any order, without cycles: each round settles one more level.
+        for _ in 0..=count {
+            let before = variation.clone();
+            for i in 0..count {
+                variation.own[i] = variation.own_varies(model, ShapeId(i));
+                variation.placed[i] = variation.own[i] || placement_varies(model, ShapeId(i));
+            }
+            if before.own == variation.own && before.placed == variation.placed {
+                break;
+            }
+        }
+        variation
+    }
+
+    /// Whether a shape changes in its own space, before scale, rotate and move.
+    pub fn own(&self, id: ShapeId) -> bool {
+        self.own[id.0]
+    }
+
+    /// Whether it changes or moves.
+    pub fn placed(&self, id: ShapeId) -> bool {
+        self.placed[id.0]
+    }
+
+    fn own_varies(&self, model: &Model, id: ShapeId) -> bool {
+        let shape = model.shape(id);
+        let by_number = numbers(&shape.maker)
+            .into_iter()
+            .chain([&shape.modifiers.offset])
+            .chain(&shape.modifiers.shell)
+            .any(|number| model.varies(number));
+        let by_formula = matches!(&shape.maker, Maker::Formula { formula, .. } if model.formula_varies(formula));
+        by_number || by_formula || model.needs(id).into_iter().any(|other| self.placed[other.0])
+    }
+}
+
+fn placement_varies(model: &Model, id: ShapeId) -> bool {
+    let modifiers = &model.shape(id).modifiers;
+    [&modifiers.scale, &modifiers.rotate, &modifiers.translate].into_iter().flatten().any(|number| model.varies(number))
+}
+
+/// The numbers of a maker.
+fn numbers(maker: &Maker) -> Vec<&Number> {
+    match maker {
+        Maker::Sphere { radius } => vec![radius],
+        Maker::Box { edges } => edges.iter().collect(),
+        Maker::Ellipsoid { half_axes } => half_axes.iter().collect(),
+        Maker::Cylinder { radius, height } => vec![radius, height],
+        Maker::Torus { radius, tube } => vec![radius, tube],
+        Maker::Capsule { radius, length } => vec![radius, length],
+        Maker::HalfSpace { normal, offset } => normal.iter().chain([offset]).collect(),
+        Maker::Slab { thickness, normal } => normal.iter().chain([thickness]).collect(),
+        Maker::Heart { width } => vec![width],
+        Maker::Blend { radius, .. } => vec![radius],
+        Maker::Formula { .. }
+        | Maker::Mesh { .. }
+        | Maker::Union(_)
+        | Maker::Intersection(_)
+        | Maker::Difference(_)
+        | Maker::Facet { .. } => Vec::new(),
+    }
+}
+
+impl Model {
+    /// The shapes that a shape is made from, directly.
+    pub fn needs(&self, id: ShapeId) -> Vec<ShapeId> {
+        let shape = self.shape(id);
+        let mut needs = match &shape.maker {
+            Maker::Union(operands) | Maker::Intersection(operands) | Maker::Difference(operands) => operands.clone(),
+            Maker::Blend { operands, within, .. } => operands.iter().chain(within).copied().collect(),
+            Maker::Facet { of, cells, .. } => vec![*of, self.cells[cells.0].around],
+            _ => Vec::new(),
+        };
+        needs.extend(shape.modifiers.at.iter().map(|copies| self.cells[copies.cells.0].around));
+        needs
+    }
+
+    /// Some shapes and all that they are made from, each once, parts first.
+    pub fn with_parts(&self, shapes: &[ShapeId]) -> Vec<ShapeId> {
+        let mut found: Vec<ShapeId> = shapes.to_vec();
+        let mut next = 0;
+        while next < found.len() {
+            for need in self.needs(found[next]) {
+                if !found.contains(&need) {
+                    found.push(need);
+                }
+            }
+            next += 1;
+        }
+        found.sort();
+        found.dedup();
+        found
+    }
+
+    /// Whether a number changes over the shot.
+    pub fn varies(&self, number: &Number) -> bool {
+        match &number.value {
+            NumberValue::Constant(_) => false,
+            NumberValue::Keys(keys) => keys.keys.iter().any(|key| key.1 != keys.keys[0].1),
+            NumberValue::Formula(formula) => self.formula_varies(formula),
+        }
+    }
+
+    /// Whether a formula hangs on time, or on a parameter that does.
+    pub(super) fn formula_varies(&self, formula: &super::Formula) -> bool {
+        let varying = |name: &str| {
+            matches!(name, "t" | "frame" | "time")
+                || self.parameters.iter().any(|parameter| parameter.name == name && self.varies(&parameter.value))
+        };
+        formula.names().any(varying)
+    }
+}

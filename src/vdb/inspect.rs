@@ -1,0 +1,174 @@
+//! What is in a file, for reports.
+
+use std::path::Path;
+
+use glam::{DVec3, IVec3};
+use serde::Serialize;
+
+use super::read::{Opened, SparseBlocks, StoredClass, Voxels};
+use super::walk::{CompressionFlags, GridLayout, Transform, TreeLayout};
+use super::{Error, Metadata, MetadataValue};
+
+/// A file.
+#[derive(Clone, Debug, Serialize)]
+pub struct FileInfo {
+    /// Its size.
+    pub bytes: u64,
+    /// Its format, such as 224.
+    pub format: u32,
+    /// The version of the library that wrote it, such as `10.0`.
+    pub library: String,
+    /// Metadata of the file.
+    pub metadata: Metadata,
+    /// Its grids, in the file's order.
+    pub grids: Vec<GridInfo>,
+}
+
+/// A grid of a file.
+#[derive(Clone, Debug, Serialize)]
+pub struct GridInfo {
+    /// Its name.
+    pub name: String,
+    /// The type of its values as OpenVDB spells it, such as `float` and `vec3s`, or of its tree where that is another.
+    pub value_type: String,
+    /// What its values mean.
+    pub class: StoredClass,
+    /// How vectors follow a transform, as OpenVDB spells it, where the file says so.
+    pub vector_type: Option<String>,
+    /// Whether its values take 16 bits in the file.
+    pub half: bool,
+    /// Its compression, such as `blosc + active values`.
+    pub compression: String,
+    /// The value away from blocks and tiles, as the file has it: of a level set positive. One number or three.
+    pub background: Option<Vec<f32>>,
+    /// Edges of a voxel in world units.
+    pub voxel_size: Option<[f64; 3]>,
+    /// The world position of voxel (0, 0, 0).
+    pub origin: Option<[f64; 3]>,
+    /// The grid whose tree it shares, if it does.
+    pub shares_tree_of: Option<String>,
+    /// Active voxels, in leaves and tiles.
+    pub active_voxels: Option<u64>,
+    /// Leaf blocks.
+    pub leaves: Option<u64>,
+    /// The least and greatest active voxel.
+    pub index_box: Option<[[i32; 3]; 2]>,
+    /// The box of the active voxels' centres in world units.
+    pub world_box: Option<[[f64; 3]; 2]>,
+    /// The least and greatest active value, as the file has them; of vectors, of each component.
+    pub range: Option<Range>,
+    /// Its metadata.
+    pub metadata: Metadata,
+}
+
+/// The least and the greatest value. Values that are no numbers are counted apart.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Range {
+    /// One number, or one a component.
+    pub least: Vec<f32>,
+    /// One number, or one a component.
+    pub greatest: Vec<f32>,
+    /// Active values with a component that is not a finite number.
+    pub not_finite: u64,
+}
+
+/// Reads and summarises a file.
+///
+/// # Errors
+/// Those of [`super::read`].
+pub fn inspect(path: impl AsRef<Path>) -> Result<FileInfo, Error> {
+    let opened = Opened::open(path.as_ref())?;
+    let layout = &opened.layout;
+    let grids = layout.grids.iter().map(|grid| describe(&opened, grid)).collect::<Result<_, _>>()?;
+    Ok(FileInfo {
+        bytes: opened.size(),
+        format: layout.format,
+        library: format!("{}.{}", layout.library.0, layout.library.1),
+        metadata: layout.metadata.clone(),
+        grids,
+    })
+}
+
+fn describe(opened: &Opened, grid: &GridLayout) -> Result<GridInfo, Error> {
+    let class = StoredClass::of(&grid.metadata);
+    let owner = grid.shares_tree_of.as_ref();
+    let owner = owner.and_then(|name| opened.layout.grids.iter().find(|other| other.unique_name == *name));
+    let tree: Option<&TreeLayout> = owner.unwrap_or(grid).tree.as_ref();
+    let voxels = opened.voxels(grid)?;
+    // Values are told as they stand in the file, where level sets are negative inside.
+    let sign = if class == StoredClass::LevelSet { -1.0 } else { 1.0 };
+    let (background, range) = match &voxels {
+        Some(Voxels::Floats(blocks)) => (Some(vec![sign * blocks.background]), range(blocks, |value| [sign * value])),
+        Some(Voxels::Vectors(blocks)) => (Some(blocks.background.to_vec()), range(blocks, |value| value)),
+        None => (None, None),
+    };
+    let index_box = tree.and_then(|tree| tree.active_box);
+    let value_type = grid.tree_type.strip_prefix("Tree_").and_then(|rest| rest.strip_suffix("_5_4_3"));
+    Ok(GridInfo {
+        name: grid.name.clone(),
+        value_type: value_type.unwrap_or(&grid.tree_type).into(),
+        class,
+        vector_type: match grid.metadata.get("vector_type") {
+            Some(MetadataValue::Text(text)) => Some(text.clone()),
+            _ => None,
+        },
+        half: grid.half,
+        compression: spelled(grid.compression),
+        background,
+        voxel_size: grid.transform.voxel_size().map(|size| size.to_array()),
+        origin: grid.transform.world(DVec3::ZERO).map(|origin| origin.to_array()),
+        shares_tree_of: owner.map(|owner| owner.name.clone()),
+        active_voxels: tree.map(|tree| tree.active_voxels),
+        leaves: tree.map(|tree| tree.leaves),
+        index_box: index_box.map(|(low, high)| [low.to_array(), high.to_array()]),
+        world_box: index_box.and_then(|(low, high)| world_box(&grid.transform, low, high)),
+        range,
+        metadata: grid.metadata.clone(),
+    })
+}
+
+/// As OpenVDB spells it.
+fn spelled(flags: CompressionFlags) -> String {
+    let parts = [(flags.zip, "zip"), (flags.blosc, "blosc"), (flags.active_mask, "active values")];
+    let on: Vec<&str> = parts.iter().filter(|(on, _)| *on).map(|(_, name)| *name).collect();
+    if on.is_empty() { "none".into() } else { on.join(" + ") }
+}
+
+/// The box around a box of voxels that may be turned.
+fn world_box(transform: &Transform, low: IVec3, high: IVec3) -> Option<[[f64; 3]; 2]> {
+    let mut bounds: Option<(DVec3, DVec3)> = None;
+    for corner in 0..8 {
+        let pick = |axis: usize| f64::from(if corner >> axis & 1 == 0 { low[axis] } else { high[axis] });
+        let world = transform.world(DVec3::new(pick(0), pick(1), pick(2)))?;
+        let (least, greatest) = bounds.unwrap_or((world, world));
+        bounds = Some((least.min(world), greatest.max(world)));
+    }
+    bounds.map(|(least, greatest)| [least.to_array(), greatest.to_array()])
+}
+
+/// The range of the active values, in leaves and tiles; `None` when there are none.
+fn range<T: Copy, const N: usize>(blocks: &SparseBlocks<T>, components: impl Fn(T) -> [f32; N]) -> Option<Range> {
+    let (mut least, mut greatest, mut not_finite) = ([f32::INFINITY; N], [f32::NEG_INFINITY; N], 0);
+    let mut any = false;
+    let mut add = |value: T| {
+        any = true;
+        let value = components(value);
+        if !value.iter().all(|component| component.is_finite()) {
+            not_finite += 1;
+            return;
+        }
+        for axis in 0..N {
+            least[axis] = least[axis].min(value[axis]);
+            greatest[axis] = greatest[axis].max(value[axis]);
+        }
+    };
+    for (values, mask) in blocks.values.iter().zip(&blocks.active) {
+        for (place, value) in values.iter().enumerate() {
+            if mask[place / 64] >> (place % 64) & 1 == 1 {
+                add(*value);
+            }
+        }
+    }
+    blocks.tiles.iter().filter(|tile| tile.active).for_each(|tile| add(tile.value));
+    any.then(|| Range { least: least.to_vec(), greatest: greatest.to_vec(), not_finite })
+}

@@ -1,0 +1,299 @@
+//! From a file to blocks: any `.vdb`, whoever wrote it.
+
+use std::path::{Path, PathBuf};
+
+use glam::IVec3;
+
+use super::bridge::ffi;
+use super::walk::{GridLayout, Layout, Transform, walk_bytes};
+use super::{Error, Metadata, MetadataValue};
+use crate::grid::{BLOCK_VOXELS, Band, BlockMask, InsideTile, Lattice, VoxelSize, block_order, block_origin};
+
+/// What was read from a file.
+#[derive(Clone, Debug)]
+pub struct Contents {
+    /// Metadata of the file.
+    pub metadata: Metadata,
+    /// The grids of numbers and of vectors, in the file's order.
+    pub grids: Vec<StoredGrid>,
+    /// The grids of other kinds, which were stepped over: name and type.
+    pub skipped: Vec<(String, String)>,
+}
+
+/// A grid from a file.
+#[derive(Clone, Debug)]
+pub struct StoredGrid {
+    /// Its name.
+    pub name: String,
+    /// What its values mean.
+    pub class: StoredClass,
+    /// Where its voxels stand.
+    pub transform: Transform,
+    /// Its metadata.
+    pub metadata: Metadata,
+    /// Its voxels.
+    pub voxels: Voxels,
+}
+
+/// The class of a grid from a file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum StoredClass {
+    /// Nothing in particular.
+    Unknown,
+    /// Distances; positive inside once they are read.
+    LevelSet,
+    /// A density.
+    FogVolume,
+    /// Vectors at the faces of voxels.
+    Staggered,
+}
+
+impl StoredClass {
+    pub(super) fn of(metadata: &Metadata) -> Self {
+        match metadata.get("class") {
+            Some(MetadataValue::Text(text)) => match text.as_str() {
+                "level set" => Self::LevelSet,
+                "fog volume" => Self::FogVolume,
+                "staggered" => Self::Staggered,
+                _ => Self::Unknown,
+            },
+            _ => Self::Unknown,
+        }
+    }
+}
+
+impl std::fmt::Display for StoredClass {
+    /// As OpenVDB spells it.
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Self::Unknown => "unknown",
+            Self::LevelSet => "level set",
+            Self::FogVolume => "fog volume",
+            Self::Staggered => "staggered",
+        })
+    }
+}
+
+/// The voxels of a grid from a file. Numbers of 64 bits are rounded to 32.
+#[derive(Clone, Debug)]
+pub enum Voxels {
+    /// One number a voxel; of a level set, the distance, **positive inside**.
+    Floats(SparseBlocks<f32>),
+    /// Three numbers a voxel.
+    Vectors(SparseBlocks<[f32; 3]>),
+}
+
+/// Blocks, tiles, and the value away from both.
+#[derive(Clone, Debug)]
+pub struct SparseBlocks<T> {
+    /// The blocks' least corners, sorted by [`crate::grid::block_order`].
+    pub origins: Vec<IVec3>,
+    /// One array a block.
+    pub values: Vec<[T; BLOCK_VOXELS]>,
+    /// Active voxels.
+    pub active: Vec<BlockMask>,
+    /// Cubes of one value: those that are active, and those that differ from the background.
+    pub tiles: Vec<Tile<T>>,
+    /// The value away from blocks and tiles; of a level set negative, as everything outside.
+    pub background: T,
+}
+
+/// A cube of voxels that have one value.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Tile<T> {
+    /// Its least corner, a multiple of `edge`.
+    pub origin: IVec3,
+    /// Its edge in voxels: 8, 128 or 4096.
+    pub edge: i32,
+    /// The value of all its voxels.
+    pub value: T,
+    /// Whether they are active.
+    pub active: bool,
+}
+
+/// Reads a file: walked first, so that damage is an error here and not a crash in OpenVDB.
+///
+/// # Errors
+/// [`Error::System`] when it cannot be read; [`Error::Damaged`] and [`Error::Unsupported`] from the walk;
+/// [`Error::File`] when a buffer cannot be decompressed.
+pub fn read(path: impl AsRef<Path>) -> Result<Contents, Error> {
+    let opened = Opened::open(path.as_ref())?;
+    let mut contents = Contents { metadata: opened.layout.metadata.clone(), grids: vec![], skipped: vec![] };
+    for grid in &opened.layout.grids {
+        match opened.voxels(grid)? {
+            Some(voxels) => contents.grids.push(StoredGrid {
+                name: grid.name.clone(),
+                class: StoredClass::of(&grid.metadata),
+                transform: grid.transform.clone(),
+                metadata: grid.metadata.clone(),
+                voxels,
+            }),
+            None => contents.skipped.push((grid.name.clone(), grid.tree_type.clone())),
+        }
+    }
+    Ok(contents)
+}
+
+/// A file in memory that was walked.
+pub(super) struct Opened {
+    path: PathBuf,
+    bytes: Vec<u8>,
+    pub layout: Layout,
+}
+
+impl Opened {
+    pub fn open(path: &Path) -> Result<Self, Error> {
+        let bytes = std::fs::read(path).map_err(|error| Error::system(path, "read it", error))?;
+        Self::from_bytes(bytes, path)
+    }
+
+    pub fn from_bytes(mut bytes: Vec<u8>, path: &Path) -> Result<Self, Error> {
+        let layout = walk_bytes(&bytes, path)?;
+        for name in &layout.delayed_load {
+            // Of no use to a reader that has the whole file, and its parser trusts its counts: under another name of
+            // the same length it is stepped over.
+            bytes[name.clone()].fill(b'_');
+        }
+        Ok(Self { path: path.into(), bytes, layout })
+    }
+
+    /// The file's size in bytes.
+    pub fn size(&self) -> u64 {
+        self.bytes.len() as u64
+    }
+
+    /// A grid's voxels; `None` for a type that is not read.
+    pub fn voxels(&self, grid: &GridLayout) -> Result<Option<Voxels>, Error> {
+        let flip = StoredClass::of(&grid.metadata) == StoredClass::LevelSet;
+        let owner = match &grid.shares_tree_of {
+            Some(parent) => self.layout.grids.iter().find(|other| other.unique_name == *parent).unwrap_or(grid),
+            None => grid,
+        };
+        let read = |error: cxx::Exception| Error::File {
+            path: self.path.clone(),
+            message: format!("grid '{}': {}", grid.name, error.what()),
+        };
+        match owner.tree_type.as_str() {
+            "Tree_float_5_4_3" | "Tree_double_5_4_3" => self.blocks(owner, flip).map(Voxels::Floats).map(Some),
+            "Tree_vec3s_5_4_3" | "Tree_vec3d_5_4_3" => self.blocks(owner, flip).map(Voxels::Vectors).map(Some),
+            _ => Ok(None),
+        }
+        .map_err(read)
+    }
+
+    fn blocks<T: Value>(&self, grid: &GridLayout, flip: bool) -> Result<SparseBlocks<T>, cxx::Exception> {
+        let decoded = ffi::decode(&self.bytes, grid.descriptor)?;
+        let counts = ffi::count(&decoded)?;
+        let mut origins = vec![0; 3 * counts.blocks];
+        let mut values = vec![[T::default(); BLOCK_VOXELS]; counts.blocks];
+        let mut active = vec![[0; 8]; counts.blocks];
+        let mut tiles = vec![0; 4 * counts.tiles];
+        let mut tile_values = vec![T::default(); counts.tiles];
+        let mut tile_states = vec![0; counts.tiles];
+        let mut background = T::default();
+        let mut target = ffi::Target {
+            origins: &mut origins,
+            masks: active.as_flattened_mut(),
+            values: T::flat(values.as_flattened_mut()),
+            tiles: &mut tiles,
+            tile_values: T::flat(&mut tile_values),
+            tile_states: &mut tile_states,
+            background: T::flat(std::slice::from_mut(&mut background)),
+        };
+        T::copy(&decoded, flip, &mut target)?;
+        let origins = origins.as_chunks().0.iter().map(|origin| IVec3::from_array(*origin)).collect();
+        let tiles = tiles.as_chunks().0.iter().zip(tile_values).zip(tile_states);
+        let tiles = tiles
+            .map(|((&[x, y, z, edge], value), state)| Tile {
+                origin: IVec3::new(x, y, z),
+                edge,
+                value,
+                active: state != 0,
+            })
+            .collect();
+        Ok(SparseBlocks { origins, values, active, tiles, background })
+    }
+}
+
+/// A value that the bridge copies as floats.
+trait Value: Copy + Default {
+    fn flat(values: &mut [Self]) -> &mut [f32];
+    fn copy(grid: &ffi::Grid, flip: bool, target: &mut ffi::Target) -> Result<(), cxx::Exception>;
+}
+
+impl Value for f32 {
+    fn flat(values: &mut [Self]) -> &mut [f32] {
+        values
+    }
+
+    fn copy(grid: &ffi::Grid, flip: bool, target: &mut ffi::Target) -> Result<(), cxx::Exception> {
+        ffi::copy_floats(grid, flip, target)
+    }
+}
+
+impl Value for [f32; 3] {
+    fn flat(values: &mut [Self]) -> &mut [f32] {
+        values.as_flattened_mut()
+    }
+
+    fn copy(grid: &ffi::Grid, _flip: bool, target: &mut ffi::Target) -> Result<(), cxx::Exception> {
+        ffi::copy_vectors(grid, target)
+    }
+}
+
+impl StoredGrid {
+    /// A level set as a band, where its voxels stand as a [`Lattice`] has them: cubes along the axes, a voxel's centre
+    /// at the world's origin.
+    ///
+    /// # Errors
+    /// What keeps it from being one.
+    pub fn to_band(&self) -> Result<Band, String> {
+        let (StoredClass::LevelSet, Voxels::Floats(blocks)) = (self.class, &self.voxels) else {
+            return Err(format!("grid '{}' is no level set", self.name));
+        };
+        let size = self.transform.uniform_voxel_size().and_then(VoxelSize::new);
+        let Some(voxel_size) = size else {
+            return Err(format!("the voxels of grid '{}' are no cubes along the axes", self.name));
+        };
+        let origin = self.transform.world(glam::DVec3::ZERO).unwrap_or(glam::DVec3::NAN) / voxel_size.get();
+        let shift = origin.round();
+        if !((origin - shift).abs().max_element() <= 1e-6 && shift.abs().max_element() < f64::from(1 << 24)) {
+            return Err(format!("the world's origin is no voxel centre of grid '{}'", self.name));
+        }
+        let shift = shift.as_ivec3();
+        if block_origin(shift) != shift {
+            return Err(format!("grid '{}' is shifted by {shift} voxels, which is no number of blocks", self.name));
+        }
+        let half_width = -f64::from(blocks.background) / voxel_size.get();
+        if !(half_width.is_finite() && half_width > 0.0) {
+            let outside = -blocks.background;
+            return Err(format!("the background of grid '{}' is {outside}, not the half-width of a band", self.name));
+        }
+        let inside = blocks.tiles.iter().filter(|tile| tile.value > 0.0);
+        let inside_tiles = inside.map(|tile| InsideTile { origin: tile.origin + shift, edge: tile.edge }).collect();
+        let mut band = Band {
+            lattice: Lattice { voxel_size },
+            half_width: half_width as f32,
+            origins: blocks.origins.iter().map(|origin| *origin + shift).collect(),
+            distances: blocks.values.clone(),
+            active: blocks.active.clone(),
+            inside_tiles,
+        };
+        sort_blocks(&mut band);
+        Ok(band)
+    }
+}
+
+/// Sorts a band's blocks and tiles: a shift can carry them across the borders of the tree's nodes.
+fn sort_blocks(band: &mut Band) {
+    band.inside_tiles.sort_by_key(|tile| block_order(tile.origin));
+    if band.origins.is_sorted_by_key(|origin| block_order(*origin)) {
+        return;
+    }
+    let mut order: Vec<usize> = (0..band.origins.len()).collect();
+    order.sort_by_key(|block| block_order(band.origins[*block]));
+    band.origins = order.iter().map(|block| band.origins[*block]).collect();
+    band.distances = order.iter().map(|block| band.distances[*block]).collect();
+    band.active = order.iter().map(|block| band.active[*block]).collect();
+}
