@@ -5,8 +5,9 @@ use std::sync::atomic::AtomicBool;
 use glam::{DMat3, DVec3};
 
 use super::*;
+use crate::distance::accuracy::exact;
 use crate::distance::octree::{BuildError, DistanceObject, Settings};
-use crate::distance::testing::{Joined, Leaf, exact};
+use crate::distance::testing::{Joined, Leaf};
 use crate::field::{Expression, Graph, SetSystem};
 
 /// A plain generator with a seed, the same everywhere.

@@ -102,6 +102,8 @@ pub enum BuildError {
     },
     /// The field has no surface in the region.
     NoSurface,
+    /// What else may go wrong where the surface is sought.
+    Surface(band::Error),
 }
 
 impl std::fmt::Display for BuildError {
@@ -120,6 +122,7 @@ impl std::fmt::Display for BuildError {
                 limit >> 20
             ),
             Self::NotFinite { position } => write!(f, "the distance at {position} is not a finite number"),
+            Self::Surface(error) => write!(f, "{error}"),
             Self::NoSurface => write!(f, "there is no surface in the region: F has one sign at every point tried"),
         }
     }
@@ -133,6 +136,7 @@ impl From<band::Error> for BuildError {
             band::Error::NotANumber { position } => Self::NotFinite { position },
             band::Error::Empty { .. } => Self::NoSurface,
             band::Error::Cancelled => Self::Cancelled,
+            other => Self::Surface(other),
         }
     }
 }

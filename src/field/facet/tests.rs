@@ -106,7 +106,12 @@ fn crumbs_are_mended() {
         let options = Options { tilt: 40.0, cut: 0.3, seed };
         let faceted = facet(&mut graph, torus, &cells, &options);
         mended += faceted.mended;
-        println!("seed {seed} {:?} {:?} {}", parts(&Expression::new(&graph, faceted.node), 64), parts(&Expression::new(&graph, faceted.node), 128), faceted.mended);
+        println!(
+            "seed {seed} {:?} {:?} {}",
+            parts(&Expression::new(&graph, faceted.node), 64),
+            parts(&Expression::new(&graph, faceted.node), 128),
+            faceted.mended
+        );
     }
     assert!(mended > 0, "the test has lost its point");
 }
