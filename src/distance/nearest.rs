@@ -120,7 +120,21 @@ impl<'a> FieldFeet<'a> {
 struct Open {
     query: usize,
     point: DVec3,
+    /// The point before the last approach.
+    before: DVec3,
     group: [i64; 3],
+}
+
+/// Whose feet are sought.
+#[derive(Clone, Copy)]
+enum Aim {
+    /// The position's own.
+    Position,
+    /// Those of stand-ins nearer to the surface.
+    StandIn {
+        /// See [`FieldFeet::stand_in`].
+        relaxed: bool,
+    },
 }
 
 /// What one call works with.
@@ -186,7 +200,7 @@ impl FieldFeet<'_> {
             } else if let Some((index, seed)) = self.seeds.nearest(*position, last) {
                 last = Some(index);
                 let group = (seed / (GROUP * self.spacing)).floor().as_i64vec3().to_array();
-                open.push(Open { query, point: seed, group });
+                open.push(Open { query, point: seed, before: seed, group });
             }
         }
         open.sort_unstable_by_key(|open| (open.group, open.query));
@@ -201,29 +215,32 @@ impl FieldFeet<'_> {
         work.evaluator.enter(&region);
         if work.evaluator.branches() > 1 {
             // Creases and corners are sought from a stand-in near the seed, on the way to the position. What is found
-            // so from twice is on the right crease or face; how far along it, the position itself says.
-            for _ in 0..2 {
-                self.approach(positions, group, region, Some(ROOM * self.spacing), work);
+            // so from twice is on the right crease or face; the third time finds how far along it.
+            for relaxed in [false, false, true] {
+                self.approach(positions, group, region, Aim::StandIn { relaxed }, work);
             }
         }
-        self.approach(positions, group, region, None, work);
+        self.approach(positions, group, region, Aim::Position, work);
         work.evaluator.leave();
         for open in group.iter() {
             self.finish(positions[open.query], open.point, &mut feet[open.query]);
         }
     }
 
-    /// Moves points of the surface towards being the feet of positions, or of stand-ins no farther away than
-    /// `within`, where that brings them nearer to the positions.
-    fn approach(&self, positions: &[DVec3], group: &mut [Open], region: Aabb, within: Option<f64>, work: &mut Work) {
+    /// Moves points of the surface towards being the feet of positions, where that brings them nearer to those.
+    fn approach(&self, positions: &[DVec3], group: &mut [Open], region: Aabb, aim: Aim, work: &mut Work) {
         let origin = region.centre();
         (work.queries.origin, work.feet.origin) = (origin, origin);
         (work.queries.len, work.feet.len) = (0, 0);
         let mut reach = 0.0_f32;
-        for open in group.iter() {
-            let away = positions[open.query] - open.point;
-            let part = within.map_or(1.0, |within| (within / away.length()).min(1.0));
-            let (query, start) = ((open.point + away * part - origin).as_vec3(), (open.point - origin).as_vec3());
+        for open in group.iter_mut() {
+            let position = positions[open.query];
+            let query = match aim {
+                Aim::Position => position,
+                Aim::StandIn { relaxed } => self.stand_in(position, open, relaxed),
+            };
+            open.before = open.point;
+            let (query, start) = ((query - origin).as_vec3(), (open.point - origin).as_vec3());
             work.queries.push(query);
             work.feet.push(start);
             reach = reach.max(query.distance(start));
@@ -238,6 +255,23 @@ impl FieldFeet<'_> {
                 open.point = point;
             }
         }
+    }
+
+    /// The point towards a position, no farther than [`ROOM`] from the point of the surface. Along a straight face or
+    /// crease the foot of such a stand-in has gone a part of the way only, the stand-in's share of the distance:
+    /// relaxed, it starts as far along as the last approach would have gone in full.
+    fn stand_in(&self, position: DVec3, open: &Open, relaxed: bool) -> DVec3 {
+        let room = ROOM * self.spacing;
+        let distance = open.point.distance(position);
+        if distance <= room {
+            return position;
+        }
+        let mut start = open.point;
+        if relaxed {
+            let rest = (open.point - open.before) * (distance / room - 1.0);
+            start += rest.clamp_length_max(2.0 * self.spacing);
+        }
+        start + (position - start).clamp_length_max(room)
     }
 
     fn finish(&self, position: DVec3, point: DVec3, foot: &mut Foot) {

@@ -144,10 +144,9 @@ impl DistanceObject {
         let length = |pick: fn((f64, f64)) -> f64| DVec3::from(excess.map(pick)).length();
         (lo, hi) = (lo - length(|e| e.1), hi - length(|e| e.0));
         let spread = self.border.mixed_slope(a);
-        for axis in 0..3 {
+        for (axis, [below, above]) in sides.into_iter().enumerate() {
             let slope = bounded.gradient[axis];
             let (least_rate, most_rate) = rate[axis];
-            let [below, above] = sides[axis];
             let times = |x: f64| [x * least_rate, x * most_rate];
             let ([a0, a1], [b0, b1]) = (times(slope.lo - spread), times(slope.hi + spread));
             let fall = 1.0 - least_rate;
@@ -160,14 +159,14 @@ impl DistanceObject {
         (place, bounded)
     }
 
-    pub(super) fn measure_border(&self, places: &[Place], bounds: &[PatchBounds]) -> Border {
+    pub(super) fn measure_border(&self, places: &[Place], bounds: &[PatchBounds], slopes: &[f64]) -> Border {
         let mut border = Border {
             saturation: f64::from(self.root_size()) * self.step / 32.0,
             greatest: f64::NEG_INFINITY,
             outward: f64::NEG_INFINITY,
             ..Border::default()
         };
-        for (place, bounds) in places.iter().zip(bounds) {
+        for ((place, bounds), slope) in places.iter().zip(bounds).zip(slopes) {
             let top = self.root_size() as i32;
             let sides = place.origin.map(|origin| (origin == 0, origin + place.size == top));
             if !sides.iter().any(|(low, high)| *low || *high) {
@@ -182,7 +181,7 @@ impl DistanceObject {
                 }
             }
             border.greatest = border.greatest.max(bounds.value.hi);
-            border.slope = border.slope.max(bounds.slope);
+            border.slope = border.slope.max(*slope);
             let patch = self.patch(*place);
             let (second, third) = patch::mixed(&patch.bernstein(), patch.edge);
             border.second = border.second.max(second);

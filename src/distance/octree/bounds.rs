@@ -230,13 +230,14 @@ impl DistanceObject {
     /// Works out every node's bounds, the slope, and the box of what may be inside.
     pub(super) fn bound(&mut self) {
         let places = self.leaf_places();
-        let leaf_bounds: Vec<PatchBounds> = places
+        let (leaf_bounds, slopes): (Vec<PatchBounds>, Vec<f64>) = places
             .par_iter()
             .map(|&place| {
                 let patch = self.patch(place);
-                patch::bounds(&patch.bernstein(), [patch.edge; 3], patch.edge)
+                let (tensor, edges) = (patch.bernstein(), [patch.edge; 3]);
+                (patch::bounds(&tensor, edges, patch.edge), patch::steepest(&tensor, edges, patch.edge))
             })
-            .collect();
+            .unzip();
         let none = Stored([[f32::INFINITY, f32::NEG_INFINITY]; 4]);
         self.bounds = vec![none; self.nodes.len()];
         // Children stand after their parents.
@@ -248,16 +249,16 @@ impl DistanceObject {
                 (what..what + 8).fold(none, |all, child| all.union(self.bounds[child as usize]))
             };
         }
-        self.border = self.measure_border(&places, &leaf_bounds);
-        self.slope = self.steepest(&places, &leaf_bounds).max(self.border.slope());
+        self.border = self.measure_border(&places, &leaf_bounds, &slopes);
+        self.slope = self.steepest(&places, &slopes).max(self.border.slope());
         self.bounding_box = self.box_of_inside(&places, &leaf_bounds);
     }
 
     /// A bound of |∇F| in the root, a tenth above the truth or less: the steepest cells are cut until their bounds
     /// come near a slope that was met.
-    fn steepest(&self, places: &[Place], bounds: &[PatchBounds]) -> f64 {
-        let mut open: BinaryHeap<Steep> = (places.iter().zip(bounds))
-            .map(|(&place, bounds)| Steep { slope: bounds.slope, place, min: [0.0; 3], edge: 1.0 })
+    fn steepest(&self, places: &[Place], slopes: &[f64]) -> f64 {
+        let mut open: BinaryHeap<Steep> = (places.iter().zip(slopes))
+            .map(|(&place, &slope)| Steep { slope, place, min: [0.0; 3], edge: 1.0 })
             .collect();
         let mut met = 0.0_f64;
         for _ in 0..STEEPEST_CUTS {
@@ -274,7 +275,7 @@ impl DistanceObject {
                 let jet = patch.jet(min.map(|x| x + half / 2.0));
                 met = met.max((jet[4] * jet[4] + jet[2] * jet[2] + jet[1] * jet[1]).sqrt());
                 let part = patch::restrict(&tensor, min, min.map(|x| x + half));
-                let slope = patch::bounds(&part, [half * patch.edge; 3], patch.edge).slope;
+                let slope = patch::steepest(&part, [half * patch.edge; 3], patch.edge);
                 open.push(Steep { slope, place: steep.place, min, edge: half });
             }
         }

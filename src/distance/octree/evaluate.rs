@@ -27,10 +27,10 @@ impl Place {
     pub(super) fn child(self, first: u32, at: [i32; 3]) -> Self {
         let size = self.size >> 1;
         let mut place = Self { node: first, origin: self.origin, size };
-        for axis in 0..3 {
+        for (axis, origin) in place.origin.iter_mut().enumerate() {
             let high = i32::from(at[axis] & size != 0);
             place.node += (high as u32) << (2 - axis);
-            place.origin[axis] += high * size;
+            *origin += high * size;
         }
         place
     }
@@ -147,10 +147,10 @@ impl Evaluator for OctreeEvaluator<'_> {
             None => kernel::values(&object.leaves, &object.numbers, located, &mut out[..points.len]),
         }
         if outside {
-            for i in 0..points.len {
+            for (i, out) in out.iter_mut().enumerate().take(points.len) {
                 let position = points.position(i);
                 if !object.holds(position) {
-                    out[i] = object.beyond(position)[0] as f32;
+                    *out = object.beyond(position)[0] as f32;
                 }
             }
         }

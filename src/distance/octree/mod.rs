@@ -34,7 +34,8 @@ use self::kernel::Numbers;
 use self::patch::{Jet, Patch};
 use self::samples::Samples;
 use self::tree::Tree;
-use super::nearest::{ClosestPoint, Watch};
+use super::band;
+use super::nearest::{ClosestPoint, FieldFeet, Watch};
 use super::{Distance, Foot};
 use crate::field::{Aabb, Evaluator, Field, Slope};
 
@@ -101,6 +102,8 @@ pub enum BuildError {
     },
     /// The field has no surface in the region.
     NoSurface,
+    /// What else may go wrong where the surface is sought.
+    Surface(band::Error),
 }
 
 impl std::fmt::Display for BuildError {
@@ -119,12 +122,24 @@ impl std::fmt::Display for BuildError {
                 limit >> 20
             ),
             Self::NotFinite { position } => write!(f, "the distance at {position} is not a finite number"),
+            Self::Surface(error) => write!(f, "{error}"),
             Self::NoSurface => write!(f, "there is no surface in the region: F has one sign at every point tried"),
         }
     }
 }
 
 impl std::error::Error for BuildError {}
+
+impl From<band::Error> for BuildError {
+    fn from(error: band::Error) -> Self {
+        match error {
+            band::Error::NotANumber { position } => Self::NotFinite { position },
+            band::Error::Empty { .. } => Self::NoSurface,
+            band::Error::Cancelled => Self::Cancelled,
+            other => Self::Surface(other),
+        }
+    }
+}
 
 /// What was built.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -230,6 +245,18 @@ impl DistanceObject {
         }
         (watch.progress)(1.0);
         Ok(object)
+    }
+
+    /// Measures the distances of any field: directly where its values are distances, else by [`FieldFeet`], seeds
+    /// standing a smallest cell apart. The region must hold the whole surface.
+    pub fn of_field(field: &dyn Field, settings: &Settings, watch: &Watch) -> Result<Self, BuildError> {
+        root(settings)?;
+        let Watch { cancel, progress } = *watch;
+        let first = |part: f64| progress(0.2 * part);
+        let seeding = Watch { cancel, progress: &first };
+        let feet = FieldFeet::new(field, &settings.region, settings.smallest_cell, &seeding)?;
+        let second = |part: f64| progress(0.2 + 0.8 * part);
+        Self::build(&feet, settings, &Watch { cancel, progress: &second })
     }
 
     /// What was built.

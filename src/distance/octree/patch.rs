@@ -61,24 +61,25 @@ impl Patch {
 
     /// The Bernstein coefficients of the whole cell.
     pub fn bernstein(&self) -> Tensor {
-        let third = self.edge / 3.0;
-        std::array::from_fn(|i| {
-            let place = [i >> 4, (i >> 2) & 3, i & 3];
-            // The four control points along an axis are f0, f0 + h/3 f0', f1 − h/3 f1', f1.
-            let corner: usize = (0..3).map(|axis| if place[axis] >= 2 { AXIS_BIT[axis] } else { 0 }).sum();
-            let jet = &self.corners[corner];
-            let mut sum = 0.0;
+        let mut out = [0.0; 64];
+        for (corner, jet) in self.corners.iter().enumerate() {
             for (slot, number) in jet.iter().enumerate() {
-                let mut weight = 1.0;
-                for axis in 0..3 {
-                    if slot & AXIS_BIT[axis] != 0 {
-                        weight *= [0.0, third, -third, 0.0][place[axis]];
-                    }
-                }
-                sum += weight * number;
+                // Along each axis: value and slope at the near corner, then at the far one.
+                let place = |bit: usize| 2 * usize::from(corner & bit != 0) + usize::from(slot & bit != 0);
+                out[place(4) * 16 + place(2) * 4 + place(1)] = *number;
             }
-            sum
-        })
+        }
+        let third = self.edge / 3.0;
+        for axis in 0..3 {
+            let stride = [16, 4, 1][axis];
+            for start in starts(axis) {
+                let [near, rise, far, fall] = line(&out, start, stride);
+                out[start + stride] = near + third * rise;
+                out[start + 2 * stride] = far - third * fall;
+                out[start + 3 * stride] = far;
+            }
+        }
+        out
     }
 }
 
@@ -142,8 +143,6 @@ pub struct PatchBounds {
     pub value: Interval,
     /// Of ∂F/∂x, ∂F/∂y, ∂F/∂z.
     pub gradient: [Interval; 3],
-    /// The greatest |∇F|.
-    pub slope: f64,
 }
 
 fn range(tensor: &Tensor) -> Interval {
@@ -159,20 +158,27 @@ pub fn padded(interval: Interval, size: f64) -> Interval {
     Interval::new(interval.lo - pad, interval.hi + pad)
 }
 
-/// Bounds from Bernstein coefficients over a box of the given edges: a polynomial stays in the hull of its
-/// coefficients.
+/// Bounds of F and its gradient from Bernstein coefficients over a box of the given edges: a polynomial stays in the
+/// hull of its coefficients. `cell` is the edge of the whole cell.
 pub fn bounds(tensor: &Tensor, edges: [f64; 3], cell: f64) -> PatchBounds {
     let value = range(tensor);
     let size = value.lo.abs().max(value.hi.abs());
+    let gradient = std::array::from_fn(|axis| padded(range(&slope(tensor, axis, edges[axis])), slope_size(size, cell)));
+    PatchBounds { value: padded(value, size), gradient }
+}
+
+/// What the rounding of slopes is relative to: slopes are differences of values over the cell's edge, so they carry
+/// the values' rounding.
+fn slope_size(value: f64, cell: f64) -> f64 {
+    1.0 + value / cell
+}
+
+/// The greatest |∇F| over a box of the given edges.
+pub fn steepest(tensor: &Tensor, edges: [f64; 3], cell: f64) -> f64 {
     let slopes: [Tensor; 3] = std::array::from_fn(|axis| slope(tensor, axis, edges[axis]));
-    // Slopes are differences of values over the cell's edge, so they carry the values' rounding.
-    let slope_size = 1.0 + size / cell;
     let greatest = (0..64).map(|i| slopes.iter().map(|s| s[i] * s[i]).sum::<f64>()).fold(0.0, f64::max).sqrt();
-    PatchBounds {
-        value: padded(value, size),
-        gradient: std::array::from_fn(|axis| padded(range(&slopes[axis]), slope_size)),
-        slope: greatest + 4e-6 * slope_size,
-    }
+    let size = tensor.iter().fold(0.0_f64, |all, x| all.max(x.abs()));
+    greatest + 4e-6 * slope_size(size, cell)
 }
 
 /// The greatest mixed second derivative of a cell, and the third.
@@ -192,12 +198,12 @@ mod tests {
     fn polynomial(p: [f64; 3]) -> Jet {
         let mut jet = [0.0; 8];
         for i in 0..64 {
-            let coefficient = f64::from((i * 37 % 19) as i32 - 9) / 9.0;
+            let coefficient = f64::from(i * 37 % 19 - 9) / 9.0;
             let powers = [i >> 4, (i >> 2) & 3, i & 3];
             for (slot, number) in jet.iter_mut().enumerate() {
                 let mut term = coefficient;
                 for axis in 0..3 {
-                    let n = powers[axis] as i32;
+                    let n: i32 = powers[axis];
                     term *= if slot & AXIS_BIT[axis] == 0 {
                         p[axis].powi(n)
                     } else if n == 0 {

@@ -1,6 +1,7 @@
 //! Where cells are split: near the surface until the patch is right, away from it until a cell is small beside its
 //! distance.
 
+use glam::DVec3;
 use rayon::prelude::*;
 
 use super::patch::{AXIS_BIT, Patch};
@@ -12,6 +13,11 @@ use crate::distance::nearest::Watch;
 /// Edges of a surface cell, in smallest cells, above which it is split unseen. Greater, and a bump can hide between
 /// the points tried; smaller, and flat faces cost more cells than they need.
 const LARGEST_AT_SURFACE: u32 = 8;
+
+/// How far, in edges of the cell, an error of the gradient at a point tried is taken to go on and become one of the
+/// value. Smaller, and a gradient that belongs to the other side of a crease goes unseen until a smaller cell takes it;
+/// larger, and smooth cells are split for it.
+const SLOPE_REACH: f64 = 0.0625;
 
 /// The points of a cell in halves of its edge: its middle, then the middles of faces and edges.
 fn middles() -> impl Iterator<Item = [u32; 3]> {
@@ -51,21 +57,21 @@ pub fn lone_patch(corners: &[&Sample; 8], edge: f64) -> Patch {
     Patch { corners: std::array::from_fn(jet), edge }
 }
 
-/// How far a patch misses the truth at those middles of its cell that have samples.
+/// How far a patch misses the truth at those middles of its cell that have samples, or may miss it beside them for
+/// the error of its gradient there.
 fn miss(patch: &Patch, cell: &Cell, samples: &Samples) -> f64 {
     let miss = |halves: [u32; 3]| {
         let sample = samples.find(cell.point(halves))?;
-        let value = patch.jet(halves.map(|h| f64::from(h) * 0.5))[0];
-        Some((value - sample.value).abs())
+        let jet = patch.jet(halves.map(|h| f64::from(h) * 0.5));
+        let turn = DVec3::new(jet[4], jet[2], jet[1]).distance(DVec3::from(sample.gradient));
+        Some((jet[0] - sample.value).abs().max(turn * patch.edge * SLOPE_REACH))
     };
     middles().filter_map(miss).fold(0.0, f64::max)
 }
 
-/// Whether a cell is large beside its distance to the surface, so that its patch must be right. (A leaf made by
-/// balancing has no sample in its middle: it is smaller than it had to be.)
-fn is_near(cell: &Cell, samples: &Samples, settings: &Settings) -> bool {
-    let edge = f64::from(cell.size) * settings.smallest_cell;
-    samples.find(cell.point([1; 3])).is_some_and(|middle| edge > settings.ratio * middle.value.abs())
+/// Whether a cell is large beside the distance of its middle to the surface, so that its patch must be right.
+fn is_near(cell: &Cell, middle: f64, settings: &Settings) -> bool {
+    f64::from(cell.size) * settings.smallest_cell > settings.ratio * middle.abs()
 }
 
 fn all_middles(cell: &Cell) -> impl Iterator<Item = [u32; 3]> + use<> {
@@ -90,7 +96,10 @@ pub fn refine(
             break;
         }
         samples.request(&cells, |cell| [cell.point([1; 3])])?;
-        active.retain(|&node| is_near(&tree.cells[node as usize], samples, settings));
+        active.retain(|&node| {
+            let cell = &tree.cells[node as usize];
+            is_near(cell, samples.get(cell.point([1; 3])).value, settings)
+        });
         let near: Vec<Cell> = active.iter().map(|&node| tree.cells[node as usize]).collect();
         samples.request(&near, all_middles)?;
         let edge = f64::from(size) * settings.smallest_cell;
@@ -135,9 +144,10 @@ pub fn refine_again(
         .enumerate()
         .filter(|&(leaf, &node)| {
             let cell = &tree.cells[node as usize];
+            let patch = patch(leaf, cell);
             cell.size > 1
-                && is_near(cell, samples, settings)
-                && miss(&patch(leaf, cell), cell, samples) > 2.0 * settings.tolerance
+                && is_near(cell, patch.jet([0.5; 3])[0], settings)
+                && miss(&patch, cell, samples) > 2.0 * settings.tolerance
         })
         .map(|(_, &node)| node)
         .collect();
