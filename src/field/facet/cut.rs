@@ -51,6 +51,15 @@ impl Piece {
     }
 }
 
+/// What the part of the shape in a cell rests on.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Support {
+    /// How deep below the surface the shape gets in the cell.
+    pub depth: f64,
+    /// A place under the deepest one, half a cell further in.
+    pub below: DVec3,
+}
+
 /// The values and gradients of the shape over a cell.
 struct Samples {
     points: Points,
@@ -78,15 +87,38 @@ impl Samples {
         (0..self.points.len).map(one).filter(|(_, value, slope)| value.is_finite() && slope.length() > 1e-12)
     }
 
+    fn support(&self, edge: f64, steepness: f64) -> Support {
+        let mut deepest = (f64::NEG_INFINITY, self.points.origin);
+        for (position, value, slope) in self.iter() {
+            if value > deepest.0 {
+                // From outside, the way to the surface comes first.
+                let way = edge * 0.5 + (-value / slope.length()).max(0.0);
+                deepest = (value, position + slope.normalize() * way);
+            }
+        }
+        Support { depth: deepest.0.max(0.0) / steepness, below: deepest.1 }
+    }
+
+    /// Whether what is within `lift` of the surface stands on another cell's part of it, and would float.
+    fn overhang(&self, bounds: Aabb, lift: f64) -> bool {
+        let own = bounds.grown(0.02 * bounds.size().x);
+        let foot = |position: DVec3, value: f64, slope: DVec3| position - slope * (value / slope.length_squared());
+        self.iter().any(|(p, value, slope)| (-lift..0.0).contains(&value) && !own.contains(foot(p, value, slope)))
+    }
+
     /// The outward directions of the surface's faces in the cell, at most three, the largest first; and the steepness
     /// of the value there.
-    fn faces(&self, spacing: f64) -> (Vec<DVec3>, f64) {
+    fn faces(&self, bounds: Aabb) -> (Vec<DVec3>, f64) {
+        let spacing = bounds.size().x / (SAMPLES - 1) as f64;
         let mut faces: Vec<(DVec3, usize)> = Vec::new();
         let (mut steepness, mut count) = (0.0, 0.0);
-        for (_, value, slope) in self.iter() {
+        let own = bounds.grown(0.05 * spacing);
+        for (position, value, slope) in self.iter() {
             let distance = value / slope.length();
             // Right on the surface a sample may stand on an edge, where the direction is anyone's guess.
-            if !(1e-6 * spacing..=1.2 * spacing).contains(&distance.abs()) {
+            let near = (1e-6 * spacing..=1.2 * spacing).contains(&distance.abs());
+            // A sample under another cell's part of the surface says nothing about this cell's own.
+            if !near || !own.contains(position - slope * (value / slope.length_squared())) {
                 continue;
             }
             steepness += slope.length();
@@ -107,20 +139,21 @@ impl Samples {
     }
 }
 
-/// The piece of a cell on the surface.
-pub(super) fn piece(evaluator: &mut dyn Evaluator, cells: &Cells, cell: CellId, options: &Options) -> Piece {
+/// The piece of a cell on the surface, and what it rests on.
+pub(super) fn piece(evaluator: &mut dyn Evaluator, cells: &Cells, cell: CellId, options: &Options) -> (Piece, Support) {
     let bounds = cells.cell(cell).bounds;
     let edge = bounds.size().x;
     let samples = Samples::of(evaluator, bounds);
-    let (faces, steepness) = samples.faces(edge / (SAMPLES - 1) as f64);
-    let deepest = samples.iter().map(|(_, value, _)| value).fold(0.0, f64::max) / steepness;
-    let most = options.cut.min(edge * 0.5).min(deepest * 0.5);
+    let (faces, steepness) = samples.faces(bounds);
+    let support = samples.support(edge, steepness);
+    let most = options.cut.min(edge * 0.5).min(support.depth * 0.5);
     let mut piece = Piece::whole(cells, cell);
     if faces.is_empty() || most <= 0.0 {
-        return piece;
+        return (piece, support);
     }
     let mut random = cells.random(cell, Purpose::Facet, options.seed);
     let lift = most * random.range(-0.5, 0.5).max(0.0);
+    let lift = if samples.overhang(bounds, lift * steepness) { 0.0 } else { lift };
     piece.lift = lift * steepness;
     for face in faces {
         let depth = most * random.range(0.3, 1.0);
@@ -134,7 +167,7 @@ pub(super) fn piece(evaluator: &mut dyn Evaluator, cells: &Cells, cell: CellId, 
         }
     }
     piece.bounds = opened(cells, piece.bounds, bounds, lift);
-    piece
+    (piece, support)
 }
 
 /// A direction turned by an angle in degrees about a random axis across it.

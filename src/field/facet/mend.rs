@@ -3,14 +3,14 @@
 //! The pieces are tried on a grid of samples; each loose part of the solid or of the space around it that the shape
 //! itself does not have makes the cells around it whole, until there is none.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 use glam::{DVec3, IVec3, UVec3};
 
 use super::super::cells::{CellId, Cells, Place};
 use super::super::{Aabb, BATCH, Field, Points};
 use super::Options;
-use super::cut::{Piece, piece};
+use super::cut::{Piece, Support, piece};
 
 /// Samples along an edge of the finest cells. Fewer would miss crumbs, more take cubically longer.
 const SAMPLES_PER_CELL: u32 = 6;
@@ -21,15 +21,23 @@ const MOST_SAMPLES: u32 = 128;
 /// whole for it.
 pub(super) fn sound_pieces(field: &dyn Field, cells: &Cells, options: &Options) -> (Vec<Piece>, usize) {
     let mut evaluator = field.evaluator();
-    let mut pieces: Vec<Piece> = (0..)
-        .map(CellId)
-        .zip(cells.cells())
-        .filter(|(_, cell)| cell.place != Place::Outside)
-        .map(|(id, cell)| match cell.place {
-            Place::Surface => piece(evaluator.as_mut(), cells, id, options),
-            _ => Piece::whole(cells, id),
-        })
-        .collect();
+    let mut pieces: BTreeMap<CellId, Piece> = BTreeMap::new();
+    let mut supports = BTreeMap::new();
+    for (id, cell) in (0..).map(CellId).zip(cells.cells()) {
+        match cell.place {
+            Place::Surface => {
+                let (piece, support) = piece(evaluator.as_mut(), cells, id, options);
+                pieces.insert(id, piece);
+                supports.insert(id, support);
+            }
+            Place::Inside => {
+                pieces.insert(id, Piece::whole(cells, id));
+            }
+            Place::Outside => {}
+        }
+    }
+    share_cuts(&mut pieces, &supports, cells, options);
+    let mut pieces: Vec<Piece> = pieces.into_values().collect();
     let grid = Grid::new(cells, options.cut);
     let shape = grid.values(field);
     let mut whole = BTreeSet::new();
@@ -45,6 +53,33 @@ pub(super) fn sound_pieces(field: &dyn Field, cells: &Cells, options: &Options) 
         for piece in pieces.iter_mut().filter(|piece| whole.contains(&piece.cell)) {
             *piece = Piece::whole(cells, piece.cell);
         }
+    }
+}
+
+/// Cells that the shape only reaches into a little, less than the cell below may be cut, get that cell's cut: cut on
+/// their own they would float, and left whole they would roof it over.
+fn share_cuts(
+    pieces: &mut BTreeMap<CellId, Piece>,
+    supports: &BTreeMap<CellId, Support>,
+    cells: &Cells,
+    options: &Options,
+) {
+    // A cell below may be shallow itself; more than a few steps are a shape that is thin everywhere.
+    const MOST_STEPS: usize = 4;
+    let below = |id: CellId| {
+        let support = supports.get(&id)?;
+        let below = cells.leaf_at(support.below);
+        let deepest_cut = options.cut.min(cells.cell(below).bounds.size().x * 0.5);
+        (below != id && support.depth < deepest_cut && supports.contains_key(&below)).then_some(below)
+    };
+    for &id in supports.keys() {
+        let Some(first) = below(id) else { continue };
+        let steps = std::iter::successors(Some(first), |&next| below(next));
+        let base = steps.take(MOST_STEPS).last().unwrap_or(first);
+        let cut = pieces[&base].clone();
+        pieces.entry(id).and_modify(|piece| {
+            *piece = Piece { planes: cut.planes, depth: cut.depth, ..Piece::whole(cells, id) };
+        });
     }
 }
 

@@ -99,19 +99,14 @@ fn the_graph_holds_the_pieces() {
 #[test]
 fn crumbs_are_mended() {
     let mut mended = 0;
-    for seed in 0..6 {
+    for seed in 0..3 {
         let mut graph = Graph::new();
         let torus = graph.torus(1.0, 0.35);
         let cells = cells(&graph, torus, [3, 4], seed);
         let options = Options { tilt: 40.0, cut: 0.3, seed };
         let faceted = facet(&mut graph, torus, &cells, &options);
         mended += faceted.mended;
-        println!(
-            "seed {seed} {:?} {:?} {}",
-            parts(&Expression::new(&graph, faceted.node), 64),
-            parts(&Expression::new(&graph, faceted.node), 128),
-            faceted.mended
-        );
+        assert_eq!(parts(&Expression::new(&graph, faceted.node), 64), [1, 1], "seed {seed}");
     }
     assert!(mended > 0, "the test has lost its point");
 }
