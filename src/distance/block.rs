@@ -110,17 +110,17 @@ impl<'a> Meter<'a> {
 
     /// Each voxel's own foot.
     fn find_feet(&mut self) {
-        self.feet.clone_from(&self.points);
         let (outside, inside) = match self.slope {
             Slope::Exact { outside, inside } => (outside, inside),
             _ => (false, false),
         };
         if !outside && !inside {
             let request = self.request();
-            let Self { evaluator, polisher, points, feet, distances, .. } = self;
-            polisher.closest(&mut **evaluator, &request, points, feet, distances);
+            let Self { evaluator, polisher, points, at_voxels, feet, distances, .. } = self;
+            polisher.closest_from(&mut **evaluator, &request, points, at_voxels, feet, distances);
             return;
         }
+        self.feet.clone_from(&self.points);
         self.changed.fill(false);
         for i in 0..BLOCK_VOXELS {
             let value = self.at_voxels.value[i];
@@ -145,8 +145,9 @@ impl<'a> Meter<'a> {
         // Each round settles what the one before brought in; a foot hardly ever travels on after the second.
         for _ in 0..4 {
             self.changed.fill(false);
-            let voxel = self.voxel();
-            if !exchange::sweep(voxel, &self.points, &mut self.feet, &mut self.distances, &mut self.changed) {
+            let (voxel, reach) = (self.voxel(), self.background);
+            let Self { points, feet, distances, changed, .. } = self;
+            if !exchange::sweep(voxel, reach, points, feet, distances, changed) {
                 break;
             }
             self.polish_changed();

@@ -143,16 +143,16 @@ where
 
     /// Measures again those blocks whose neighbours have nearer feet for some of their voxels.
     fn improve(&mut self, places: &HashMap<IVec3, usize>) -> Result<(), Error> {
-        let voxel = self.scope.lattice.voxel_size.get() as f32;
+        let (voxel, reach) = (self.scope.lattice.voxel_size.get() as f32, self.scope.background());
         let offers = |block: &Staged| {
             let mut seeds = Vec::new();
             for face in Face::ALL {
                 let neighbour = block.origin + face.step();
                 let own = || Layer::new(block, face, voxel);
                 if let Some(&place) = places.get(&neighbour) {
-                    own().offers(&Layer::new(&self.staged[place], face.facing(), voxel), &mut seeds);
+                    own().offers(&Layer::new(&self.staged[place], face.facing(), voxel), reach, &mut seeds);
                 } else if let Some(layer) = self.borders.get(&(neighbour, face.facing())) {
-                    own().offers(layer, &mut seeds);
+                    own().offers(layer, reach, &mut seeds);
                 }
             }
             seeds
@@ -178,7 +178,7 @@ where
 
     /// Keeps the layers that face later chunks, and offers those that face earlier ones.
     fn keep_borders(&mut self, places: &HashMap<IVec3, usize>) {
-        let voxel = self.scope.lattice.voxel_size.get() as f32;
+        let (voxel, reach) = (self.scope.lattice.voxel_size.get() as f32, self.scope.background());
         for block in &self.staged {
             let order = block_order(block.origin);
             for face in Face::ALL {
@@ -190,7 +190,7 @@ where
                 if earlier {
                     let Some(layer) = self.borders.remove(&(neighbour, face.facing())) else { continue };
                     let mut seeds = Vec::new();
-                    layer.offers(&Layer::new(block, face, voxel), &mut seeds);
+                    layer.offers(&Layer::new(block, face, voxel), reach, &mut seeds);
                     if !seeds.is_empty() {
                         let late = self.late.entry(block_order(neighbour)).or_insert((neighbour, Vec::new()));
                         late.1.append(&mut seeds);

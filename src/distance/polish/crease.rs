@@ -9,7 +9,7 @@ use glam::Vec3;
 use crate::field::{BATCH, Evaluator, Gradients, Points};
 
 use super::{
-    Polisher, Request,
+    FAR, Polisher, Request,
     lanes::{Lane, Lanes},
     smooth::LAST_STEP,
 };
@@ -17,10 +17,6 @@ use super::{
 /// |F|/|∇F| up to which a candidate counts as lying on F = 0, in units. Smaller rejects true feet for the error of
 /// their last step, larger lets feet overshoot a crease by as much.
 const ON_SURFACE: f32 = 0.01;
-
-/// A branch is left out for a query when its |f|/|∇f| there is more than this many reaches. Smaller misses feet on
-/// small balls written as r² − |p|², whose quotient overestimates near their centres; larger wastes evaluations.
-const REACHES: f32 = 4.0;
 
 /// At most this many branches, the nearest, are combined for one query: more make pairs and triples explode.
 const COMBINED: usize = 6;
@@ -152,7 +148,7 @@ impl Polisher {
         let Scratch { singles, group, parts, .. } = &mut self.crease;
         evaluator.branch(branch, queries, &mut parts[0]);
         group.clear();
-        let far = REACHES * request.reach;
+        let far = FAR * request.reach;
         for i in 0..queries.len {
             let estimate = quotient(&parts[0], i);
             // Where the gradient vanishes nothing is known: the branch may be anywhere.

@@ -2,7 +2,7 @@
 
 use crate::field::{BATCH, Points};
 
-use super::Request;
+use super::{Request, kernel::Verdict};
 
 pub(super) type Lane = [f32; BATCH];
 
@@ -29,6 +29,12 @@ pub(super) struct Lanes {
     pub along: Lane,
     /// See `along`.
     pub across: Lane,
+    /// What became of the last trial points, and where those that landed did.
+    pub verdict: [Verdict; BATCH],
+    /// See `verdict`.
+    pub landing: [Lane; 3],
+    /// See `verdict`.
+    pub height: Lane,
     /// The least and greatest offsets at which F may be evaluated.
     pub bounds: [[f32; 3]; 2],
     /// Results: feet and distances by query, and which queries were asked for.
@@ -55,6 +61,9 @@ impl Default for Lanes {
             residual: ZERO,
             along: ZERO,
             across: ZERO,
+            verdict: [Verdict::Moves; BATCH],
+            landing: [ZERO; 3],
+            height: ZERO,
             bounds: [[0.0; 3]; 2],
             foot: [ZERO; 3],
             distance: ZERO,

@@ -10,12 +10,17 @@
 //! caller gave. Not guaranteed: that it is the *global* closest point; give seeds (a neighbour's foot) for that.
 
 mod crease;
+mod kernel;
 mod lanes;
 mod smooth;
 
 use crate::field::{Aabb, BATCH, Evaluator, Gradients, Points};
 
 use lanes::Lanes;
+
+/// A query whose |F|/|∇F| is more than this many reaches is not followed to the surface. Smaller relies on feet offered
+/// by neighbours inside small balls written as r² − |p|², where the quotient overestimates; larger wastes evaluations.
+const FAR: f32 = 2.0;
 
 /// What a batch of closest points is sought for. The evaluator must have entered a region that holds `region`.
 #[derive(Clone, Copy, Debug)]
@@ -39,6 +44,40 @@ impl Polisher {
     /// Allocates the scratch memory.
     pub fn new() -> Self {
         Self { lanes: Box::default(), gradients: Box::default(), crease: crease::Scratch::default() }
+    }
+
+    /// Like [`Polisher::closest`] where no query has a seed and F is known at the queries. Queries that F and its
+    /// gradient put farther than twice the reach are passed over.
+    pub fn closest_from(
+        &mut self,
+        evaluator: &mut dyn Evaluator,
+        request: &Request,
+        queries: &Points,
+        at_queries: &Gradients,
+        feet: &mut Points,
+        distances: &mut [f32; BATCH],
+    ) {
+        feet.clone_from(queries);
+        if evaluator.branches() > 1 {
+            self.crease_closest(evaluator, request, queries, feet, distances);
+            return;
+        }
+        distances[..queries.len].fill(f32::INFINITY);
+        let far = FAR * request.reach;
+        let near = (0..queries.len).filter(|&i| {
+            let gradient = at_queries.gradient(i);
+            at_queries.value[i] * at_queries.value[i] <= far * far * gradient.length_squared()
+        });
+        self.lanes.load(request, queries, queries, near);
+        let known = &mut *self.gradients;
+        for (lane, &i) in self.lanes.query[..self.lanes.points.len].iter().enumerate() {
+            let i = usize::from(i);
+            known.value[lane] = at_queries.value[i];
+            (known.dx[lane], known.dy[lane], known.dz[lane]) = (at_queries.dx[i], at_queries.dy[i], at_queries.dz[i]);
+        }
+        self.lanes.step(request, known);
+        self.lanes.solve(request, &mut self.gradients, |points, out| evaluator.gradients(points, out));
+        self.lanes.store(feet, distances);
     }
 
     /// Finds the closest surface point of each query.
