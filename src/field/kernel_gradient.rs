@@ -46,19 +46,22 @@ fn run_avx512(run: &Run, registers: &mut [Dual], outs: &mut [&mut Gradients]) {
 /// `out = f(a)` with `(value, derivative by a)` on every lane.
 ///
 /// Derivatives go through an array of their own: a loop over all eight arrays at once has more pairs that might
-/// overlap than compilers check, and stays scalar.
+/// overlap than compilers check, and stays scalar. Plain indices, because long chains of zipped iterators are not
+/// inlined into a function as large as this, and what is not inlined is compiled for the narrowest vectors.
 macro_rules! each {
     ($registers:ident, $at:ident, $a:ident => $pair:expr) => {{
         let [out, a] = $registers
             .get_disjoint_mut([$at.out as usize, $at.a as usize])
             .expect("an output never shares its argument's register");
         let mut along_a = [0.0; LANES];
-        for ((value, along_a), &$a) in out.value.iter_mut().zip(&mut along_a).zip(&a.value) {
-            (*value, *along_a) = $pair;
+        for i in 0..LANES {
+            let $a = a.value[i];
+            (out.value[i], along_a[i]) = $pair;
         }
-        for (out, a) in out.slope.iter_mut().zip(&a.slope) {
-            for ((out, along_a), a) in out.iter_mut().zip(&along_a).zip(a) {
-                *out = along_a * a;
+        for axis in 0..3 {
+            let (out, a) = (&mut out.slope[axis], &a.slope[axis]);
+            for i in 0..LANES {
+                out[i] = along_a[i] * a[i];
             }
         }
     }};
@@ -78,9 +81,9 @@ macro_rules! both {
                 .get_disjoint_mut([$at.out as usize, $at.a as usize, $at.b as usize])
                 .expect("an output never shares its argument's register");
             let (mut along_a, mut along_b) = ([0.0; LANES], [0.0; LANES]);
-            let slopes = along_a.iter_mut().zip(&mut along_b);
-            for (((value, (along_a, along_b)), &$a), &$b) in out.value.iter_mut().zip(slopes).zip(&a.value).zip(&b.value) {
-                (*value, *along_a, *along_b) = $triple;
+            for i in 0..LANES {
+                let ($a, $b) = (a.value[i], b.value[i]);
+                (out.value[i], along_a[i], along_b[i]) = $triple;
             }
             for axis in 0..3 {
                 let (out, a, b) = (&mut out.slope[axis], &a.slope[axis], &b.slope[axis]);
