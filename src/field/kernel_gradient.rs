@@ -15,10 +15,12 @@ use super::{BATCH, Gradients};
 pub(super) struct Dual {
     pub value: [f32; LANES],
     pub slope: [[f32; LANES]; 3],
+    /// The derivatives by the arguments of the instruction that wrote this register.
+    along: [[f32; LANES]; 2],
 }
 
 impl Dual {
-    pub const ZERO: Self = Self { value: [0.0; LANES], slope: [[0.0; LANES]; 3] };
+    pub const ZERO: Self = Self { value: [0.0; LANES], slope: [[0.0; LANES]; 3], along: [[0.0; LANES]; 2] };
 }
 
 /// Writes value and gradient of each output of the tape at the points.
@@ -45,20 +47,23 @@ fn run_avx512(run: &Run, registers: &mut [Dual], outs: &mut [&mut Gradients]) {
 
 /// `out = f(a)` with `(value, derivative by a)` on every lane.
 ///
-/// Derivatives go through an array of their own: a loop over all eight arrays at once has more pairs that might
-/// overlap than compilers check, and stays scalar.
+/// Derivatives go through arrays of their own, in the register that is written: one loop over all arrays at once
+/// has more pairs that might overlap than compilers check, and stays scalar. Plain indices, because what is not
+/// inlined into a function as large as this is compiled for the narrowest vectors.
 macro_rules! each {
     ($registers:ident, $at:ident, $a:ident => $pair:expr) => {{
         let [out, a] = $registers
             .get_disjoint_mut([$at.out as usize, $at.a as usize])
             .expect("an output never shares its argument's register");
-        let mut along_a = [0.0; LANES];
-        for ((value, along_a), &$a) in out.value.iter_mut().zip(&mut along_a).zip(&a.value) {
-            (*value, *along_a) = $pair;
+        let along_a = &mut out.along[0];
+        for i in 0..LANES {
+            let $a = a.value[i];
+            (out.value[i], along_a[i]) = $pair;
         }
-        for (out, a) in out.slope.iter_mut().zip(&a.slope) {
-            for ((out, along_a), a) in out.iter_mut().zip(&along_a).zip(a) {
-                *out = along_a * a;
+        for axis in 0..3 {
+            let (out, a) = (&mut out.slope[axis], &a.slope[axis]);
+            for i in 0..LANES {
+                out[i] = along_a[i] * a[i];
             }
         }
     }};
@@ -77,10 +82,10 @@ macro_rules! both {
             let [out, a, b] = $registers
                 .get_disjoint_mut([$at.out as usize, $at.a as usize, $at.b as usize])
                 .expect("an output never shares its argument's register");
-            let (mut along_a, mut along_b) = ([0.0; LANES], [0.0; LANES]);
-            let slopes = along_a.iter_mut().zip(&mut along_b);
-            for (((value, (along_a, along_b)), &$a), &$b) in out.value.iter_mut().zip(slopes).zip(&a.value).zip(&b.value) {
-                (*value, *along_a, *along_b) = $triple;
+            let [along_a, along_b] = &mut out.along;
+            for i in 0..LANES {
+                let ($a, $b) = (a.value[i], b.value[i]);
+                (out.value[i], along_a[i], along_b[i]) = $triple;
             }
             for axis in 0..3 {
                 let (out, a, b) = (&mut out.slope[axis], &a.slope[axis], &b.slope[axis]);
@@ -198,7 +203,7 @@ fn body(run: &Run, registers: &mut [Dual], outs: &mut [&mut Gradients]) {
 }
 
 /// A derivative, or zero where it is too small to matter: the weights of R₀ operands far from the surface multiply
-/// to numbers below the normal range, on which some processors are a hundred times slower.
+/// to numbers below the normal range, which many processors compute slowly.
 #[inline(always)]
 fn flushed(derivative: f32) -> f32 {
     if derivative.abs() < 1e-18 { 0.0 } else { derivative }
