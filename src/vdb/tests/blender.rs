@@ -22,7 +22,9 @@ fn blender_shows_the_ball_in_its_colours() {
     let frame =
         Frame { grids: vec![Grid::level_set("surface", &band), Grid::colour(&band, &channel)], ..Default::default() };
     let files: Vec<_> = (7..10).map(|number| folder.path().join(format!("ball.{number:04}.vdb"))).collect();
-    files.iter().for_each(|path| drop(write(path, &frame, &WriteOptions::default()).unwrap()));
+    for path in &files {
+        write(path, &frame, &WriteOptions::default()).unwrap();
+    }
     let script = concat!(env!("CARGO_MANIFEST_DIR"), "/scripts/check_blender.py");
     let checked = Command::new(&python)
         .args([script, "--sequence", "--dump"])
