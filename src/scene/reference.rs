@@ -41,7 +41,7 @@ to = \"heart\"
 | shape | its name, `\"ball\"`; or one written in place, `{ sphere = 1 }`, which names others but holds no further one in place |
 | cells | their name, or `{ octree = … }` in place |
 | box | an edge length or three, around the origin; or `[[least x, y, z], [greatest x, y, z]]` |
-| file | relative to the scene; `$NAME` and `${NAME}` are variables of the environment, and must be set; `$$` is a dollar sign. `cube.obj`, where there is no such file beside the scene, is the built-in cube of edge 2 |
+| file | relative to the scene; `$NAME` and `${NAME}` are variables of the environment, and must be set; `$$` is a dollar sign. `cube.obj`, where there is no such file beside the scene, is the built-in cube of edge 1.6 |
 
 Lengths are in `unit`, angles in degrees; only keys in voxels say so. F is positive inside.
 

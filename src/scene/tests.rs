@@ -320,7 +320,7 @@ fn formulas_point_into_the_text() {
     );
     only("[shape.a]\nsphere = \"1 + x\"\n", "2:15 nothing here is called `x`; known are `frame`, `t`, `time`, `pi`");
     only("[shape.a]\nsphere = 1\nmove = [0, \"sin(t\", 0]\n", "3:16 this `(` is never closed");
-    only("[shape.a]\nsphere = 1\nmove = [0, '', 0]\n", "3:13 the formula is empty");
+    only("[shape.a]\nsphere = 1\nmove = [0, '', 0]\n", "3:12 the formula is empty");
     only("[param]\nt = 2\n[shape.a]\nsphere = 1\n", "2:1 `t` already means something in formulas");
     let model = model(
         "frames='1-5'\n[param]\nsize = 3\nslow = \"t/2\"\n[shape.a]\nsphere = 1\nmove = [\"size*t\", \"frame + time\", \"cos(pi*slow)\"]\n",
