@@ -47,6 +47,7 @@ pub fn prepare(
         voxel_size: sampling.voxel_size,
         resolution: sampling.resolution.or(default_resolution),
         half_width: sampling.half_width,
+        memory_limit: usize::try_from(limit(sampling).0).ok(),
         cancel: interrupt.flag(),
         progress: &|_| {},
     };
