@@ -9,6 +9,7 @@ mod check;
 mod failure;
 mod info;
 mod job;
+mod morph;
 mod options;
 mod preview;
 mod progress;
@@ -46,6 +47,8 @@ struct Program {
 enum Command {
     /// Bake frames of a scene into .vdb files
     Bake(bake::Arguments),
+    /// Morph one mesh into another, without a scene file
+    Morph(morph::Arguments),
     /// Check a scene and estimate its voxels, memory and file size, or check a .vdb file
     Check(check::Arguments),
     /// Show what a .vdb file holds
@@ -71,6 +74,7 @@ pub fn run() -> ExitCode {
     let global = program.global;
     let result = set_threads(&global).and_then(|()| match program.command {
         Command::Bake(arguments) => bake::run(&arguments, &global),
+        Command::Morph(arguments) => morph::run(&arguments, &global),
         Command::Check(arguments) => check::run(&arguments, &global),
         Command::Info(arguments) => info::run(&arguments, &global),
         Command::Scenes(arguments) => scenes::run(&arguments, &global),

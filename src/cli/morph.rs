@@ -1,0 +1,64 @@
+//! `hfvdb morph`: one mesh becomes another, without a scene file.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use clap::Args;
+
+use super::bake::write_frames;
+use super::failure::Failure;
+use super::options::{Global, Sampling, Writing};
+use crate::bake::{FramePattern, Frames};
+use crate::scene::{self, FrameRange, Overrides};
+
+/// Arguments of `hfvdb morph`.
+#[derive(Args)]
+pub struct Arguments {
+    /// The mesh of the first frame (.obj, .ply), with vertex colours if it has any
+    #[arg(value_name = "FROM")]
+    from: PathBuf,
+
+    /// The mesh of the last frame
+    #[arg(value_name = "TO")]
+    to: PathBuf,
+
+    /// The frames over which the morph runs
+    #[arg(long, value_name = "FIRST-LAST", default_value = "1-48", allow_hyphen_values = true)]
+    shot: Frames,
+
+    /// How much the shapes flow through one body: 0.05 the shortest way, 1.5 very much [default: 0.5]
+    #[arg(long, value_name = "NUMBER", allow_negative_numbers = true)]
+    bridge: Option<f64>,
+
+    /// Colour space in which colours are mixed [default: oklab]
+    #[arg(long, value_name = "NAME")]
+    color_space: Option<String>,
+
+    #[command(flatten)]
+    writing: Writing,
+    #[command(flatten)]
+    sampling: Sampling,
+}
+
+/// Runs the command.
+pub fn run(arguments: &Arguments, global: &Global) -> Result<(), Failure> {
+    let pattern = FramePattern::new(&arguments.writing.output, "vdb")?;
+    let (first, last) = arguments.shot.ends();
+    if arguments.shot.numbers().len() as i64 != last - first + 1 || first == last {
+        return Err(Failure::usage("--shot: a morph runs over a range of at least two frames, such as 1-48"));
+    }
+    let set = |key: &str, value: Option<String>| value.map(|value| format!("morph.{key}={value}"));
+    let overrides = Overrides {
+        set: [
+            set("bridge", arguments.bridge.map(|bridge| bridge.to_string())),
+            set("color_space", arguments.color_space.as_ref().map(|space| format!("\"{space}\""))),
+        ]
+        .into_iter()
+        .flatten()
+        .collect(),
+        variant: None,
+    };
+    let model = scene::morph_of_meshes(&arguments.from, &arguments.to, FrameRange { first, last }, &overrides)?;
+    let model = Arc::new(model);
+    write_frames(&model, pattern, &arguments.writing, &arguments.sampling, global)
+}

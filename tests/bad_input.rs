@@ -1,0 +1,198 @@
+//! Bad input gets the right exit code, one message with file, place and a way out, and leaves nothing behind.
+
+mod support;
+
+use std::fs;
+use std::process::Command;
+use std::time::{Duration, Instant};
+
+use support::Workplace;
+
+/// Bakes a scene's text and expects a failure that writes nothing.
+fn scene_fails(text: &str, code: i32, parts: &[&str]) {
+    let place = Workplace::new();
+    place.write("bad.toml", text);
+    let run = place.hfvdb("bake bad.toml -o out.vdb --resolution 32");
+    run.fails(code, parts);
+    assert_eq!(place.names("."), ["bad.toml"], "something was left behind");
+}
+
+#[test]
+fn syntax_error() {
+    scene_fails("[shape.a]\nsphere = = 1\n", 1, &["bad.toml:2:10"]);
+}
+
+#[test]
+fn unknown_key_names_the_nearest() {
+    scene_fails("[shape.a]\nsphere = 1\ncolr = \"red\"\n", 1, &["bad.toml:3:1", "colr", "color"]);
+}
+
+#[test]
+fn name_that_points_nowhere() {
+    scene_fails(
+        "[shape.ball]\nsphere = 1\n[shape.u]\nunion = [\"ball\", \"bal\"]\n",
+        1,
+        &["bad.toml:4", "bal", "ball"],
+    );
+}
+
+#[test]
+fn cycle_shows_its_way() {
+    scene_fails("[shape.a]\nunion = [\"b\"]\n[shape.b]\nunion = [\"a\"]\n", 1, &["bad.toml", "a", "b"]);
+}
+
+#[test]
+fn several_errors_come_together() {
+    scene_fails(
+        "[shape.a]\nsphere = -1\ncolr = 3\n[shape.b]\nbox = \"wide\"\n",
+        1,
+        &["bad.toml:2", "bad.toml:3", "bad.toml:5"],
+    );
+}
+
+#[test]
+fn nan_from_a_formula() {
+    scene_fails(
+        "[shape.a]\nformula = \"sqrt(x) - 0.2 - y^2 - z^2\"\nbounds = [[-1,-1,-1],[1,1,1]]\n",
+        1,
+        &["bad.toml", "NaN"],
+    );
+}
+
+#[test]
+fn unbounded_shape() {
+    scene_fails("[shape.a]\nhalf_space = [0, 0, 1]\n", 1, &["bad.toml", "bounds"]);
+}
+
+#[test]
+fn empty_result() {
+    scene_fails(
+        "[shape.a]\nintersection = [\"b\", \"c\"]\n[shape.b]\nsphere = 1\n[shape.c]\nsphere = 1\nmove = [3, 0, 0]\n",
+        1,
+        &["empty"],
+    );
+}
+
+#[test]
+fn missing_scene() {
+    let place = Workplace::new();
+    place.hfvdb("bake nowhere.toml -o out.vdb").fails(1, &["nowhere.toml"]);
+    place.hfvdb("bake cubsm -o out.vdb").fails(1, &["cubsm", "cubism"]);
+}
+
+#[test]
+fn meshes() {
+    let place = Workplace::new();
+    let cube = include_str!("../scenes/cube.obj");
+    let good = place.write("good.obj", cube);
+    assert!(good.exists());
+    place.write("empty.obj", "");
+    place.write("cut.ply", "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n");
+    place.write("nan.obj", cube.replacen("v ", "v nan nan nan\nv ", 1));
+    // All faces but the last: an open box.
+    let last_face = cube.rfind("\nf ").expect("a face");
+    place.write("open.obj", &cube[..last_face]);
+    for (mesh, parts) in [
+        ("missing.obj", &["missing.obj"][..]),
+        ("empty.obj", &["empty.obj"]),
+        ("cut.ply", &["cut.ply"]),
+        ("nan.obj", &["nan.obj"]),
+        ("open.obj", &["open.obj", "open"]),
+        ("good.stl", &["good.stl"]),
+    ] {
+        let run = place.hfvdb(&format!("morph good.obj {mesh} -o m.####.vdb --resolution 24"));
+        run.fails(1, parts);
+        assert!(!place.names(".").iter().any(|name| name.ends_with("vdb") || name.contains("tmp")), "{mesh}");
+    }
+}
+
+#[test]
+fn voxel_sizes() {
+    let place = Workplace::new();
+    for (size, code) in [("0", 2), ("-1", 2), ("nan", 2), ("inf", 2), ("x", 2), ("1e-9", 1)] {
+        place.hfvdb(&format!("bake sphere -o out.vdb --voxel-size {size}")).fails(code, &["voxel"]);
+    }
+    for absurd in ["--voxel-size 0.00002", "--resolution 1000000"] {
+        let start = Instant::now();
+        place.hfvdb(&format!("bake heart -o out.vdb {absurd}")).fails(3, &["--max-memory"]);
+        assert!(start.elapsed() < Duration::from_secs(1), "{absurd}: {:?}", start.elapsed());
+    }
+    place.hfvdb("bake heart -o out.vdb --resolution 256 --max-memory 5M").fails(3, &["--max-memory", "MiB"]);
+    assert!(place.names(".").is_empty());
+}
+
+#[test]
+fn output_places() {
+    let place = Workplace::new();
+    place.hfvdb("bake sphere --resolution 16 -o no/such/out.vdb").fails(1, &["no", "does not exist"]);
+    place.hfvdb("bake sphere --resolution 16 -o out.exr").fails(2, &["out.exr", ".vdb"]);
+    place.hfvdb("bake cube-to-heart --resolution 16 -o out.vdb").fails(2, &["####", "$F4"]);
+    place.hfvdb("bake sphere --resolution 16 -o /proc/out.vdb").fails(1, &["/proc"]);
+    assert!(place.names(".").is_empty());
+
+    place.write("there.vdb", "mine");
+    place.hfvdb("bake sphere --resolution 16 -o there.vdb").fails(1, &["there.vdb", "--overwrite"]);
+    assert_eq!(fs::read(place.path("there.vdb")).unwrap(), b"mine");
+    place.hfvdb("bake sphere --resolution 16 -o there.vdb --overwrite").ok();
+    // The last folder is made, not more.
+    place.hfvdb("bake sphere --resolution 16 -o new/out.vdb").ok();
+    assert_eq!(place.names("new"), ["out.vdb"]);
+}
+
+/// A disk that takes no more bytes: a limit on the size of files stands in for it, which needs no rights.
+#[test]
+fn full_disk() {
+    let place = Workplace::new();
+    let program = env!("CARGO_BIN_EXE_hfvdb");
+    for blocks in [1, 20, 60] {
+        let script = format!("trap '' XFSZ; ulimit -f {blocks}; exec {program} bake sphere --resolution 96 -o out.vdb");
+        let run = place.run(Command::new("bash").args(["-c", &script]));
+        run.fails(1, &["out.vdb"]);
+        assert!(place.names(".").is_empty(), "{blocks}: {:?}", place.names("."));
+    }
+}
+
+#[test]
+fn damaged_files() {
+    let place = Workplace::new();
+    place.hfvdb("bake heart --resolution 32 -o good.vdb").ok();
+    let good = fs::read(place.path("good.vdb")).unwrap();
+    for (name, bytes) in [
+        ("cut.vdb", &good[..good.len() * 2 / 3]),
+        ("short.vdb", &good[..10]),
+        ("text.vdb", b"this is no VDB file at all"),
+        ("empty.vdb", b""),
+    ] {
+        place.write(name, bytes);
+        place.hfvdb(&format!("info {name}")).fails(1, &[name]);
+        place.hfvdb(&format!("preview {name} -o p.png")).fails(1, &[name]);
+        assert!(!place.path("p.png").exists());
+    }
+    place.hfvdb("info missing.vdb").fails(1, &["missing.vdb"]);
+}
+
+#[test]
+fn interrupted() {
+    for (signal, code) in [("INT", 130), ("TERM", 143)] {
+        let place = Workplace::new();
+        let mut child = Command::new(env!("CARGO_BIN_EXE_hfvdb"))
+            .args("bake cubism --resolution 160 -o out/m.####.vdb".split(' '))
+            .current_dir(place.root())
+            .stderr(std::process::Stdio::piped())
+            .spawn()
+            .unwrap();
+        std::thread::sleep(Duration::from_millis(1500));
+        let start = Instant::now();
+        let sent = Command::new("kill").args(["-s", signal, &child.id().to_string()]).status().unwrap();
+        assert!(sent.success());
+        let status = child.wait().unwrap();
+        assert!(start.elapsed() < Duration::from_secs(2), "{:?}", start.elapsed());
+        assert_eq!(status.code(), Some(code));
+        if place.path("out").exists() {
+            for name in place.names("out") {
+                assert!(name.ends_with(".vdb"), "{name} was left behind");
+                place.hfvdb(&format!("info out/{name}")).ok();
+            }
+        }
+    }
+}
