@@ -100,5 +100,6 @@ fn one(graph: &mut Graph, shape: Node, piece: &Piece) -> Node {
         parts.push(graph.half_space(axis, max.dot(axis)));
     }
     parts.extend(piece.planes.iter().map(|&Plane { normal, offset }| graph.half_space(normal, offset)));
-    graph.intersection(SetSystem::MinMax, &parts)
+    let solid = graph.intersection(SetSystem::MinMax, &parts);
+    graph.bounded(solid, piece.bounds)
 }

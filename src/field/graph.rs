@@ -178,6 +178,22 @@ impl Graph {
         self.declare(node, facts)
     }
 
+    /// Whether a node is made of a few planes by min and max alone.
+    fn is_polyhedral(&self, node: Node) -> bool {
+        /// Operations looked at: more planes than half of this are rewritten at a cost that nobody wants.
+        const MOST: usize = 128;
+        let mut stack = vec![node.0];
+        for _ in 0..MOST {
+            match stack.pop().map(|index| self.op(Node(index))) {
+                None => return true,
+                Some(Op::Affine(_)) => {}
+                Some(Op::Binary(Binary::Min | Binary::Max, a, b)) => stack.extend([a, b]),
+                Some(_) => return false,
+            }
+        }
+        false
+    }
+
     fn simplified_unary(&mut self, operation: Unary, a: Node) -> Option<Node> {
         if let Some(value) = self.as_constant(a) {
             return Some(self.constant(scalar::unary(operation, value)));
@@ -201,6 +217,12 @@ impl Graph {
                     Op::Unary(Unary::Linear { scale: first, offset: shift }, value) => {
                         let operation = Unary::Linear { scale: scale * first, offset: scale * shift + offset };
                         Some(self.unary(operation, Node(value)))
+                    }
+                    // An offset polyhedron is a polyhedron: its faces stay branches of their own.
+                    Op::Binary(side @ (Binary::Min | Binary::Max), first, second) if self.is_polyhedral(a) => {
+                        let [first, second] = [first, second].map(|operand| self.unary(operation, Node(operand)));
+                        let turned = if side == Binary::Min { Binary::Max } else { Binary::Min };
+                        Some(self.binary(if scale > 0.0 { side } else { turned }, first, second))
                     }
                     _ => None,
                 }

@@ -12,10 +12,26 @@ use super::{BATCH, Gradients, Points};
 /// tape no longer stay in the nearest cache.
 pub(super) const LANES: usize = 256;
 
+/// Up to this many points take one short pass: a search for feet asks for a handful at a time.
+const FEW: usize = 64;
+
 /// One register: a value for each lane.
 #[derive(Clone)]
 #[repr(align(64))]
 pub(super) struct Lanes(pub [f32; LANES]);
+
+impl Lanes {
+    /// The lanes of a pass.
+    #[inline(always)]
+    fn get<const N: usize>(&self) -> &[f32; N] {
+        self.0.first_chunk().expect("no pass is longer than a register")
+    }
+
+    #[inline(always)]
+    fn get_mut<const N: usize>(&mut self) -> &mut [f32; N] {
+        self.0.first_chunk_mut().expect("no pass is longer than a register")
+    }
+}
 
 /// A tape with what it reads, for one batch.
 pub(super) struct Run<'a> {
@@ -31,25 +47,31 @@ pub(super) fn run(width: VectorWidth, run: &Run, registers: &mut Vec<Lanes>, out
         registers.resize(run.tape.registers, Lanes([0.0; LANES]));
     }
     match width {
-        VectorWidth::Sse2 => body(run, registers, outs),
+        VectorWidth::Sse2 => either(run, registers, outs),
         VectorWidth::Avx2 => run_avx2(run, registers, outs),
         VectorWidth::Avx512 => run_avx512(run, registers, outs),
     }
 }
 
+/// In passes of all lanes, or of few where there are few points.
+#[inline(always)]
+fn either(run: &Run, registers: &mut [Lanes], outs: &mut [&mut [f32; BATCH]]) {
+    if run.points.len <= FEW { body::<FEW>(run, registers, outs) } else { body::<LANES>(run, registers, outs) }
+}
+
 #[multiversion(targets("x86_64+avx+avx2"))]
 fn run_avx2(run: &Run, registers: &mut [Lanes], outs: &mut [&mut [f32; BATCH]]) {
-    body(run, registers, outs);
+    either(run, registers, outs);
 }
 
 #[multiversion(targets("x86_64+avx+avx2+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx+avx2"))]
 fn run_avx512(run: &Run, registers: &mut [Lanes], outs: &mut [&mut [f32; BATCH]]) {
-    body(run, registers, outs);
+    either(run, registers, outs);
 }
 
 /// The lanes of a batch that one pass covers.
 #[inline(always)]
-pub(super) fn pass(batch: &[f32; BATCH], first: usize) -> &[f32; LANES] {
+pub(super) fn pass<const N: usize>(batch: &[f32; BATCH], first: usize) -> &[f32; N] {
     batch[first..].first_chunk().expect("a pass begins a whole number of passes before the batch's end")
 }
 
@@ -59,7 +81,7 @@ macro_rules! each {
         let [out, a] = $registers
             .get_disjoint_mut([$at.out as usize, $at.a as usize])
             .expect("an output never shares its argument's register");
-        for (out, &$a) in out.0.iter_mut().zip(&a.0) {
+        for (out, &$a) in out.get_mut::<N>().iter_mut().zip(a.get::<N>()) {
             *out = $value;
         }
     }};
@@ -74,7 +96,7 @@ macro_rules! both {
             let [out, a, b] = $registers
                 .get_disjoint_mut([$at.out as usize, $at.a as usize, $at.b as usize])
                 .expect("an output never shares its argument's register");
-            for ((out, &$a), &$b) in out.0.iter_mut().zip(&a.0).zip(&b.0) {
+            for ((out, &$a), &$b) in out.get_mut::<N>().iter_mut().zip(a.get::<N>()).zip(b.get::<N>()) {
                 *out = $value;
             }
         }
@@ -82,17 +104,19 @@ macro_rules! both {
 }
 
 #[inline(always)]
-fn body(run: &Run, registers: &mut [Lanes], outs: &mut [&mut [f32; BATCH]]) {
-    for first in (0..run.points.len).step_by(LANES) {
+fn body<const N: usize>(run: &Run, registers: &mut [Lanes], outs: &mut [&mut [f32; BATCH]]) {
+    for first in (0..run.points.len).step_by(N) {
         let (x, y, z) = (pass(&run.points.x, first), pass(&run.points.y, first), pass(&run.points.z, first));
         for at in &run.tape.code {
             match at.code {
-                Code::Affine(row) => affine(run.tape.rows[row as usize], [x, y, z], &mut registers[at.out as usize]),
+                Code::Affine(row) => {
+                    affine::<N>(run.tape.rows[row as usize], [x, y, z], registers[at.out as usize].get_mut())
+                }
                 Code::Quadric(index) => {
-                    quadric(&run.tape.quadrics[index as usize], [x, y, z], &mut registers[at.out as usize]);
+                    quadric::<N>(&run.tape.quadrics[index as usize], [x, y, z], registers[at.out as usize].get_mut());
                 }
                 Code::Input(leaf) => {
-                    registers[at.out as usize].0 = *pass(&run.inputs[leaf as usize].value, first);
+                    *registers[at.out as usize].get_mut::<N>() = *pass(&run.inputs[leaf as usize].value, first);
                 }
                 Code::Linear(scale, offset) => each!(registers, at, a => a * scale + offset),
                 Code::Unary(operation) => match operation {
@@ -135,17 +159,17 @@ fn body(run: &Run, registers: &mut [Lanes], outs: &mut [&mut [f32; BATCH]]) {
             }
         }
         for (out, &register) in outs.iter_mut().zip(&run.tape.outputs) {
-            out[first..first + LANES].copy_from_slice(&registers[register as usize].0);
+            out[first..first + N].copy_from_slice(registers[register as usize].get::<N>());
         }
     }
 }
 
 /// An affine form; loops for a single axis are bit for bit the general one with zeros left out.
 #[inline(always)]
-fn affine(row: [f32; 4], [x, y, z]: [&[f32; LANES]; 3], out: &mut Lanes) {
+fn affine<const N: usize>(row: [f32; 4], [x, y, z]: [&[f32; N]; 3], out: &mut [f32; N]) {
     let [a, b, c, d] = row;
-    let mut along = |axis: &[f32; LANES], slope: f32| {
-        for (out, value) in out.0.iter_mut().zip(axis) {
+    let mut along = |axis: &[f32; N], slope: f32| {
+        for (out, value) in out.iter_mut().zip(axis) {
             *out = slope * value + d;
         }
     };
@@ -153,33 +177,33 @@ fn affine(row: [f32; 4], [x, y, z]: [&[f32; LANES]; 3], out: &mut Lanes) {
         [true, false, false, _] => along(x, a),
         [false, true, false, _] => along(y, b),
         [false, false, true, _] => along(z, c),
-        [false, false, false, _] => out.0 = [d; LANES],
+        [false, false, false, _] => *out = [d; N],
         _ => {
-            for i in 0..LANES {
-                out.0[i] = a * x[i] + b * y[i] + c * z[i] + d;
+            for i in 0..N {
+                out[i] = a * x[i] + b * y[i] + c * z[i] + d;
             }
         }
     }
 }
 
 #[inline(always)]
-fn quadric(quadric: &LaneQuadric, [x, y, z]: [&[f32; LANES]; 3], out: &mut Lanes) {
+fn quadric<const N: usize>(quadric: &LaneQuadric, [x, y, z]: [&[f32; N]; 3], out: &mut [f32; N]) {
     let ([p, q, r], constant) = (quadric.rows, quadric.constant);
     match quadric.shape {
         QuadricShape::Aligned => {
             let sign = quadric.signs[0];
-            for i in 0..LANES {
+            for i in 0..N {
                 let (u, v, w) = (p[0] * x[i] + p[3], q[1] * y[i] + q[3], r[2] * z[i] + r[3]);
-                out.0[i] = constant + sign * (u * u + v * v + w * w);
+                out[i] = constant + sign * (u * u + v * v + w * w);
             }
         }
         QuadricShape::General => {
             let [s, t, m] = quadric.signs;
-            for i in 0..LANES {
+            for i in 0..N {
                 let u = p[0] * x[i] + p[1] * y[i] + p[2] * z[i] + p[3];
                 let v = q[0] * x[i] + q[1] * y[i] + q[2] * z[i] + q[3];
                 let w = r[0] * x[i] + r[1] * y[i] + r[2] * z[i] + r[3];
-                out.0[i] = constant + (s * (u * u) + t * (v * v) + m * (w * w));
+                out[i] = constant + (s * (u * u) + t * (v * v) + m * (w * w));
             }
         }
     }

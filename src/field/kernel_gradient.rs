@@ -2,12 +2,17 @@
 
 use multiversion::multiversion;
 
-use super::kernel::{LANES, Run, pass};
+use super::kernel::{Run, pass};
 use super::lane_math as math;
 use super::op::{Binary, Unary};
 use super::tape::{Code, LaneQuadric};
 use super::width::VectorWidth;
 use super::{BATCH, Gradients};
+
+/// Points in one pass over a tape. Fewer: more time goes to fetching instructions; more: the few points left in a
+/// search for feet cost as much as many, and the registers, six times as large as those of values, leave the
+/// nearest cache.
+const LANES: usize = 64;
 
 /// One register: value and three derivatives for each lane.
 #[derive(Clone)]

@@ -57,6 +57,12 @@ pub struct MeshDistance {
 }
 
 impl MeshDistance {
+    /// The half-spaces n · p ≤ o, as outward unit normals and offsets, whose intersection is the inside of a convex
+    /// mesh of few faces; `None` for others.
+    pub fn half_spaces(&self) -> Option<Vec<(DVec3, f64)>> {
+        super::convex::half_spaces(&self.mesh)
+    }
+
     /// Prepares a mesh for queries. A mesh that faces inward as a whole is turned over.
     pub fn new(mut mesh: TriangleMesh, holes: Holes) -> Result<Self, Problem> {
         if mesh.volume() < 0.0 {

@@ -5,6 +5,7 @@
 //! decoded from sRGB to scene-linear here, once, by the reader, and nowhere else.
 
 mod closest;
+mod convex;
 mod distance;
 mod error;
 mod evaluator;

@@ -71,6 +71,16 @@ pub enum Content {
     Morph(Morph),
 }
 
+impl Content {
+    /// Whether a shape is baked itself, not only as an operand of others.
+    pub fn shows(&self, id: ShapeId) -> bool {
+        match self {
+            Self::Shape(shown) => *shown == id,
+            Self::Morph(morph) => morph.from == id || morph.to == id,
+        }
+    }
+}
+
 /// One shape.
 #[derive(Clone, Debug)]
 pub struct Shape {

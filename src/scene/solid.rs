@@ -237,7 +237,16 @@ impl Solids {
             Maker::Formula { formula, .. } => formula.node(&mut self.graph, &self.moment),
             Maker::Mesh { .. } => {
                 let mesh = Arc::clone(self.assets.mesh(id));
-                self.graph.field(mesh)
+                // An operand is asked for its sign and its creases far more often than for its exact distance.
+                match mesh.half_spaces().filter(|_| !self.model.content.shows(id)) {
+                    Some(planes) => {
+                        let faces: Vec<Node> =
+                            planes.into_iter().map(|(normal, offset)| self.graph.half_space(normal, offset)).collect();
+                        let solid = self.graph.intersection(SetSystem::MinMax, &faces);
+                        self.graph.bounded(solid, mesh.mesh().bounding_box())
+                    }
+                    None => self.graph.field(mesh),
+                }
             }
             Maker::Facet { of, cells, tilt, cut, seed } => {
                 let cells = self.cells(*cells)?;

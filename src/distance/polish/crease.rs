@@ -18,6 +18,11 @@ use super::{
 /// their last step, larger lets feet overshoot a crease by as much.
 const ON_SURFACE: f32 = 0.01;
 
+/// How much steeper F may be than a branch of it, on the surface. R₀ operations have the slope of their one active
+/// operand away from creases, and twice the sum of both at most on them. Smaller could reject true feet, larger
+/// rejects fewer of the others before their gradient is asked for.
+const STEEPER: f32 = 8.0;
+
 /// At most this many branches, the nearest, are combined for one query: more make pairs and triples explode.
 const COMBINED: usize = 6;
 
@@ -57,6 +62,8 @@ pub(super) struct Scratch {
     /// The branch that each seed lies on, and its |f|/|∇f| there.
     lies_on: Box<[u16; BATCH]>,
     residuals: Box<Lane>,
+    /// F at candidates.
+    values: Box<Lane>,
 }
 
 impl Default for Scratch {
@@ -73,6 +80,7 @@ impl Default for Scratch {
             seeded: Vec::with_capacity(BATCH),
             lies_on: Box::new([0; BATCH]),
             residuals: Box::new([0.0; BATCH]),
+            values: Box::new([0.0; BATCH]),
         }
     }
 }
@@ -175,7 +183,7 @@ impl Polisher {
         branch: usize,
         best: &mut Best,
     ) {
-        let Scratch { singles, group, parts, .. } = &mut self.crease;
+        let Scratch { singles, group, parts, values, .. } = &mut self.crease;
         let single = &singles[branch];
         group.retain(|&query| single.distance[usize::from(query)] < best.distances[usize::from(query)]);
         if group.is_empty() {
@@ -186,9 +194,13 @@ impl Polisher {
         for &query in group.iter() {
             points.push(offset(&single.foot, usize::from(query)));
         }
-        evaluator.gradients(points, &mut self.gradients);
-        evaluator.branch(branch, points, &mut parts[0]);
         debug_assert_eq!(points.origin, queries.origin);
+        evaluator.branch(branch, points, &mut parts[0]);
+        keep_near_surface(evaluator, request, points, group, &mut parts[0], values, None::<fn(u16)>);
+        if group.is_empty() {
+            return;
+        }
+        evaluator.gradients(points, &mut self.gradients);
         for (lane, &query) in group.iter().enumerate() {
             let slope = parts[0].gradient(lane).length();
             if on_surface(&self.gradients, lane, slope, request) {
@@ -330,15 +342,26 @@ impl Polisher {
         if self.crease.group.is_empty() {
             return;
         }
+        let branches = group[0].branches;
+        let Scratch { parts, group, values, open, .. } = &mut self.crease;
+        evaluator.branch(usize::from(branches[0]), &lanes.points, &mut parts[0]);
+        let rejected = |query| {
+            if order == 2 {
+                open.push(Demand { branches, query });
+            }
+        };
+        keep_near_surface(evaluator, request, &mut lanes.points, group, &mut parts[0], values, Some(rejected));
+        if group.is_empty() {
+            return;
+        }
         evaluator.gradients(&lanes.points, &mut self.gradients);
-        evaluator.branch(usize::from(group[0].branches[0]), &lanes.points, &mut self.crease.parts[0]);
-        for (lane, &query) in self.crease.group.iter().enumerate() {
-            let slope = self.crease.parts[0].gradient(lane).length();
+        for (lane, &query) in group.iter().enumerate() {
+            let slope = parts[0].gradient(lane).length();
             let distance = lanes.distance[usize::from(query)];
             if on_surface(&self.gradients, lane, slope, request) {
                 best.take(usize::from(query), lanes.points.offset(lane), distance);
             } else if order == 2 {
-                self.crease.open.push(Demand { branches: group[0].branches, query });
+                open.push(Demand { branches, query });
             }
         }
     }
@@ -387,6 +410,37 @@ impl Polisher {
             self.judge_single(evaluator, request, queries, branch, best);
         }
     }
+}
+
+/// Leaves out candidates whose F is far from 0 by the slope of the branch they lie on: most of them, for a fraction of
+/// what the gradient of F costs. `points`, `group` and the branch's `part` go lane by lane.
+fn keep_near_surface(
+    evaluator: &mut dyn Evaluator,
+    request: &Request,
+    points: &mut Points,
+    group: &mut Vec<u16>,
+    part: &mut Gradients,
+    values: &mut Lane,
+    mut rejected: Option<impl FnMut(u16)>,
+) {
+    evaluator.values(points, values);
+    let mut kept = 0;
+    for lane in 0..group.len() {
+        let slope = part.gradient(lane).length();
+        // A branch without a slope, or a value that is no number, is for the full test.
+        if values[lane].abs() > STEEPER * ON_SURFACE * request.unit * slope {
+            if let Some(rejected) = &mut rejected {
+                rejected(group[lane]);
+            }
+            continue;
+        }
+        group[kept] = group[lane];
+        (points.x[kept], points.y[kept], points.z[kept]) = (points.x[lane], points.y[lane], points.z[lane]);
+        (part.dx[kept], part.dy[kept], part.dz[kept]) = (part.dx[lane], part.dy[lane], part.dz[lane]);
+        kept += 1;
+    }
+    group.truncate(kept);
+    points.len = kept;
 }
 
 fn copy_single(lanes: &Lanes, group: &[u16], single: &mut Single) {
