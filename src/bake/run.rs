@@ -11,7 +11,7 @@ use super::{Bytes, FramePattern, Interrupt};
 use crate::distance::band::{self, Settings};
 use crate::distance::descent::Scope;
 use crate::distance::extent;
-use crate::grid::{BLOCK_VOXELS, Band, measure};
+use crate::grid::{Band, measure};
 use crate::scene::{self, FrameContent, Prepared};
 use crate::vdb;
 
@@ -121,10 +121,6 @@ pub struct Estimate {
     pub file: Bytes,
 }
 
-/// Bytes of a block's distances, mask and origin, in our memory and as much again in OpenVDB's tree.
-const BLOCK_BYTES: f64 = 2.0 * (BLOCK_VOXELS as f64 * 4.0 + 64.0 + 12.0);
-/// The same of a block's colours.
-const COLOUR_BYTES: f64 = 2.0 * (BLOCK_VOXELS as f64 * 12.0 + 64.0);
 /// What the program takes whatever it bakes: itself, OpenVDB, stacks, a chunk of blocks in flight.
 const BASE_BYTES: f64 = 120e6;
 
@@ -132,13 +128,10 @@ const BASE_BYTES: f64 = 120e6;
 pub fn estimate(prepared: &Prepared, content: &FrameContent) -> Estimate {
     let scope = Scope { lattice: prepared.lattice, half_width: prepared.half_width, region: content.region };
     let found = extent::estimate(&*content.field, &scope);
-    let colour = if content.colour.is_some() { COLOUR_BYTES } else { 0.0 };
-    let frame = found.blocks * (BLOCK_BYTES + colour);
-    // The encoded file is held whole before it is written; hardly ever larger than the voxels.
-    let file = found.voxels * if content.colour.is_some() { 16.0 } else { 4.0 };
-    let memory = BASE_BYTES + prepared.memory_estimate() as f64 + 1.5 * frame + file;
+    let coloured = content.colour.is_some();
+    let memory = BASE_BYTES + prepared.memory_estimate() as f64 + found.memory(coloured);
     let bytes = |value: f64| Bytes(value.min(u64::MAX as f64) as u64);
-    Estimate { voxels: found.voxels, blocks: found.blocks, memory: bytes(memory), file: bytes(file) }
+    Estimate { voxels: found.voxels, blocks: found.blocks, memory: bytes(memory), file: bytes(found.file(coloured)) }
 }
 
 /// Refuses frames whose estimate is over the limit.

@@ -77,7 +77,10 @@ impl From<scene::Error> for Failure {
     fn from(error: scene::Error) -> Self {
         match error {
             scene::Error::Scene(diagnostics) => diagnostics.into(),
-            error => Self::work(error.to_string()),
+            scene::Error::Memory { needed, limit, voxels } => {
+                bake::Error::Memory { needed: bake::Bytes(needed), limit: bake::Bytes(limit), voxels }.into()
+            }
+            error @ scene::Error::Cancelled => Self::work(error.to_string()),
         }
     }
 }

@@ -156,7 +156,7 @@ impl Extreme<'_> {
 }
 
 /// What a band will take, about: rather too much than too little.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Estimate {
     /// Leaf blocks that will be evaluated.
     pub blocks: f64,
@@ -164,6 +164,24 @@ pub struct Estimate {
     pub voxels: f64,
     /// Bytes of one float grid over the blocks.
     pub bytes: f64,
+}
+
+/// Bytes of a block's colours, their mask counted.
+const COLOUR_BYTES: f64 = BLOCK_VOXELS as f64 * 12.0 + 64.0;
+
+impl Estimate {
+    /// Bytes of the file before compression: a level set, and a colour or none.
+    pub fn file(&self, coloured: bool) -> f64 {
+        self.voxels * if coloured { 16.0 } else { 4.0 }
+    }
+
+    /// Bytes that frames take at a job's peak: one that is computed, one that is written.
+    pub fn memory(&self, coloured: bool) -> f64 {
+        // In our memory and as much again in OpenVDB's tree.
+        let frame = 2.0 * (self.bytes + if coloured { self.blocks * COLOUR_BYTES } else { 0.0 });
+        // The encoded file is held whole before it is written; hardly ever larger than the voxels.
+        1.5 * frame + self.file(coloured)
+    }
 }
 
 /// Boxes bounded at most for an estimate; more is more exact, and slower.

@@ -12,6 +12,15 @@ use super::source::Span;
 pub enum Error {
     /// Something about the scene, with its place.
     Scene(Diagnostics),
+    /// Frames would take more memory than allowed.
+    Memory {
+        /// About what is needed, in bytes.
+        needed: u64,
+        /// What is allowed, in bytes.
+        limit: u64,
+        /// About how many active voxels a frame has.
+        voxels: f64,
+    },
     /// The caller's wish.
     Cancelled,
 }
@@ -20,6 +29,10 @@ impl fmt::Display for Error {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Scene(diagnostics) => diagnostics.fmt(f),
+            Self::Memory { needed, limit, voxels } => write!(
+                f,
+                "about {voxels:.2e} voxels would take about {needed} bytes of memory, and the limit is {limit}"
+            ),
             Self::Cancelled => f.write_str("cancelled"),
         }
     }

@@ -78,8 +78,8 @@ fn a_ball_and_its_voxels() {
 
 #[test]
 fn rotation_is_about_fixed_x_then_y_then_z() {
-    // Blender: `Euler((radians(90), 0, radians(90)), 'XYZ').to_matrix() @ Vector((0, 1, 0))` is (0, 0, 1), and of
-    // (1, 0, 0) it is (0, 1, 0).
+    // What Blender 5.0 answers: `Euler((radians(90), 0, radians(90)), 'XYZ').to_matrix() @ Vector((0, 1, 0))` is
+    // (0, 0, 1), and of (1, 0, 0) it is (0, 1, 0).
     let text = "[shape.a]\nunion = ['b']\nrotate = [90, 0, 90]\nmove = [0, 0, 5]\n[shape.b]\nsphere = 0.5\n";
     let at = |place: &str| {
         let scene = prepared(&format!("{text}move = {place}\n"));
@@ -204,13 +204,16 @@ fn cells_and_copies_take_colours_of_the_palette() {
     let frame = scene.frame(1).unwrap();
     assert!(value(&frame, 0.0, 0.0, 0.0) > 0.0 && value(&frame, 1.3, 1.3, 1.3) < 0.0);
     let mut seen = [0; 3];
-    for i in 0..400 {
-        let (x, y) = (f64::from(i % 20) / 10.0 - 0.95, f64::from(i / 20) / 10.0 - 0.95);
+    // A little inside and outside of the six sides of the cube, whose edge is 1.6.
+    for i in 0..2400 {
+        let (a, b) = (f64::from(i % 20) / 10.0 - 0.95, f64::from(i / 20 % 20) / 10.0 - 0.95);
+        let side = if i / 400 % 2 == 0 { 0.75 } else { -0.85 };
+        let (x, y, z) = [(a, b, side), (b, side, a), (side, a, b)][i as usize / 800];
         // On the way out of all parts their colours mix.
-        if value(&frame, x, y, 0.75) <= 0.0 {
+        if value(&frame, x, y, z) <= 0.0 {
             continue;
         }
-        match colour(&frame, x, y, 0.75) {
+        match colour(&frame, x, y, z) {
             RED => seen[0] += 1,
             BLUE => seen[1] += 1,
             [0.0, 1.0, 0.0] => seen[2] += 1,

@@ -6,9 +6,12 @@ use glam::DVec3;
 
 use crate::attribute::ColourSpace;
 use crate::distance::band;
+use crate::distance::descent::Scope;
+use crate::distance::extent::{Estimate, estimate};
 use crate::distance::nearest::{FieldFeet, Watch};
 use crate::distance::octree::{self, BuildError, DistanceObject};
 use crate::field::{Aabb, Field};
+use crate::grid::{Lattice, VoxelSize};
 use crate::morph::{self, Ease, Flow, Mode, MorphObject, Motion, Pace, Paper, Side, Similarity};
 
 use super::error::Problem;
@@ -39,6 +42,19 @@ pub(super) struct Pair {
     to: Object,
     /// The box around both over the whole shot.
     pub both: Aabb,
+}
+
+impl Pair {
+    /// About what a level set of either object takes, each where the shot begins. `voxel` is a voxel's edge.
+    pub fn bands(&self, voxel: f64, half_width: f32) -> [Estimate; 2] {
+        [&self.from, &self.to].map(|side| {
+            let edge = voxel / side.motion.at(0.0).scale();
+            let Some(voxel_size) = VoxelSize::new(edge) else { return Estimate::default() };
+            let region = side.solid.grown((f64::from(half_width) + 2.0) * edge);
+            let scope = Scope { lattice: Lattice { voxel_size }, half_width, region };
+            estimate(side.field.as_ref(), &scope)
+        })
+    }
 }
 
 /// Finds the two objects, their motion and their boxes.

@@ -16,13 +16,15 @@ use super::diagnostic::{Diagnostic, Diagnostics};
 use super::error::{Error, Problem};
 use super::frames::Shot;
 use super::model::{Content, Model, Morph, ShapeId};
-use super::morphing::{Planned, extent_over_shot, pair, plan};
+use super::morphing::{Pair, Planned, extent_over_shot, pair, plan};
 use super::paint::Scenery;
 use super::solid::{Solids, Stage};
 use super::variation::Variation;
 
 /// The finest voxels that OpenVDB takes, in world units.
 const LEAST_VOXEL: f64 = 1.45e-5;
+/// The least share of a morph that a cut is taken to leave, before it is known.
+const LEAST_LEFT: f64 = 1.0 / 16.0;
 /// The most frames at which the box of a shape that changes is taken; more frames are sampled evenly.
 const MOST_BOXES: usize = 200;
 
@@ -35,7 +37,8 @@ pub struct PrepareOptions<'a> {
     pub resolution: Option<u32>,
     /// Half the band's width in voxels.
     pub half_width: Option<f64>,
-    /// The most memory that measuring one object of a morph may take, in bytes; `None` for 4 GiB.
+    /// The most memory that a morph's frames, and measuring one of its objects, may take, in bytes; `None` for no
+    /// limit of frames, and 4 GiB for an object.
     pub memory_limit: Option<usize>,
     /// Set it to stop: the result is [`Error::Cancelled`].
     pub cancel: &'a AtomicBool,
@@ -100,6 +103,7 @@ impl Model {
     pub fn prepare(self: &Arc<Self>, options: &PrepareOptions<'_>) -> Result<Prepared, Error> {
         prepare(self, options).map_err(|stop| match stop {
             Stop::Cancelled => Error::Cancelled,
+            Stop::Memory { needed, limit, voxels } => Error::Memory { needed, limit, voxels },
             Stop::Problem(problem) => self.error(problem),
         })
     }
@@ -108,6 +112,7 @@ impl Model {
 /// Why preparing stopped.
 pub(super) enum Stop {
     Cancelled,
+    Memory { needed: u64, limit: u64, voxels: f64 },
     Problem(Problem),
 }
 
@@ -172,10 +177,29 @@ fn ready_morph(
     let pair = pair(model, solids, variation, morph)?;
     // The in-betweens' box is known only once the objects are measured; about a voxel is enough for that.
     let about = lattice(model, options, pair.both)?;
+    admit(model, morph, &pair, &about, options)?;
     let watch = Watch { cancel: options.cancel, progress: options.progress };
     let planned = plan(model, solids, morph, pair, about.voxel_size.get(), options.memory_limit, &watch)?;
     let extent = extent_over_shot(model, morph, &planned.morph)?;
     Ok((Ready::Morph(Box::new(planned)), extent, lattice(model, options, extent)?))
+}
+
+/// Refuses a morph whose frames cannot but take too much memory, before its objects are measured.
+///
+/// Judged by the lesser of the two objects as they are: no in-between is much smaller than both.
+fn admit(model: &Model, morph: &Morph, pair: &Pair, about: &Lattice, options: &PrepareOptions<'_>) -> Result<(), Stop> {
+    let Some(limit) = options.memory_limit else { return Ok(()) };
+    let half_width = options.half_width.unwrap_or(model.output.half_width) as f32;
+    let [from, to] = pair.bands(about.voxel_size.get(), half_width);
+    let least = if from.voxels < to.voxels { from } else { to };
+    let mut needed = least.memory(false);
+    if morph.cut.is_some() {
+        needed *= LEAST_LEFT;
+    }
+    if needed <= limit as f64 {
+        return Ok(());
+    }
+    Err(Stop::Memory { needed: needed as u64, limit: limit as u64, voxels: least.voxels })
 }
 
 fn stop_if(cancel: &AtomicBool) -> Result<(), Stop> {
