@@ -268,10 +268,8 @@ impl Cells {
             return;
         }
         match node {
-            Node::Leaf(id) if self.cell(id).place == Place::Surface => {
-                if distance < best.0 || id < best.1 {
-                    *best = (distance, id);
-                }
+            Node::Leaf(id) if self.cell(id).place == Place::Surface && (distance < best.0 || id < best.1) => {
+                *best = (distance, id);
             }
             Node::Split { first, has_surface: true } => {
                 // The octant of the position first: it most often decides.

@@ -185,7 +185,7 @@ impl Paper {
         for (name, value) in ["a1", "a2", "a3"].into_iter().zip(&self.a[1..]) {
             within(name, *value, 1e-6, 1e6)?;
         }
-        if !(self.slab[0] < self.slab[1]) {
+        if self.slab[0].partial_cmp(&self.slab[1]) != Some(std::cmp::Ordering::Less) {
             return Err(Error::Span { name: "slab", from: self.slab[0], to: self.slab[1] });
         }
         let Some(round) = self.round else { return Ok(()) };

@@ -278,10 +278,7 @@ impl Model {
     pub fn moment(&self, frame: f64) -> Moment {
         let bare = self.shot.moment(frame, Arc::new([]));
         // Formulas of parameters know time only, so their values do not hang on one another.
-        let values = self.parameters.iter().map(|parameter| match parameter.value.at(&bare) {
-            Ok(value) => value,
-            Err(_) => f64::NAN,
-        });
+        let values = self.parameters.iter().map(|parameter| parameter.value.at(&bare).unwrap_or(f64::NAN));
         Moment { parameters: values.collect(), ..bare }
     }
 

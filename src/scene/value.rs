@@ -284,7 +284,7 @@ fn key_before(text: &str, value: Span) -> Span {
     let inside = end.saturating_sub(1);
     let is_open = |&(i, _): &(usize, &str)| {
         let backslashes = text[..i].len() - text[..i].trim_end_matches('\\').len();
-        backslashes % 2 == 0
+        backslashes.is_multiple_of(2)
     };
     let start = text[..inside].rmatch_indices('"').find(is_open).map_or(value.start, |(i, _)| i + 1);
     Span::new(value.source, start..inside.max(start))

@@ -80,7 +80,8 @@ fn creases_and_corners() {
     let half = DVec3::new(0.6, 0.5, 0.4);
     let facets = Facets::new();
     let spheres = vec![Leaf::Sphere(DVec3::X * 0.4, 0.6), Leaf::Sphere(-DVec3::X * 0.4, 0.6)];
-    let cases: [(&str, Box<dyn Field>, &dyn Fn(DVec3) -> f64); 3] = [
+    type Case<'a> = (&'a str, Box<dyn Field>, &'a dyn Fn(DVec3) -> f64);
+    let cases: [Case; 3] = [
         ("box", Box::new(Joined::oriented_box(axes, half)), &|p| exact::oriented_box(p, axes, half)),
         ("two spheres", Box::new(Joined::union(spheres)), &|p| exact::two_spheres(p, 0.4, 0.6)),
         ("facets", Box::new(facets.field()), &|p| facets.truth(p)),

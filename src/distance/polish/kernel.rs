@@ -85,6 +85,7 @@ pub(super) fn judge(lanes: &mut Lanes, gradients: &Gradients, unit: f32) {
             // a ball.
             let change = [0, 1, 2].map(|axis| before[axis] - tangent[axis]);
             let (gain, size) = (dot(before, change), dot(change, change));
+            #[allow(clippy::manual_clamp, reason = "0 / 0 becomes 0.1 so; a clamp would keep it")]
             let secant = (along[l] * gain / size).max(0.1).min(GREATEST_SHARE);
             let share = if gain <= 0.0 { GREATEST_SHARE } else { secant };
             let first_of_all = (merit[l] == f32::INFINITY) | (dot(before, before) == 0.0) | (size == 0.0);
