@@ -4,15 +4,23 @@
 Checked in each file: the grids and their classes, value types and metadata; one transform and one topology; the
 background; and over the dense box around the band that the values are those of one narrow-band distance field:
 
-* neighbouring voxels never differ by more than a voxel (true of every distance field, clamped or not). A wrong sign, an
-  unfilled inside or a second surface breaks this;
+* neighbouring voxels never differ by more than a voxel (true of every distance field, clamped or not), within what is
+  promised of their exactness. A wrong sign, an unfilled inside or a second surface breaks this;
 * |grad| is 1 in the mean where all neighbours are in the band;
 * colours are finite and inside [0, 1], and the colour's background is their mean.
+
+--thin is for shapes with features thinner than a voxel (hfvdb warns of them). Beside those distances are known to be
+off by up to a voxel, which is not as it should be: at most 2 in 10,000 pairs of neighbours may differ by more than a
+voxel then, and none by more than 2.5 (a second surface would be a step of twice the half width). And |grad| is not
+judged, since central differences across creases that are two voxels apart are below 1 for exact distances too.
 """
 import sys
 
 import numpy as np
 import pyopenvdb as vdb
+
+# Two distances that are each within the promised 0.05 voxel differ by this at most.
+STEP = 1.1
 
 
 def dense(grid, low, high, kind):
@@ -31,7 +39,7 @@ def active_mask(grid, low, high):
     return mask
 
 
-def check(path, fast):
+def check(path, thin):
     problems = []
 
     def must(condition, text):
@@ -61,9 +69,15 @@ def check(path, fast):
     must(abs(values).max() <= background * (1 + 1e-6), "values beyond the background")
     must((values[0] > 0).all() and (values[-1] > 0).all(), "solid at the border of the box")
     must(values.min() < 0, "nothing inside")
+    far_apart = pairs = 0
     for axis in range(3):
-        step = abs(np.diff(values, axis=axis)).max() / voxel
-        must(step <= 1.01, "neighbours along %s differ by %.3f voxels" % ("xyz"[axis], step))
+        steps = abs(np.diff(values, axis=axis)) / voxel
+        step = steps.max()
+        far_apart += int((steps > STEP).sum())
+        pairs += int((steps > 0).sum())
+        must(step <= (2.5 if thin else STEP), "neighbours along %s differ by %.3f voxels" % ("xyz"[axis], step))
+
+    must(far_apart <= 2e-4 * pairs, "%d of %d pairs of neighbours differ by more than a voxel" % (far_apart, pairs))
 
     inner = values[1:-1, 1:-1, 1:-1]
     neighbours = [(values[2:, 1:-1, 1:-1], values[:-2, 1:-1, 1:-1]), (values[1:-1, 2:, 1:-1], values[1:-1, :-2, 1:-1]),
@@ -76,7 +90,7 @@ def check(path, fast):
     slope = np.sqrt(squares[band])
     must(band.any(), "no voxel has its neighbours in the band")
     error = float(abs(slope - 1).mean()) if band.any() else float("nan")
-    must(error < 0.03, "|grad| is off by %.4f in the mean" % error)
+    must(thin or error < 0.03, "|grad| is off by %.4f in the mean" % error)
 
     colour = by_name.get("Cd")
     if colour is not None:
@@ -86,8 +100,7 @@ def check(path, fast):
         must(colour.activeVoxelCount() == surface.activeVoxelCount(), "two topologies")
         rgb = dense(colour, low, high, "vec3s")
         on = abs(values) < background
-        if not fast:
-            must((active_mask(colour, low, high) == active_mask(surface, low, high)).all(), "two topologies")
+        must((active_mask(colour, low, high) == active_mask(surface, low, high)).all(), "two topologies")
         must(np.isfinite(rgb).all(), "colours that are not finite")
         must(rgb.min() >= 0 and rgb.max() <= 1, "colours outside [0, 1]: %g to %g" % (rgb.min(), rgb.max()))
         mean = rgb[on].mean(axis=0, dtype=np.float64)
@@ -100,6 +113,6 @@ def check(path, fast):
 
 
 if __name__ == "__main__":
-    fast = "--fast" in sys.argv
-    results = [check(path, fast) for path in sys.argv[1:] if not path.startswith("--")]
+    thin = "--thin" in sys.argv
+    results = [check(path, thin) for path in sys.argv[1:] if not path.startswith("--")]
     sys.exit(0 if results and all(results) else 1)

@@ -16,27 +16,28 @@ fn fingerprint(path: &Path) -> Vec<u8> {
 }
 
 /// Fails unless Debian's Python OpenVDB finds nothing wrong with any file of a folder.
-fn python_finds_nothing_wrong(place: &Workplace, folder: &str, frames: usize) {
+fn python_finds_nothing_wrong(place: &Workplace, folder: &str, frames: usize, options: &[&str]) {
     let names = place.names(folder);
     assert_eq!(names.len(), frames);
     let script = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/check_frames.py");
     let mut command = Command::new("/usr/bin/python3");
-    command.arg(script).args(names.iter().map(|name| place.path(folder).join(name)));
+    command.arg(script).args(options).args(names.iter().map(|name| place.path(folder).join(name)));
     place.run(&mut command).ok();
 }
 
 #[test]
 fn every_frame_of_cubism_is_a_whole_level_set() {
     let place = Workplace::new();
-    place.hfvdb("bake cubism --resolution 64 -o out/m.####.vdb").ok();
-    python_finds_nothing_wrong(&place, "out", 48);
+    place.hfvdb("bake cubism --resolution 96 -o out/m.####.vdb").ok();
+    // Its facets' steps are thinner than a voxel in places.
+    python_finds_nothing_wrong(&place, "out", 48, &["--thin"]);
 }
 
 #[test]
 fn every_frame_of_cube_to_heart_is_a_whole_level_set() {
     let place = Workplace::new();
     place.hfvdb("bake cube-to-heart --resolution 64 -o out/m.####.vdb").ok();
-    python_finds_nothing_wrong(&place, "out", 24);
+    python_finds_nothing_wrong(&place, "out", 24, &[]);
 }
 
 #[test]
@@ -66,6 +67,6 @@ fn all_compressions_hold_the_same_voxels() {
     let place = Workplace::new();
     for kind in ["blosc", "zip", "none"] {
         place.hfvdb(&format!("bake heart --resolution 48 --compression {kind} -o {kind}/m.vdb")).ok();
-        python_finds_nothing_wrong(&place, kind, 1);
+        python_finds_nothing_wrong(&place, kind, 1, &[]);
     }
 }
