@@ -1,6 +1,5 @@
 //! Tests of the border. The judges are Debian's Python OpenVDB and a reader in pure Rust, not the code under test.
 
-mod blender;
 mod read;
 mod support;
 mod walk;
