@@ -30,10 +30,13 @@ finish() {
 bake_for_blender() {
     rm -rf "$frames_folder"
     mkdir -p "$frames_folder"
-    # The middle of the morph, where shapes and colours are furthest from both ends. The profile is that of the tests,
-    # whose dependencies are built already.
-    cargo run --locked --profile test --quiet -- \
-        bake cubism --resolution 128 --frames 20-29 --output "$frames_folder/cubism.####.vdb"
+    # Around the middle of the morphs, where shapes and colours are furthest from both ends. The profile is that of the
+    # tests, whose dependencies are built already.
+    local scene
+    for scene in cubism cube-to-heart; do
+        cargo run --locked --profile test --quiet -- \
+            bake "$scene" --resolution 128 --frames 12-21 --output "$frames_folder/$scene.####.vdb" || return
+    done
 }
 
 step "install" scripts/install.sh --tests
@@ -41,7 +44,9 @@ step "install" scripts/install.sh --tests
 step "format" cargo fmt --check
 step "lint" cargo clippy --locked --all-targets -- -D warnings
 step "tests" cargo test --locked
-step "bake ten frames" bake_for_blender
-step "open them in Blender" "${HFVDB_BLENDER_PYTHON:-.venv/bin/python}" scripts/check_blender.py \
-    "$frames_folder"/cubism.00{20..29}.vdb --sequence
+step "bake ten frames of two morphs" bake_for_blender
+for scene in cubism cube-to-heart; do
+    step "open $scene in Blender" "${HFVDB_BLENDER_PYTHON:-.venv/bin/python}" scripts/check_blender.py \
+        "$frames_folder/$scene".00{12..21}.vdb --sequence
+done
 finish
