@@ -5,7 +5,7 @@ use std::fmt;
 use crate::attribute::{Colour, ColourSampler, LinearRgb};
 use crate::distance::band::{self, MeasuredBlock, Report, Settings, measure};
 use crate::field::{BATCH, Field};
-use crate::grid::{BLOCK_VOXELS, Band, Channel};
+use crate::grid::{BLOCK_VOXELS, Band, Channel, is_active};
 
 /// A frame's grids, and what to tell about them.
 #[derive(Clone, Debug)]
@@ -80,7 +80,7 @@ pub fn compute(
     let mut values: Vec<_> = measured.visits.into_iter().map(|block| block.values).collect();
     for (values, active) in values.iter_mut().zip(&measured.band.active) {
         for (at, value) in values.iter_mut().enumerate() {
-            if active[at >> 6] >> (at & 63) & 1 == 0 {
+            if !is_active(active, at) {
                 *value = background;
             }
         }
@@ -97,7 +97,7 @@ fn sample(sampler: &mut dyn ColourSampler, block: &MeasuredBlock) -> BlockColour
     sampler.sample(block.feet, &mut colours.values);
     sampler.leave();
     for (at, value) in colours.values.iter().enumerate() {
-        if block.active[at >> 6] >> (at & 63) & 1 == 0 {
+        if !is_active(block.active, at) {
             continue;
         }
         // A NaN fails this comparison too.

@@ -120,10 +120,14 @@ fn of_files(arguments: &Arguments, interrupt: &Interrupt, global: &Global) -> Re
             }
         }
     }
-    let first = read(&arguments.inputs[0], 0)?;
-    let own = measure::solid_extent(&first.band).map(|(least, greatest)| Aabb::new(least, greatest));
-    let bounds = bounds.or(own).unwrap_or(Aabb::new(glam::DVec3::NEG_ONE, glam::DVec3::ONE));
-    drop(first);
+    let bounds = match bounds {
+        Some(bounds) => bounds,
+        None => {
+            let first = read(&arguments.inputs[0], 0)?;
+            let own = measure::solid_extent(&first.band).map(|(least, greatest)| Aabb::new(least, greatest));
+            own.unwrap_or(Aabb::new(glam::DVec3::NEG_ONE, glam::DVec3::ONE))
+        }
+    };
     let compute = |place: usize| read(&arguments.inputs[place], place);
     show(arguments, arguments.inputs.len(), bounds, &compute, interrupt, &progress, global)
 }

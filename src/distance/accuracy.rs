@@ -5,7 +5,7 @@ use rayon::prelude::*;
 
 use crate::{
     field::{Aabb, Expression, Graph, Node, Points, SetSystem},
-    grid::{BLOCK_VOXELS, Band},
+    grid::{BLOCK_VOXELS, Band, BlockMask, is_active},
 };
 
 /// The errors of a band, over its active voxels.
@@ -68,7 +68,6 @@ fn of_block(band: &Band, block: usize, exact: &impl Fn(DVec3) -> f64) -> Sums {
     let size = band.lattice.voxel_size.get();
     let background = f64::from(band.background());
     let points = Points::of_block(band.origins[block], &band.lattice);
-    let is_active = |i: usize| active[i >> 6] >> (i & 63) & 1 == 1;
     let mut sums = Sums::default();
     for i in 0..BLOCK_VOXELS {
         let truth = exact(points.position(i));
@@ -81,10 +80,10 @@ fn of_block(band: &Band, block: usize, exact: &impl Fn(DVec3) -> f64) -> Sums {
         if error > sums.max {
             (sums.max, sums.worst_at) = (error, points.position(i));
         }
-        if is_active(i) {
+        if is_active(active, i) {
             sums.voxels += 1;
             sums.errors += error;
-            if let Some(slope) = slope(distances, i, is_active) {
+            if let Some(slope) = slope(distances, i, active) {
                 sums.slopes += 1;
                 sums.slope_errors += (slope / (2.0 * size) - 1.0).abs();
             }
@@ -94,7 +93,7 @@ fn of_block(band: &Band, block: usize, exact: &impl Fn(DVec3) -> f64) -> Sums {
 }
 
 /// The length of the gradient by central differences, times two voxels.
-fn slope(distances: &[f32; BLOCK_VOXELS], i: usize, is_active: impl Fn(usize) -> bool) -> Option<f64> {
+fn slope(distances: &[f32; BLOCK_VOXELS], i: usize, active: &BlockMask) -> Option<f64> {
     let inner = |c: usize| (1..7).contains(&c);
     if !(inner(i >> 6) && inner(i >> 3 & 7) && inner(i & 7)) {
         return None;
@@ -102,7 +101,7 @@ fn slope(distances: &[f32; BLOCK_VOXELS], i: usize, is_active: impl Fn(usize) ->
     let mut square = 0.0;
     for stride in [64, 8, 1] {
         let (less, more) = (i - stride, i + stride);
-        if !(is_active(less) && is_active(more)) {
+        if !(is_active(active, less) && is_active(active, more)) {
             return None;
         }
         square += (f64::from(distances[more]) - f64::from(distances[less])).powi(2);

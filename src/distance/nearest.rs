@@ -20,7 +20,7 @@ use super::band;
 use super::polish::{Polisher, Request};
 use super::{Distance, Foot};
 use crate::field::{Aabb, BATCH, Evaluator, Field, Gradients, Points, Slope};
-use crate::grid::{Lattice, VoxelSize};
+use crate::grid::{Lattice, VoxelSize, is_active};
 
 /// Answers closest points, in batches, from any thread.
 pub trait ClosestPoint: Sync {
@@ -101,8 +101,7 @@ impl<'a> FieldFeet<'a> {
             };
             let measured = band::measure(field, &settings, || {
                 |block: &band::MeasuredBlock| -> Vec<DVec3> {
-                    let active = |i: &usize| block.active[i >> 6] >> (i & 63) & 1 == 1;
-                    (0..BATCH).filter(active).map(|i| block.feet.position(i)).collect()
+                    (0..BATCH).filter(|&i| is_active(block.active, i)).map(|i| block.feet.position(i)).collect()
                 }
             })?;
             points = measured.visits.concat();

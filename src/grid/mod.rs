@@ -17,3 +17,8 @@ pub const BLOCK_EDGE: i32 = 8;
 pub const BLOCK_VOXELS: usize = 512;
 /// Active flags of a block: word `x`, bit `y·8 + z`.
 pub type BlockMask = [u64; 8];
+
+/// Whether the voxel at a place in its block ([`voxel_offset`]) is active.
+pub fn is_active(mask: &BlockMask, offset: usize) -> bool {
+    mask[offset >> 6] >> (offset & 63) & 1 == 1
+}

@@ -196,7 +196,7 @@ impl Polisher {
         }
         debug_assert_eq!(points.origin, queries.origin);
         evaluator.branch(branch, points, &mut parts[0]);
-        keep_near_surface(evaluator, request, points, group, &mut parts[0], values, None::<fn(u16)>);
+        keep_near_surface(evaluator, request, points, group, &mut parts[0], values, |_| {});
         if group.is_empty() {
             return;
         }
@@ -350,7 +350,7 @@ impl Polisher {
                 open.push(Demand { branches, query });
             }
         };
-        keep_near_surface(evaluator, request, &mut lanes.points, group, &mut parts[0], values, Some(rejected));
+        keep_near_surface(evaluator, request, &mut lanes.points, group, &mut parts[0], values, rejected);
         if group.is_empty() {
             return;
         }
@@ -421,7 +421,7 @@ fn keep_near_surface(
     group: &mut Vec<u16>,
     part: &mut Gradients,
     values: &mut Lane,
-    mut rejected: Option<impl FnMut(u16)>,
+    mut rejected: impl FnMut(u16),
 ) {
     evaluator.values(points, values);
     let mut kept = 0;
@@ -429,9 +429,7 @@ fn keep_near_surface(
         let slope = part.gradient(lane).length();
         // A branch without a slope, or a value that is no number, is for the full test.
         if values[lane].abs() > STEEPER * ON_SURFACE * request.unit * slope {
-            if let Some(rejected) = &mut rejected {
-                rejected(group[lane]);
-            }
+            rejected(group[lane]);
             continue;
         }
         group[kept] = group[lane];
