@@ -10,7 +10,7 @@ use crate::{
 use super::{
     band::Error,
     descent::Scope,
-    exchange,
+    exchange::{self, Offer, Seed},
     polish::{Polisher, Request},
     staged::{ROOM, Staged},
 };
@@ -73,9 +73,8 @@ impl<'a> Meter<'a> {
         }
     }
 
-    /// Measures a block into `out`. `seeds` are feet that neighbouring blocks offer: voxels and offsets from the
-    /// block's middle.
-    pub fn measure(&mut self, origin: IVec3, seeds: &[(u16, Vec3)], out: &mut Staged) -> Result<(), Error> {
+    /// Measures a block into `out`. `seeds` are what neighbouring blocks offer.
+    pub fn measure(&mut self, origin: IVec3, seeds: &[Seed], out: &mut Staged) -> Result<(), Error> {
         let margin = f64::from(self.scope.half_width) + ROOM;
         self.region = self.scope.centres(origin, BLOCK_EDGE, margin);
         self.points = Points::of_block(origin, &self.scope.lattice);
@@ -179,10 +178,14 @@ impl<'a> Meter<'a> {
     }
 
     /// Takes the seeds that are nearer than what was found, and polishes them.
-    fn take_seeds(&mut self, seeds: &[(u16, Vec3)]) {
+    fn take_seeds(&mut self, seeds: &[Seed]) {
         self.changed.fill(false);
-        for &(voxel, foot) in seeds {
-            let i = usize::from(voxel);
+        for seed in seeds {
+            let i = usize::from(seed.voxel);
+            let foot = match seed.offer {
+                Offer::Foot(foot) => foot,
+                Offer::Crossing(step) => self.bisect(self.points.offset(i), step, self.at_voxels.value[i] >= 0.0),
+            };
             let distance = (self.points.offset(i) - foot).length();
             if distance < self.distances[i] {
                 self.distances[i] = distance;
@@ -193,16 +196,16 @@ impl<'a> Meter<'a> {
         self.polish_changed();
     }
 
-    /// Where the sign changes between two neighbours there is a foot within a voxel of both; where none was found
-    /// (F has no gradient to follow, or jumps) bisection finds it.
+    /// Where the sign changes between two neighbours their distances add up to a voxel at most; where they do not (F
+    /// has no gradient to follow, or jumps, or another sheet is nearly as near) bisection finds the surface.
     fn find_crossings(&mut self) {
         let voxel = self.voxel();
         let mut found = false;
         for (stride, axis) in [(64, 0), (8, 1), (1, 2)] {
             for i in (0..BLOCK_VOXELS - stride).filter(|&i| (i / stride) % 8 < 7) {
-                let (here, there) = (self.at_voxels.value[i], self.at_voxels.value[i + stride]);
-                let far = 1.01 * voxel;
-                if (here >= 0.0) == (there >= 0.0) || self.distances[i].max(self.distances[i + stride]) <= far {
+                let signed = |i: usize| if self.at_voxels.value[i] >= 0.0 { self.distances[i] } else { -self.distances[i] };
+                let inside = self.at_voxels.value[i] >= 0.0;
+                if !exchange::miss_a_crossing(voxel, signed(i), signed(i + stride)) {
                     continue;
                 }
                 if !found {
@@ -211,7 +214,7 @@ impl<'a> Meter<'a> {
                 }
                 let mut step = Vec3::ZERO;
                 step[axis] = voxel;
-                let crossing = self.bisect(self.points.offset(i), step, here >= 0.0);
+                let crossing = self.bisect(self.points.offset(i), step, inside);
                 for i in [i, i + stride] {
                     let distance = (self.points.offset(i) - crossing).length();
                     if distance < self.distances[i] {

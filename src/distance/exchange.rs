@@ -122,6 +122,11 @@ impl Face {
         step
     }
 
+    /// A block's values in the layer at this face; facing layers are in the same order.
+    pub fn layer(self, values: &[f32; BLOCK_VOXELS]) -> [f32; 64] {
+        std::array::from_fn(|k| values[self.voxel(k)])
+    }
+
     /// The k-th voxel of the layer at this face; facing layers agree on k.
     fn voxel(self, k: usize) -> usize {
         let depth = if self.0 & 1 == 0 { 0 } else { 7 };
@@ -134,14 +139,40 @@ impl Face {
     }
 }
 
-/// A voxel and a foot offered to it, as an offset from the block's middle.
-pub type Seed = (u16, Vec3);
+/// What a neighbouring block offers to one voxel.
+#[derive(Clone, Copy)]
+pub struct Seed {
+    /// The voxel's number in its block.
+    pub voxel: u16,
+    /// What it is offered.
+    pub offer: Offer,
+}
 
-/// The feet of the voxels at one face of a block.
+/// A point of the surface that may be nearer than a voxel's own foot.
+#[derive(Clone, Copy)]
+pub enum Offer {
+    /// A neighbour's foot, as an offset from the block's middle.
+    Foot(Vec3),
+    /// The surface passes between the voxel and its neighbour this far away.
+    Crossing(Vec3),
+}
+
+/// How much more than a voxel the distances of two neighbours of different sign may add up to, in voxels: feet are
+/// right to a hundredth each.
+const CROSSED: f32 = 1.0 + 2.0 * NEARER;
+
+/// Whether two neighbouring voxels with these signed distances are of different sign, and both farther from the surface
+/// than they can be: it passes between them.
+pub fn miss_a_crossing(voxel: f32, here: f32, there: f32) -> bool {
+    (here >= 0.0) != (there >= 0.0) && here.abs() + there.abs() > CROSSED * voxel
+}
+
+/// The voxels at one face of a block: their signed distances and their feet.
 #[derive(Clone)]
 pub struct Layer {
     face: Face,
     voxel: f32,
+    distances: [f32; 64],
     /// Offsets from the block's middle; not a number where a voxel has none.
     feet: [Vec3; 64],
 }
@@ -153,20 +184,32 @@ impl Layer {
             let i = face.voxel(k);
             block.to_foot(i).map_or(Vec3::NAN, |to_foot| centre(i, voxel) + to_foot)
         };
-        Self { face, voxel, feet: std::array::from_fn(foot) }
+        Self { face, voxel, distances: face.layer(&block.distances), feet: std::array::from_fn(foot) }
     }
 
-    /// Lists the feet of `other`, the facing layer of the neighbour, that are within reach and nearer than this
-    /// block's own.
+    /// Lists what `other`, the facing layer of the neighbour, has that is within reach and nearer than this block's
+    /// own.
     pub fn offers(&self, other: &Self, reach: f32, seeds: &mut Vec<Seed>) {
-        let shift = self.face.step().as_vec3() * self.voxel;
-        for (k, (own, offered)) in self.feet.iter().zip(&other.feet).enumerate() {
-            let i = self.face.voxel(k);
-            let centre = centre(i, self.voxel);
-            let offered = *offered + shift;
-            let distance = if own.is_nan() { f32::INFINITY } else { (*own - centre).length() };
-            if (offered - centre).length_squared() < limit_of(self.voxel, reach, distance) {
-                seeds.push((i as u16, offered));
+        other.offer_feet(&self.distances, reach, seeds);
+        for (k, (&here, &there)) in self.distances.iter().zip(&other.distances).enumerate() {
+            if miss_a_crossing(self.voxel, here, there) {
+                let step = self.face.step().as_vec3() * (self.voxel / BLOCK_EDGE as f32);
+                seeds.push(Seed { voxel: self.face.voxel(k) as u16, offer: Offer::Crossing(step) });
+            }
+        }
+    }
+
+    /// Lists the feet that are within reach and nearer than those of the facing layer of the neighbour, of which the
+    /// distances are given.
+    pub fn offer_feet(&self, distances: &[f32; 64], reach: f32, seeds: &mut Vec<Seed>) {
+        let facing = self.face.facing();
+        let shift = facing.step().as_vec3() * self.voxel;
+        for (k, (foot, distance)) in self.feet.iter().zip(distances).enumerate() {
+            let i = facing.voxel(k);
+            let foot = *foot + shift;
+            let square = (foot - centre(i, self.voxel)).length_squared();
+            if square < limit_of(self.voxel, reach, distance.abs()) {
+                seeds.push(Seed { voxel: i as u16, offer: Offer::Foot(foot) });
             }
         }
     }

@@ -28,6 +28,10 @@ use crate::distance::{
 /// Edge in voxels of the nodes whose blocks one task measures, cut from one shortened tape.
 const TASK_EDGE: i32 = 32;
 
+/// How often blocks are measured again for what their neighbours offer. What one round brings in may be of use to the
+/// blocks beyond, hardly ever farther than the second: a foot is within reach of blocks that touch.
+const ROUNDS: usize = 4;
+
 /// One finished block on its way into the band.
 struct Entry<T> {
     distances: [f32; BLOCK_VOXELS],
@@ -141,44 +145,47 @@ where
         )
     }
 
-    /// Measures again those blocks whose neighbours have nearer feet for some of their voxels.
+    /// Measures again those blocks whose neighbours have nearer feet for some of their voxels, until there are none.
     fn improve(&mut self, places: &HashMap<IVec3, usize>) -> Result<(), Error> {
-        let (voxel, reach) = (self.scope.lattice.voxel_size.get() as f32, self.scope.background());
-        let offers = |block: &Staged| {
-            let mut seeds = Vec::new();
-            for face in Face::ALL {
-                let neighbour = block.origin + face.step();
-                let own = || Layer::new(block, face, voxel);
-                if let Some(&place) = places.get(&neighbour) {
-                    own().offers(&Layer::new(&self.staged[place], face.facing(), voxel), reach, &mut seeds);
-                } else if let Some(layer) = self.borders.get(&(neighbour, face.facing())) {
-                    own().offers(layer, reach, &mut seeds);
-                }
+        let mut asking: Vec<usize> = (0..self.staged.len()).collect();
+        for _ in 0..ROUNDS {
+            let (staged, borders, scope) = (&self.staged[..], &self.borders, self.scope);
+            let offers: Vec<Vec<Seed>> =
+                asking.par_iter().map(|&place| offers_to(&staged[place], staged, places, borders, scope)).collect();
+            let mut improved = Vec::new();
+            for (place, offers) in asking.into_iter().zip(offers).filter(|(_, offers)| !offers.is_empty()) {
+                self.imports.entry(self.staged[place].origin).or_default().extend(offers);
+                improved.push(place);
             }
-            seeds
-        };
-        let offers: Vec<Vec<Seed>> = self.staged.par_iter().map(offers).collect();
-        let improved: Vec<usize> = (0..offers.len()).filter(|&place| !offers[place].is_empty()).collect();
-        let again = improved
-            .par_iter()
-            .map_init(
-                || Meter::new(self.field, self.scope),
-                |meter, &place| {
-                    let mut block = Staged::new();
-                    meter.measure(self.staged[place].origin, &offers[place], &mut block).map(|()| block)
-                },
-            )
-            .collect::<Result<Vec<_>, Error>>()?;
-        for (place, block) in improved.into_iter().zip(again) {
-            self.imports.insert(block.origin, offers[place].clone());
-            self.staged[place] = block;
+            let again = improved
+                .par_iter()
+                .map_init(
+                    || Meter::new(self.field, self.scope),
+                    |meter, &place| {
+                        let origin = staged[place].origin;
+                        let mut block = Staged::new();
+                        meter.measure(origin, &self.imports[&origin], &mut block).map(|()| block)
+                    },
+                )
+                .collect::<Result<Vec<_>, Error>>()?;
+            asking = Vec::new();
+            for (place, block) in improved.into_iter().zip(again) {
+                asking.extend(Face::ALL.iter().filter_map(|face| places.get(&(block.origin + face.step()))));
+                self.staged[place] = block;
+            }
+            asking.sort_unstable();
+            asking.dedup();
         }
         Ok(())
     }
 
+    fn voxel(&self) -> f32 {
+        self.scope.lattice.voxel_size.get() as f32
+    }
+
     /// Keeps the layers that face later chunks, and offers those that face earlier ones.
     fn keep_borders(&mut self, places: &HashMap<IVec3, usize>) {
-        let (voxel, reach) = (self.scope.lattice.voxel_size.get() as f32, self.scope.background());
+        let (voxel, reach) = (self.voxel(), self.scope.background());
         for block in &self.staged {
             let order = block_order(block.origin);
             for face in Face::ALL {
@@ -228,25 +235,54 @@ where
         }
     }
 
-    /// Measures the blocks again to which later ones offered nearer feet.
+    /// Measures the blocks again to which later ones offered nearer feet, and then those to which these do.
     pub fn redo(&mut self) -> Result<(), Error> {
-        let late: Vec<(IVec3, Vec<Seed>)> = std::mem::take(&mut self.late).into_values().collect();
-        let worker =
-            || (Meter::new(self.field, self.scope), Finisher::new(self.scope), (self.visitor)(), Staged::new());
-        let outcomes = late
-            .into_par_iter()
-            .map_init(worker, |(meter, finisher, visitor, block), (origin, mut seeds)| {
-                if let Some(imports) = self.imports.get(&origin) {
-                    seeds.extend_from_slice(imports);
-                }
-                meter.measure(origin, &seeds, block)?;
-                Ok((origin, outcome(finisher, visitor, block)))
-            })
-            .collect::<Result<Vec<_>, Error>>()?;
-        for (origin, outcome) in outcomes {
-            self.replace(origin, outcome);
+        for _ in 0..ROUNDS {
+            let late: Vec<(IVec3, Vec<Seed>)> = std::mem::take(&mut self.late).into_values().collect();
+            for (origin, seeds) in &late {
+                self.imports.entry(*origin).or_default().extend(seeds);
+            }
+            let worker = || (Meter::new(self.field, self.scope), Finisher::new(self.scope), (self.visitor)());
+            let again = late
+                .into_par_iter()
+                .map_init(worker, |(meter, finisher, visitor), (origin, _)| {
+                    let mut block = Staged::new();
+                    meter.measure(origin, &self.imports[&origin], &mut block)?;
+                    Ok((outcome(finisher, visitor, &block), block))
+                })
+                .collect::<Result<Vec<_>, Error>>()?;
+            let mut redone = Vec::with_capacity(again.len());
+            for (outcome, block) in again {
+                self.replace(block.origin, outcome);
+                redone.push(block);
+            }
+            for block in &redone {
+                self.offer_to_finished(block);
+            }
         }
         Ok(())
+    }
+
+    /// Offers a block's feet to its finished neighbours.
+    fn offer_to_finished(&mut self, block: &Staged) {
+        let (voxel, reach) = (self.voxel(), self.scope.background());
+        for face in Face::ALL {
+            let neighbour = block.origin + face.step();
+            let order = block_order(neighbour);
+            if self.all.binary_search_by_key(&order, |&other| block_order(other)).is_err() {
+                continue;
+            }
+            // A finished block that is not in the band has no foot.
+            let distances = match self.band.origins.binary_search_by_key(&order, |&other| block_order(other)) {
+                Ok(place) => face.facing().layer(&self.band.distances[place]),
+                Err(_) => [reach; 64],
+            };
+            let mut seeds = Vec::new();
+            Layer::new(block, face, voxel).offer_feet(&distances, reach, &mut seeds);
+            if !seeds.is_empty() {
+                self.late.entry(order).or_insert((neighbour, Vec::new())).1.append(&mut seeds);
+            }
+        }
     }
 
     /// Puts a block measured again in its place. It can only have gained: nearer feet, active voxels.
@@ -273,6 +309,28 @@ where
         self.report.band_blocks = self.band.origins.len() as u64;
         (self.band, self.visits, self.report)
     }
+}
+
+/// What a block's neighbours have that is nearer than its own.
+fn offers_to(
+    block: &Staged,
+    staged: &[Staged],
+    places: &HashMap<IVec3, usize>,
+    borders: &HashMap<(IVec3, Face), Layer>,
+    scope: &Scope,
+) -> Vec<Seed> {
+    let (voxel, reach) = (scope.lattice.voxel_size.get() as f32, scope.background());
+    let mut seeds = Vec::new();
+    for face in Face::ALL {
+        let neighbour = block.origin + face.step();
+        let own = || Layer::new(block, face, voxel);
+        if let Some(&place) = places.get(&neighbour) {
+            own().offers(&Layer::new(&staged[place], face.facing(), voxel), reach, &mut seeds);
+        } else if let Some(layer) = borders.get(&(neighbour, face.facing())) {
+            own().offers(layer, reach, &mut seeds);
+        }
+    }
+    seeds
 }
 
 fn outcome<T>(finisher: &mut Finisher, visitor: &mut impl FnMut(&MeasuredBlock) -> T, block: &Staged) -> Outcome<T> {

@@ -12,6 +12,7 @@ use super::{
     FAR, Polisher, Request,
     lanes::{Lane, Lanes},
     smooth::LAST_STEP,
+    wall,
 };
 
 /// |F|/|∇F| up to which a candidate counts as lying on F = 0, in units. Smaller rejects true feet for the error of
@@ -64,6 +65,9 @@ pub(super) struct Scratch {
     residuals: Box<Lane>,
     /// F at candidates.
     values: Box<Lane>,
+    /// The queries inside the solid.
+    inside: Box<[bool; BATCH]>,
+    walls: wall::Scratch,
 }
 
 impl Default for Scratch {
@@ -81,6 +85,8 @@ impl Default for Scratch {
             lies_on: Box::new([0; BATCH]),
             residuals: Box::new([0.0; BATCH]),
             values: Box::new([0.0; BATCH]),
+            inside: Box::new([false; BATCH]),
+            walls: wall::Scratch::default(),
         }
     }
 }
@@ -110,6 +116,10 @@ impl Polisher {
         distances: &mut Lane,
     ) {
         self.take_seeds(evaluator, request, queries, feet, distances);
+        evaluator.values(queries, &mut self.crease.values);
+        for (inside, value) in self.crease.inside.iter_mut().zip(self.crease.values.iter()) {
+            *inside = *value >= 0.0;
+        }
         let branches = evaluator.branches();
         while self.crease.singles.len() < branches {
             self.crease.singles.push(Single { foot: [[0.0; BATCH]; 3], distance: [f32::INFINITY; BATCH] });
@@ -183,7 +193,7 @@ impl Polisher {
         branch: usize,
         best: &mut Best,
     ) {
-        let Scratch { singles, group, parts, values, .. } = &mut self.crease;
+        let Scratch { singles, group, .. } = &mut self.crease;
         let single = &singles[branch];
         group.retain(|&query| single.distance[usize::from(query)] < best.distances[usize::from(query)]);
         if group.is_empty() {
@@ -195,19 +205,45 @@ impl Polisher {
             points.push(offset(&single.foot, usize::from(query)));
         }
         debug_assert_eq!(points.origin, queries.origin);
-        evaluator.branch(branch, points, &mut parts[0]);
-        keep_near_surface(evaluator, request, points, group, &mut parts[0], values, |_| {});
+        self.keep_feet(evaluator, request, queries, &[branch as u16], |_| {});
+        for (lane, &query) in self.crease.group.iter().enumerate() {
+            let query = usize::from(query);
+            best.take(query, self.lanes.points.offset(lane), self.crease.singles[branch].distance[query]);
+        }
+    }
+
+    /// Leaves of the candidates (`self.lanes.points`, of the queries `self.crease.group`) on the common zeros of
+    /// `branches` those where the solid ends.
+    fn keep_feet(
+        &mut self,
+        evaluator: &mut dyn Evaluator,
+        request: &Request,
+        queries: &Points,
+        branches: &[u16],
+        mut rejected: impl FnMut(u16),
+    ) {
+        let Scratch { parts, group, values, inside, walls, .. } = &mut self.crease;
+        let points = &mut self.lanes.points;
+        evaluator.branch(usize::from(branches[0]), points, &mut parts[0]);
+        keep_near_surface(evaluator, request, points, group, &mut parts[0], values, &mut rejected);
         if group.is_empty() {
             return;
         }
         evaluator.gradients(points, &mut self.gradients);
-        for (lane, &query) in group.iter().enumerate() {
+        let mut kept = 0;
+        for lane in 0..group.len() {
             let slope = parts[0].gradient(lane).length();
             if on_surface(&self.gradients, lane, slope, request) {
-                let query = usize::from(query);
-                best.take(query, points.offset(lane), single.distance[query]);
+                group[kept] = group[lane];
+                (points.x[kept], points.y[kept], points.z[kept]) = points.offset(lane).into();
+                kept += 1;
+            } else {
+                rejected(group[lane]);
             }
         }
+        group.truncate(kept);
+        points.len = kept;
+        walls.leave_out(evaluator, request, queries, inside, branches, parts, points, group, values, rejected);
     }
 
     /// Lists the pairs of branches that are both nearer than the best foot.
@@ -317,7 +353,7 @@ impl Polisher {
             }
             lanes.compact(&keep);
         }
-        self.judge_group(evaluator, request, group, order, best);
+        self.judge_group(evaluator, request, queries, group, order, best);
     }
 
     /// Takes the feet of a group that lie on F = 0; pairs that do not stay open for triples.
@@ -325,6 +361,7 @@ impl Polisher {
         &mut self,
         evaluator: &mut dyn Evaluator,
         request: &Request,
+        queries: &Points,
         group: &[Demand],
         order: usize,
         best: &mut Best,
@@ -343,26 +380,17 @@ impl Polisher {
             return;
         }
         let branches = group[0].branches;
-        let Scratch { parts, group, values, open, .. } = &mut self.crease;
-        evaluator.branch(usize::from(branches[0]), &lanes.points, &mut parts[0]);
+        let mut open = std::mem::take(&mut self.crease.open);
         let rejected = |query| {
             if order == 2 {
                 open.push(Demand { branches, query });
             }
         };
-        keep_near_surface(evaluator, request, &mut lanes.points, group, &mut parts[0], values, rejected);
-        if group.is_empty() {
-            return;
-        }
-        evaluator.gradients(&lanes.points, &mut self.gradients);
-        for (lane, &query) in group.iter().enumerate() {
-            let slope = parts[0].gradient(lane).length();
-            let distance = lanes.distance[usize::from(query)];
-            if on_surface(&self.gradients, lane, slope, request) {
-                best.take(usize::from(query), lanes.points.offset(lane), distance);
-            } else if order == 2 {
-                open.push(Demand { branches, query });
-            }
+        self.keep_feet(evaluator, request, queries, &branches[..order], rejected);
+        self.crease.open = open;
+        for (lane, &query) in self.crease.group.iter().enumerate() {
+            let query = usize::from(query);
+            best.take(query, self.lanes.points.offset(lane), self.lanes.distance[query]);
         }
     }
 

@@ -3,8 +3,8 @@
 //! A closest point q of p satisfies F(q) = 0 with p − q along ∇F(q). Where the surface is smooth that is a
 //! constrained Newton iteration ([`smooth`]). Where smooth pieces meet, the closest point may lie on the crease
 //! between two of them or in a corner of three, where F has no gradient to follow; candidates are then sought on
-//! each branch alone, on each pair and on each triple of branches, and the nearest that lies on F = 0 wins
-//! ([`crease`]).
+//! each branch alone, on each pair and on each triple of branches, and the nearest that lies on F = 0, and behind
+//! which the solid ends ([`wall`]), wins ([`crease`]).
 //!
 //! Guaranteed: a result lies on F = 0 within about 0.01 unit, and is no farther than a seed on the surface that the
 //! caller gave. Not guaranteed: that it is the *global* closest point; give seeds (a neighbour's foot) for that.
@@ -13,6 +13,7 @@ mod crease;
 mod kernel;
 mod lanes;
 mod smooth;
+mod wall;
 
 use crate::field::{Aabb, BATCH, Evaluator, Gradients, Points};
 
