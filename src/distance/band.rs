@@ -188,4 +188,6 @@ fn cut_voxels(band: &Band, scope: &Scope) -> [u64; 6] {
 }
 
 #[cfg(test)]
+mod crowd_tests;
+#[cfg(test)]
 mod tests;

@@ -1,5 +1,7 @@
 //! One leaf block: values, feet and distances of its 512 voxels.
 
+mod feet;
+
 use glam::{DVec3, IVec3, Vec3};
 
 use crate::{
@@ -11,7 +13,10 @@ use super::{
     band::Error,
     descent::Scope,
     exchange::{self, Offer, Seed},
-    polish::{Polisher, Request},
+    polish::{
+        Polisher, Request,
+        around::{Approach, Around},
+    },
     staged::{ROOM, Staged},
 };
 
@@ -24,6 +29,8 @@ pub struct Meter<'a> {
     region: Aabb,
     entered: Option<IVec3>,
     polisher: Polisher,
+    around: Around,
+    open: Vec<Approach>,
     at_voxels: Box<Gradients>,
     points: Points,
     feet: Points,
@@ -33,6 +40,7 @@ pub struct Meter<'a> {
     some_queries: Points,
     some_feet: Points,
     some_distances: Box<[f32; BATCH]>,
+    some_inside: Box<[bool; BATCH]>,
 }
 
 impl<'a> Meter<'a> {
@@ -46,6 +54,8 @@ impl<'a> Meter<'a> {
             region: Aabb::new(DVec3::ZERO, DVec3::ZERO),
             entered: None,
             polisher: Polisher::new(),
+            around: Around::new(),
+            open: Vec::new(),
             at_voxels: Box::default(),
             points: empty(),
             feet: empty(),
@@ -54,6 +64,7 @@ impl<'a> Meter<'a> {
             some_queries: empty(),
             some_feet: empty(),
             some_distances: Box::new([0.0; BATCH]),
+            some_inside: Box::new([false; BATCH]),
         }
     }
 
@@ -75,21 +86,45 @@ impl<'a> Meter<'a> {
 
     /// Measures a block into `out`. `seeds` are what neighbouring blocks offer.
     pub fn measure(&mut self, origin: IVec3, seeds: &[Seed], out: &mut Staged) -> Result<(), Error> {
-        let margin = f64::from(self.scope.half_width) + ROOM;
-        self.region = self.scope.centres(origin, BLOCK_EDGE, margin);
-        self.points = Points::of_block(origin, &self.scope.lattice);
-        self.evaluator.enter(&self.region);
-        self.evaluator.gradients(&self.points, &mut self.at_voxels);
+        self.enter_block(origin);
         let result = self.check_values().map(|()| {
             self.find_feet();
-            self.take_seeds(seeds);
-            self.exchange();
-            self.find_crossings();
+            self.settle(seeds);
             self.finish(origin, out);
             self.count_thin(out);
         });
         self.evaluator.leave();
         result
+    }
+
+    /// Improves a measured block by what its neighbours offer.
+    pub fn improve(&mut self, seeds: &[Seed], block: &mut Staged) {
+        self.enter_block(block.origin);
+        self.feet.clone_from(&self.points);
+        for i in 0..BLOCK_VOXELS {
+            self.distances[i] = block.distances[i].abs();
+            if let Some(to_foot) = block.to_foot(i) {
+                self.set_foot(i, self.points.offset(i) + to_foot);
+            }
+        }
+        self.settle(seeds);
+        self.finish(block.origin, block);
+        self.count_thin(block);
+        self.evaluator.leave();
+    }
+
+    fn enter_block(&mut self, origin: IVec3) {
+        let margin = f64::from(self.scope.half_width) + ROOM;
+        self.region = self.scope.centres(origin, BLOCK_EDGE, margin);
+        self.points = Points::of_block(origin, &self.scope.lattice);
+        self.evaluator.enter(&self.region);
+        self.evaluator.gradients(&self.points, &mut self.at_voxels);
+    }
+
+    fn settle(&mut self, seeds: &[Seed]) {
+        self.take_seeds(seeds);
+        self.exchange();
+        self.find_crossings();
     }
 
     fn voxel(&self) -> f32 {
@@ -104,76 +139,6 @@ impl<'a> Meter<'a> {
         match self.at_voxels.value.iter().position(|value| value.is_nan()) {
             Some(i) => Err(Error::NotANumber { position: self.points.position(i) }),
             None => Ok(()),
-        }
-    }
-
-    /// Each voxel's own foot.
-    fn find_feet(&mut self) {
-        let (outside, inside) = match self.slope {
-            Slope::Exact { outside, inside } => (outside, inside),
-            _ => (false, false),
-        };
-        if !outside && !inside {
-            let request = self.request();
-            let Self { evaluator, polisher, points, at_voxels, feet, distances, .. } = self;
-            polisher.closest_from(&mut **evaluator, &request, points, at_voxels, feet, distances);
-            return;
-        }
-        self.feet.clone_from(&self.points);
-        self.changed.fill(false);
-        for i in 0..BLOCK_VOXELS {
-            let value = self.at_voxels.value[i];
-            let gradient = self.at_voxels.gradient(i).normalize_or_zero();
-            if (if value < 0.0 { outside } else { inside }) && gradient != Vec3::ZERO {
-                self.distances[i] = value.abs();
-                let foot = self.points.offset(i) - gradient * value;
-                (self.feet.x[i], self.feet.y[i], self.feet.z[i]) = foot.into();
-            } else {
-                self.distances[i] = f32::INFINITY;
-                self.changed[i] = true;
-            }
-        }
-        self.polish_changed();
-    }
-
-    /// Nearer feet of neighbours, until there are none.
-    fn exchange(&mut self) {
-        if matches!(self.slope, Slope::Exact { inside: true, outside: true }) {
-            return;
-        }
-        // Each round settles what the one before brought in; a foot hardly ever travels on after the second.
-        for _ in 0..4 {
-            self.changed.fill(false);
-            let (voxel, reach) = (self.voxel(), self.background);
-            let Self { points, feet, distances, changed, .. } = self;
-            if !exchange::sweep(voxel, reach, points, feet, distances, changed) {
-                break;
-            }
-            self.polish_changed();
-        }
-    }
-
-    /// Polishes the feet marked in `changed`, from where they are.
-    fn polish_changed(&mut self) {
-        self.some_queries.origin = self.points.origin;
-        self.some_feet.origin = self.points.origin;
-        (self.some_queries.len, self.some_feet.len) = (0, 0);
-        for i in (0..BLOCK_VOXELS).filter(|&i| self.changed[i]) {
-            self.some_queries.push(self.points.offset(i));
-            self.some_feet.push(self.feet.offset(i));
-        }
-        if self.some_queries.len == 0 {
-            return;
-        }
-        let request = self.request();
-        let Self { evaluator, polisher, some_queries, some_feet, some_distances, .. } = self;
-        polisher.closest(&mut **evaluator, &request, some_queries, some_feet, some_distances);
-        for (lane, i) in (0..BLOCK_VOXELS).filter(|&i| self.changed[i]).enumerate() {
-            if self.some_distances[lane] < self.distances[i] {
-                self.distances[i] = self.some_distances[lane];
-                let foot = self.some_feet.offset(lane);
-                (self.feet.x[i], self.feet.y[i], self.feet.z[i]) = foot.into();
-            }
         }
     }
 
@@ -203,7 +168,8 @@ impl<'a> Meter<'a> {
         let mut found = false;
         for (stride, axis) in [(64, 0), (8, 1), (1, 2)] {
             for i in (0..BLOCK_VOXELS - stride).filter(|&i| (i / stride) % 8 < 7) {
-                let signed = |i: usize| if self.at_voxels.value[i] >= 0.0 { self.distances[i] } else { -self.distances[i] };
+                let signed =
+                    |i: usize| if self.at_voxels.value[i] >= 0.0 { self.distances[i] } else { -self.distances[i] };
                 let inside = self.at_voxels.value[i] >= 0.0;
                 if !exchange::miss_a_crossing(voxel, signed(i), signed(i + stride)) {
                     continue;

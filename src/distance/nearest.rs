@@ -17,7 +17,7 @@ use glam::DVec3;
 
 use self::seeds::SeedTree;
 use super::band;
-use super::polish::{Polisher, Request};
+use super::polish::around::{Approach, Around, box_of};
 use super::{Distance, Foot};
 use crate::field::{Aabb, BATCH, Evaluator, Field, Gradients, Points, Slope};
 use crate::grid::{Lattice, VoxelSize, is_active};
@@ -58,14 +58,6 @@ impl Watch<'_> {
 /// Half the width of the band that seeds are taken from, in spacings: the surface then lies nearer than this to some
 /// voxel, even at a corner. Wider gives more seeds than are of use.
 const SEED_BAND: f32 = 0.9;
-
-/// Seeds in one cube of this many spacings are polished in one call. Smaller makes calls of few points, larger keeps
-/// more branches of the field.
-const GROUP: f64 = 4.0;
-
-/// How far stand-ins are from their seeds, and again how far feet may move, in spacings. Smaller stops short of corners,
-/// larger keeps more branches of the field.
-const ROOM: f64 = 3.0;
 
 /// Nearer than this to its foot, in spacings, a point takes the field's gradient for its direction: the foot is right
 /// to a thousandth, too little to aim with.
@@ -115,56 +107,28 @@ impl<'a> FieldFeet<'a> {
     }
 }
 
-/// A position on the way to its foot, and the point of the surface it has so far.
-struct Open {
-    query: usize,
-    point: DVec3,
-    /// The point before the last approach.
-    before: DVec3,
-    group: [i64; 3],
-}
-
-/// Whose feet are sought.
-#[derive(Clone, Copy)]
-enum Aim {
-    /// The position's own.
-    Position,
-    /// Those of stand-ins nearer to the surface.
-    StandIn {
-        /// See [`FieldFeet::stand_in`].
-        relaxed: bool,
-    },
-}
-
 /// What one call works with.
 struct Work<'a> {
     evaluator: Box<dyn Evaluator + 'a>,
-    polisher: Polisher,
+    around: Around,
     at: Box<Gradients>,
     queries: Points,
-    feet: Points,
-    distances: Box<[f32; BATCH]>,
+    open: Vec<Approach>,
 }
 
 impl ClosestPoint for FieldFeet<'_> {
     fn feet(&self, positions: &[DVec3], feet: &mut [Foot]) {
         let mut work = Work {
             evaluator: self.field.evaluator(),
-            polisher: Polisher::new(),
+            around: Around::new(),
             at: Box::default(),
             queries: Points::new(DVec3::ZERO),
-            feet: Points::new(DVec3::ZERO),
-            distances: Box::new([0.0; BATCH]),
+            open: Vec::new(),
         };
         for (positions, feet) in positions.chunks(BATCH).zip(feet.chunks_mut(BATCH)) {
             self.batch(positions, feet, &mut work);
         }
     }
-}
-
-fn box_of(points: impl Iterator<Item = DVec3>) -> Aabb {
-    let none = Aabb::new(DVec3::INFINITY, DVec3::NEG_INFINITY);
-    points.fold(none, |all, p| Aabb::new(all.min.min(p), all.max.max(p)))
 }
 
 impl FieldFeet<'_> {
@@ -184,7 +148,7 @@ impl FieldFeet<'_> {
         if prune {
             work.evaluator.leave();
         }
-        let mut open = Vec::new();
+        work.open.clear();
         let mut last = None;
         for (query, (position, foot)) in positions.iter().zip(feet.iter_mut()).enumerate() {
             let (value, slope) = (f64::from(work.at.value[query]), work.at.gradient(query).as_dvec3());
@@ -198,79 +162,13 @@ impl FieldFeet<'_> {
                 foot.point = *position - gradient * value;
             } else if let Some((index, seed)) = self.seeds.nearest(*position, last) {
                 last = Some(index);
-                let group = (seed / (GROUP * self.spacing)).floor().as_i64vec3().to_array();
-                open.push(Open { query, point: seed, before: seed, group });
+                work.open.push(Approach::new(query, *position, value >= 0.0, seed));
             }
         }
-        open.sort_unstable_by_key(|open| (open.group, open.query));
-        for group in open.chunk_by_mut(|a, b| a.group == b.group) {
-            self.polish(positions, group, feet, work);
+        work.around.closest(&mut *work.evaluator, self.spacing, &mut work.open);
+        for open in &work.open {
+            self.finish(positions[open.query], open.foot, &mut feet[open.query]);
         }
-    }
-
-    /// Feet around seeds that lie close together; the positions may be far away.
-    fn polish(&self, positions: &[DVec3], group: &mut [Open], feet: &mut [Foot], work: &mut Work) {
-        let region = box_of(group.iter().map(|open| open.point)).grown((ROOM + ROOM) * self.spacing);
-        work.evaluator.enter(&region);
-        if work.evaluator.branches() > 1 {
-            // Creases and corners are sought from a stand-in near the seed, on the way to the position. What is found
-            // so from twice is on the right crease or face; the third time finds how far along it.
-            for relaxed in [false, false, true] {
-                self.approach(positions, group, region, Aim::StandIn { relaxed }, work);
-            }
-        }
-        self.approach(positions, group, region, Aim::Position, work);
-        work.evaluator.leave();
-        for open in group.iter() {
-            self.finish(positions[open.query], open.point, &mut feet[open.query]);
-        }
-    }
-
-    /// Moves points of the surface towards being the feet of positions, where that brings them nearer to those.
-    fn approach(&self, positions: &[DVec3], group: &mut [Open], region: Aabb, aim: Aim, work: &mut Work) {
-        let origin = region.centre();
-        (work.queries.origin, work.feet.origin) = (origin, origin);
-        (work.queries.len, work.feet.len) = (0, 0);
-        let mut reach = 0.0_f32;
-        for open in group.iter_mut() {
-            let position = positions[open.query];
-            let query = match aim {
-                Aim::Position => position,
-                Aim::StandIn { relaxed } => self.stand_in(position, open, relaxed),
-            };
-            open.before = open.point;
-            let (query, start) = ((query - origin).as_vec3(), (open.point - origin).as_vec3());
-            work.queries.push(query);
-            work.feet.push(start);
-            reach = reach.max(query.distance(start));
-        }
-        let request = Request { unit: self.spacing as f32, reach: reach * 1.01, region };
-        let Work { evaluator, polisher, queries, feet, distances, .. } = work;
-        polisher.closest(&mut **evaluator, &request, queries, feet, distances);
-        for (lane, open) in group.iter_mut().enumerate() {
-            let (position, point) = (positions[open.query], work.feet.position(lane));
-            let found = work.distances[lane].is_finite() && region.contains(point);
-            if found && point.distance_squared(position) < open.point.distance_squared(position) {
-                open.point = point;
-            }
-        }
-    }
-
-    /// The point towards a position, no farther than [`ROOM`] from the point of the surface. Along a straight face or
-    /// crease the foot of such a stand-in has gone a part of the way only, the stand-in's share of the distance:
-    /// relaxed, it starts as far along as the last approach would have gone in full.
-    fn stand_in(&self, position: DVec3, open: &Open, relaxed: bool) -> DVec3 {
-        let room = ROOM * self.spacing;
-        let distance = open.point.distance(position);
-        if distance <= room {
-            return position;
-        }
-        let mut start = open.point;
-        if relaxed {
-            let rest = (open.point - open.before) * (distance / room - 1.0);
-            start += rest.clamp_length_max(2.0 * self.spacing);
-        }
-        start + (position - start).clamp_length_max(room)
     }
 
     fn finish(&self, position: DVec3, point: DVec3, foot: &mut Foot) {

@@ -44,6 +44,7 @@ pub enum Kind {
 }
 
 /// A measured block that its neighbours may still improve.
+#[derive(Clone)]
 pub struct Staged {
     /// Its least corner.
     pub origin: IVec3,

@@ -154,22 +154,25 @@ where
                 asking.par_iter().map(|&place| offers_to(&staged[place], staged, places, borders, scope)).collect();
             let mut improved = Vec::new();
             for (place, offers) in asking.into_iter().zip(offers).filter(|(_, offers)| !offers.is_empty()) {
-                self.imports.entry(self.staged[place].origin).or_default().extend(offers);
-                improved.push(place);
+                self.imports.entry(self.staged[place].origin).or_default().extend(&offers);
+                improved.push((place, offers));
             }
-            let again = improved
+            if self.cancel.load(Ordering::Relaxed) {
+                return Err(Error::Cancelled);
+            }
+            let again: Vec<Staged> = improved
                 .par_iter()
                 .map_init(
                     || Meter::new(self.field, self.scope),
-                    |meter, &place| {
-                        let origin = staged[place].origin;
-                        let mut block = Staged::new();
-                        meter.measure(origin, &self.imports[&origin], &mut block).map(|()| block)
+                    |meter, (place, offers)| {
+                        let mut block = staged[*place].clone();
+                        meter.improve(offers, &mut block);
+                        block
                     },
                 )
-                .collect::<Result<Vec<_>, Error>>()?;
+                .collect();
             asking = Vec::new();
-            for (place, block) in improved.into_iter().zip(again) {
+            for ((place, _), block) in improved.into_iter().zip(again) {
                 asking.extend(Face::ALL.iter().filter_map(|face| places.get(&(block.origin + face.step()))));
                 self.staged[place] = block;
             }

@@ -25,7 +25,11 @@ const ON_SURFACE: f32 = 0.01;
 const STEEPER: f32 = 8.0;
 
 /// At most this many branches, the nearest, are combined for one query: more make pairs and triples explode.
-const COMBINED: usize = 6;
+pub const COMBINED: usize = 16;
+
+/// In a region of more branches than this it pays to ask in smaller regions; in one of more than [`COMBINED`] it is
+/// needed for feet to be exact.
+pub const FEW: usize = 6;
 
 /// Newton steps for a crease or a corner. Planes take two; where more than this are needed two surfaces touch.
 const STEPS: usize = 10;
@@ -65,8 +69,6 @@ pub(super) struct Scratch {
     residuals: Box<Lane>,
     /// F at candidates.
     values: Box<Lane>,
-    /// The queries inside the solid.
-    inside: Box<[bool; BATCH]>,
     walls: wall::Scratch,
 }
 
@@ -85,10 +87,15 @@ impl Default for Scratch {
             lies_on: Box::new([0; BATCH]),
             residuals: Box::new([0.0; BATCH]),
             values: Box::new([0.0; BATCH]),
-            inside: Box::new([false; BATCH]),
             walls: wall::Scratch::default(),
         }
     }
+}
+
+/// Whose feet are sought, and the side each is on.
+pub(super) struct Queries<'a> {
+    pub points: &'a Points,
+    pub inside: &'a [bool; BATCH],
 }
 
 /// The best foot so far of each query.
@@ -112,14 +119,12 @@ impl Polisher {
         evaluator: &mut dyn Evaluator,
         request: &Request,
         queries: &Points,
+        inside: &[bool; BATCH],
         feet: &mut Points,
         distances: &mut Lane,
     ) {
         self.take_seeds(evaluator, request, queries, feet, distances);
-        evaluator.values(queries, &mut self.crease.values);
-        for (inside, value) in self.crease.inside.iter_mut().zip(self.crease.values.iter()) {
-            *inside = *value >= 0.0;
-        }
+        let queries = &Queries { points: queries, inside };
         let branches = evaluator.branches();
         while self.crease.singles.len() < branches {
             self.crease.singles.push(Single { foot: [[0.0; BATCH]; 3], distance: [f32::INFINITY; BATCH] });
@@ -129,7 +134,7 @@ impl Polisher {
             self.judge_single(evaluator, request, queries, branch, &mut Best { feet, distances });
         }
         let mut best = Best { feet, distances };
-        self.demand_pairs(request, branches, queries.len, best.distances);
+        self.demand_pairs(request, branches, queries.points.len, best.distances);
         self.crease.open.clear();
         self.solve_demands(evaluator, request, queries, 2, &mut best);
         self.demand_triples(best.distances);
@@ -162,12 +167,12 @@ impl Polisher {
     }
 
     /// The foot of each query on one branch's own zero set.
-    fn find_single(&mut self, evaluator: &mut dyn Evaluator, request: &Request, queries: &Points, branch: usize) {
+    fn find_single(&mut self, evaluator: &mut dyn Evaluator, request: &Request, queries: &Queries, branch: usize) {
         let Scratch { singles, group, parts, .. } = &mut self.crease;
-        evaluator.branch(branch, queries, &mut parts[0]);
+        evaluator.branch(branch, queries.points, &mut parts[0]);
         group.clear();
         let far = FAR * request.reach;
-        for i in 0..queries.len {
+        for i in 0..queries.points.len {
             let estimate = quotient(&parts[0], i);
             // Where the gradient vanishes nothing is known: the branch may be anywhere.
             if estimate <= far || estimate.is_nan() {
@@ -175,11 +180,11 @@ impl Polisher {
             }
         }
         let single = &mut singles[branch];
-        single.distance[..queries.len].fill(f32::INFINITY);
+        single.distance[..queries.points.len].fill(f32::INFINITY);
         if group.is_empty() {
             return;
         }
-        self.lanes.load(request, queries, queries, group.iter().map(|&i| usize::from(i)));
+        self.lanes.load(request, queries.points, queries.points, group.iter().map(|&i| usize::from(i)));
         self.lanes.solve(request, &mut self.gradients, |points, out| evaluator.branch(branch, points, out));
         copy_single(&self.lanes, group, single);
     }
@@ -189,7 +194,7 @@ impl Polisher {
         &mut self,
         evaluator: &mut dyn Evaluator,
         request: &Request,
-        queries: &Points,
+        queries: &Queries,
         branch: usize,
         best: &mut Best,
     ) {
@@ -204,7 +209,7 @@ impl Polisher {
         for &query in group.iter() {
             points.push(offset(&single.foot, usize::from(query)));
         }
-        debug_assert_eq!(points.origin, queries.origin);
+        debug_assert_eq!(points.origin, queries.points.origin);
         self.keep_feet(evaluator, request, queries, &[branch as u16], |_| {});
         for (lane, &query) in self.crease.group.iter().enumerate() {
             let query = usize::from(query);
@@ -218,11 +223,11 @@ impl Polisher {
         &mut self,
         evaluator: &mut dyn Evaluator,
         request: &Request,
-        queries: &Points,
+        queries: &Queries,
         branches: &[u16],
         mut rejected: impl FnMut(u16),
     ) {
-        let Scratch { parts, group, values, inside, walls, .. } = &mut self.crease;
+        let Scratch { parts, group, values, walls, .. } = &mut self.crease;
         let points = &mut self.lanes.points;
         evaluator.branch(usize::from(branches[0]), points, &mut parts[0]);
         keep_near_surface(evaluator, request, points, group, &mut parts[0], values, &mut rejected);
@@ -243,7 +248,7 @@ impl Polisher {
         }
         group.truncate(kept);
         points.len = kept;
-        walls.leave_out(evaluator, request, queries, inside, branches, parts, points, group, values, rejected);
+        walls.leave_out(evaluator, request, queries, branches, parts, points, group, values, rejected);
     }
 
     /// Lists the pairs of branches that are both nearer than the best foot.
@@ -305,7 +310,7 @@ impl Polisher {
         &mut self,
         evaluator: &mut dyn Evaluator,
         request: &Request,
-        queries: &Points,
+        queries: &Queries,
         order: usize,
         best: &mut Best,
     ) {
@@ -320,7 +325,7 @@ impl Polisher {
         &mut self,
         evaluator: &mut dyn Evaluator,
         request: &Request,
-        queries: &Points,
+        queries: &Queries,
         group: &[Demand],
         order: usize,
         best: &mut Best,
@@ -329,7 +334,7 @@ impl Polisher {
         let lanes = &mut *self.lanes;
         // The foot on the farther branch is the better start: the crease cannot be nearer than it.
         let singles = &self.crease.singles;
-        lanes.load(request, queries, queries, group.iter().map(|demand| usize::from(demand.query)));
+        lanes.load(request, queries.points, queries.points, group.iter().map(|demand| usize::from(demand.query)));
         for (lane, demand) in group.iter().enumerate() {
             let query = usize::from(demand.query);
             let farther = |a: &u16, b: &u16| {
@@ -361,7 +366,7 @@ impl Polisher {
         &mut self,
         evaluator: &mut dyn Evaluator,
         request: &Request,
-        queries: &Points,
+        queries: &Queries,
         group: &[Demand],
         order: usize,
         best: &mut Best,
@@ -400,7 +405,7 @@ impl Polisher {
         &mut self,
         evaluator: &mut dyn Evaluator,
         request: &Request,
-        queries: &Points,
+        queries: &Queries,
         branches: usize,
         best: &mut Best,
     ) {
@@ -432,7 +437,7 @@ impl Polisher {
             if group.is_empty() {
                 continue;
             }
-            self.lanes.load(request, queries, best.feet, group.iter().map(|&i| usize::from(i)));
+            self.lanes.load(request, queries.points, best.feet, group.iter().map(|&i| usize::from(i)));
             self.lanes.solve(request, &mut self.gradients, |points, out| evaluator.branch(branch, points, out));
             copy_single(&self.lanes, group, &mut singles[branch]);
             self.judge_single(evaluator, request, queries, branch, best);

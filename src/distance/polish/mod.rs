@@ -9,6 +9,7 @@
 //! Guaranteed: a result lies on F = 0 within about 0.01 unit, and is no farther than a seed on the surface that the
 //! caller gave. Not guaranteed: that it is the *global* closest point; give seeds (a neighbour's foot) for that.
 
+pub mod around;
 mod crease;
 mod kernel;
 mod lanes;
@@ -17,6 +18,7 @@ mod wall;
 
 use crate::field::{Aabb, BATCH, Evaluator, Gradients, Points};
 
+pub use crease::{COMBINED, FEW};
 use lanes::Lanes;
 
 /// A query whose |F|/|∇F| is more than this many reaches is not followed to the surface. Smaller relies on feet offered
@@ -60,7 +62,8 @@ impl Polisher {
     ) {
         feet.clone_from(queries);
         if evaluator.branches() > 1 {
-            self.crease_closest(evaluator, request, queries, feet, distances);
+            let inside = std::array::from_fn(|i| at_queries.value[i] >= 0.0);
+            self.crease_closest(evaluator, request, queries, &inside, feet, distances);
             return;
         }
         distances[..queries.len].fill(f32::INFINITY);
@@ -81,7 +84,7 @@ impl Polisher {
         self.lanes.store(feet, distances);
     }
 
-    /// Finds the closest surface point of each query.
+    /// Finds the closest surface point of each query; `inside` tells where F ≥ 0.
     ///
     /// `feet` holds the starting points (same `len` and `origin` as `queries`): a seed on the surface, or the query
     /// itself where none is known. On return it holds the closest points, and `distances` the unsigned distances to
@@ -91,12 +94,13 @@ impl Polisher {
         evaluator: &mut dyn Evaluator,
         request: &Request,
         queries: &Points,
+        inside: &[bool; BATCH],
         feet: &mut Points,
         distances: &mut [f32; BATCH],
     ) {
         debug_assert_eq!((queries.len, queries.origin), (feet.len, feet.origin));
         if evaluator.branches() > 1 {
-            self.crease_closest(evaluator, request, queries, feet, distances);
+            self.crease_closest(evaluator, request, queries, inside, feet, distances);
         } else {
             self.lanes.load(request, queries, feet, 0..queries.len);
             self.lanes.solve(request, &mut self.gradients, |points, out| evaluator.gradients(points, out));

@@ -29,7 +29,8 @@ fn worst(field: &Joined, truth: impl Fn(DVec3) -> f64) -> f64 {
         evaluator.enter(&region);
         let mut feet = queries.clone();
         let request = Request { unit: UNIT as f32, reach: REACH as f32, region };
-        polisher.closest(&mut *evaluator, &request, &queries, &mut feet, &mut distances);
+        let inside = std::array::from_fn(|i| field.reference(queries.position(i)) >= 0.0);
+        polisher.closest(&mut *evaluator, &request, &queries, &inside, &mut feet, &mut distances);
         evaluator.leave();
         for i in 0..BATCH {
             let distance = truth(queries.position(i)).abs();
@@ -88,7 +89,7 @@ fn small_balls_and_far_queries() {
     let region = crate::field::Aabb::new(DVec3::splat(-1.0), DVec3::splat(1.0));
     let request = Request { unit: UNIT as f32, reach: 1.0, region };
     let mut distances = [0.0; BATCH];
-    Polisher::new().closest(&mut *field.evaluator(), &request, &queries, &mut feet, &mut distances);
+    Polisher::new().closest(&mut *field.evaluator(), &request, &queries, &[false; BATCH], &mut feet, &mut distances);
     for i in 0..queries.len {
         let truth = exact::sphere(queries.position(i), DVec3::ZERO, UNIT).abs();
         let error = (f64::from(distances[i]) - truth).abs() / UNIT;

@@ -8,7 +8,7 @@ use glam::{Mat3, Vec3};
 
 use crate::field::{BATCH, Evaluator, Gradients, Points};
 
-use super::{Request, lanes::Lane};
+use super::{Request, crease::Queries, lanes::Lane};
 
 /// How far from a candidate the other side is looked for, in units. Smaller would meet the error of the candidate
 /// itself, larger would take gaps and sheets for walls that are thicker than they need be.
@@ -37,14 +37,13 @@ impl Default for Scratch {
 
 impl Scratch {
     /// Leaves out the candidates on walls. `points` are candidates on the common zeros of `branches`, of the queries in
-    /// `group`; `inside` tells the side of each query; `parts` and `values` are scratch memory.
+    /// `group`; `parts` and `values` are scratch memory.
     #[expect(clippy::too_many_arguments, reason = "the parts of one scratch memory")]
     pub fn leave_out(
         &mut self,
         evaluator: &mut dyn Evaluator,
         request: &Request,
-        queries: &Points,
-        inside: &[bool; BATCH],
+        queries: &Queries,
         branches: &[u16],
         parts: &mut [Box<Gradients>; 3],
         points: &mut Points,
@@ -58,10 +57,10 @@ impl Scratch {
         self.doubtful.extend(0..group.len() as u16);
         // Straight on from the query: where the surface is smooth, and on most creases, the other side is there.
         let straight_on = |lane: usize| {
-            let query = queries.offset(usize::from(group[lane]));
+            let query = queries.points.offset(usize::from(group[lane]));
             points.offset(lane) - query
         };
-        self.probe(evaluator, request, points, group, inside, values, |lane| {
+        self.probe(evaluator, request, points, group, queries.inside, values, |lane| {
             straight_on(lane).normalize_or_zero() * beside
         });
         if branches.len() > 1 && !self.doubtful.is_empty() {
@@ -69,7 +68,7 @@ impl Scratch {
                 evaluator.branch(usize::from(branch), points, part);
             }
             for sector in 0..SECTORS >> (3 - branches.len()) {
-                self.probe(evaluator, request, points, group, inside, values, |lane| {
+                self.probe(evaluator, request, points, group, queries.inside, values, |lane| {
                     into_sector(parts, branches.len(), lane, sector) * beside
                 });
             }

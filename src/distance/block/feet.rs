@@ -1,0 +1,207 @@
+//! The feet of a block's voxels: their own, and those that neighbours have.
+//!
+//! Where the block holds few branches all its voxels are polished in one batch. Where there are many, a voxel's foot is
+//! sought in a small cube grown by the band's width: nearly all branches of the block have no part in it.
+
+use glam::Vec3;
+
+use super::Meter;
+use crate::{
+    distance::{
+        exchange,
+        polish::{COMBINED, FEW, Request, around::Approach},
+    },
+    field::{Aabb, Slope},
+    grid::{BLOCK_EDGE, BLOCK_VOXELS},
+};
+
+/// How near to the surface a voxel is, in voxels, whose foot is sought by itself where there are many branches; others
+/// get theirs from neighbours, which is not always the nearest. Larger holds more branches.
+const NEAR: f64 = 3.0;
+
+/// The same where regions around voxels hold more branches than can be combined. Every piece of surface is nearer than
+/// this to some voxel.
+const LEAST_NEAR: f64 = 1.0;
+
+/// The thickness in voxels of the shells in which feet are carried outward. Thicker carries feet that are not settled.
+const SHELL: f32 = 0.5;
+
+/// The edge in voxels of the least cube whose near feet are sought together.
+const LEAST_CUBE: usize = 2;
+
+impl Meter<'_> {
+    /// Each voxel's own foot.
+    pub(super) fn find_feet(&mut self) {
+        let (outside, inside) = match self.slope {
+            Slope::Exact { outside, inside } => (outside, inside),
+            _ => (false, false),
+        };
+        let few_branches = self.evaluator.branches() <= FEW;
+        if !outside && !inside && few_branches {
+            let request = self.request();
+            let Self { evaluator, polisher, points, at_voxels, feet, distances, .. } = self;
+            polisher.closest_from(&mut **evaluator, &request, points, at_voxels, feet, distances);
+            return;
+        }
+        self.feet.clone_from(&self.points);
+        self.changed.fill(false);
+        let mut any = false;
+        for i in 0..BLOCK_VOXELS {
+            let value = self.at_voxels.value[i];
+            let gradient = self.at_voxels.gradient(i).normalize_or_zero();
+            if (if value < 0.0 { outside } else { inside }) && gradient != Vec3::ZERO {
+                self.distances[i] = value.abs();
+                self.set_foot(i, self.points.offset(i) - gradient * value);
+            } else {
+                self.distances[i] = f32::INFINITY;
+                self.changed[i] = true;
+                any = true;
+            }
+        }
+        if any && few_branches {
+            self.polish_changed();
+        } else if any {
+            self.find_near_feet([0; 3], BLOCK_EDGE as usize, NEAR);
+            self.spread();
+        }
+    }
+
+    pub(super) fn set_foot(&mut self, i: usize, foot: Vec3) {
+        (self.feet.x[i], self.feet.y[i], self.feet.z[i]) = foot.into();
+    }
+
+    /// Feet of those of a cube's voxels, marked in `changed`, that are within `near` voxels of the surface, in regions of
+    /// few branches. (Farther feet may be found, and are of use where they are.)
+    fn find_near_feet(&mut self, corner: [usize; 3], edge: usize, near: f64) {
+        let reach = near * self.scope.lattice.voxel_size.get();
+        let least = (corner[0] << 6) | (corner[1] << 3) | corner[2];
+        let greatest = least + (edge - 1) * 0b1001001;
+        let region = Aabb::new(self.points.position(least), self.points.position(greatest)).grown(reach);
+        let bounds = self.evaluator.enter(&region);
+        if bounds.lo <= 0.0 && bounds.hi >= 0.0 {
+            let branches = self.evaluator.branches();
+            if branches <= FEW || edge == LEAST_CUBE {
+                self.find_feet_of_cube(corner, edge, &Request { unit: self.voxel(), reach: reach as f32, region });
+                if branches > COMBINED && near > LEAST_NEAR {
+                    self.find_near_feet(corner, edge, near - 1.0);
+                }
+            } else {
+                let half = edge / 2;
+                for octant in 0..8 {
+                    let at = |axis: usize| corner[axis] + half * (octant >> (2 - axis) & 1);
+                    self.find_near_feet([at(0), at(1), at(2)], half, near);
+                }
+            }
+        }
+        self.evaluator.leave();
+    }
+
+    fn find_feet_of_cube(&mut self, corner: [usize; 3], edge: usize, request: &Request) {
+        let Self { evaluator, polisher, some_queries, some_feet, some_distances, some_inside, .. } = self;
+        (some_queries.origin, some_queries.len) = (self.points.origin, 0);
+        let mut voxels = [0u16; BLOCK_VOXELS];
+        for i in (0..BLOCK_VOXELS).filter(|&i| self.changed[i]) {
+            let at = [i >> 6, (i >> 3) & 7, i & 7];
+            if (0..3).all(|axis| (corner[axis]..corner[axis] + edge).contains(&at[axis])) {
+                voxels[some_queries.len] = i as u16;
+                some_inside[some_queries.len] = self.at_voxels.value[i] >= 0.0;
+                some_queries.push(self.points.offset(i));
+            }
+        }
+        if some_queries.len == 0 {
+            return;
+        }
+        some_feet.clone_from(some_queries);
+        polisher.closest(&mut **evaluator, request, some_queries, some_inside, some_feet, some_distances);
+        for lane in 0..self.some_queries.len {
+            self.take_nearer(usize::from(voxels[lane]), self.some_feet.offset(lane), self.some_distances[lane]);
+        }
+    }
+
+    fn take_nearer(&mut self, i: usize, foot: Vec3, distance: f32) {
+        if distance < self.distances[i] {
+            self.distances[i] = distance;
+            self.set_foot(i, foot);
+        }
+    }
+
+    /// Carries the feet of voxels near the surface to those farther away, shell by shell, so that each goes on from
+    /// feet that are right.
+    fn spread(&mut self) {
+        let voxel = self.voxel();
+        let mut reach = LEAST_NEAR as f32 * voxel;
+        while reach < self.background {
+            reach = (reach + SHELL * voxel).min(self.background);
+            self.sweep(reach);
+        }
+    }
+
+    /// Takes nearer feet of neighbours; false when there are none.
+    fn sweep(&mut self, reach: f32) -> bool {
+        self.changed.fill(false);
+        let voxel = self.voxel();
+        let Self { points, feet, distances, changed, .. } = self;
+        let any = exchange::sweep(voxel, reach, points, feet, distances, changed);
+        if any {
+            self.polish_changed();
+        }
+        any
+    }
+
+    /// Nearer feet of neighbours, until there are none.
+    pub(super) fn exchange(&mut self) {
+        if matches!(self.slope, Slope::Exact { inside: true, outside: true }) {
+            return;
+        }
+        // Each round settles what the one before brought in; a foot hardly ever travels on after the second.
+        for _ in 0..4 {
+            if !self.sweep(self.background) {
+                break;
+            }
+        }
+    }
+
+    /// Polishes the feet marked in `changed`, from where they are.
+    pub(super) fn polish_changed(&mut self) {
+        if self.evaluator.branches() > FEW {
+            self.polish_around_feet();
+            return;
+        }
+        let Self { some_queries, some_feet, some_inside, .. } = self;
+        (some_queries.origin, some_queries.len) = (self.points.origin, 0);
+        (some_feet.origin, some_feet.len) = (self.points.origin, 0);
+        for i in (0..BLOCK_VOXELS).filter(|&i| self.changed[i]) {
+            some_inside[some_queries.len] = self.at_voxels.value[i] >= 0.0;
+            some_queries.push(self.points.offset(i));
+            some_feet.push(self.feet.offset(i));
+        }
+        if some_queries.len == 0 {
+            return;
+        }
+        let request = self.request();
+        let Self { evaluator, polisher, some_queries, some_inside, some_feet, some_distances, .. } = self;
+        polisher.closest(&mut **evaluator, &request, some_queries, some_inside, some_feet, some_distances);
+        let mut lane = 0;
+        for i in 0..BLOCK_VOXELS {
+            if self.changed[i] {
+                self.take_nearer(i, self.some_feet.offset(lane), self.some_distances[lane]);
+                lane += 1;
+            }
+        }
+    }
+
+    /// The same where the block holds more branches than can be combined.
+    fn polish_around_feet(&mut self) {
+        self.open.clear();
+        for i in (0..BLOCK_VOXELS).filter(|&i| self.changed[i]) {
+            let inside = self.at_voxels.value[i] >= 0.0;
+            self.open.push(Approach::new(i, self.points.position(i), inside, self.feet.position(i)));
+        }
+        self.around.closest(&mut *self.evaluator, self.scope.lattice.voxel_size.get(), &mut self.open);
+        for k in 0..self.open.len() {
+            let open = self.open[k];
+            let foot = (open.foot - self.points.origin).as_vec3();
+            self.take_nearer(open.query, foot, (foot - self.points.offset(open.query)).length());
+        }
+    }
+}
