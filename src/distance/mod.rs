@@ -11,6 +11,7 @@ pub mod nearest;
 pub mod octree;
 pub mod polish;
 mod staged;
+pub mod without;
 
 #[cfg(test)]
 mod testing;

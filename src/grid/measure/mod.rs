@@ -8,7 +8,7 @@ mod lookup;
 mod pieces;
 mod soundness;
 
-pub use pieces::pieces;
+pub use pieces::{pieces, voxels_of_pieces};
 pub use soundness::{SlopeError, Tears, slope_error, tears};
 
 use glam::{DVec3, IVec3};

@@ -8,7 +8,7 @@ use glam::IVec3;
 use rayon::prelude::*;
 
 use super::lookup::{Lookup, Place, local_of};
-use crate::grid::{BLOCK_EDGE, BLOCK_VOXELS, Band};
+use crate::grid::{BLOCK_EDGE, BLOCK_VOXELS, Band, BlockMask};
 
 /// One step each way along each axis.
 const FACES: [IVec3; 6] = [IVec3::X, IVec3::Y, IVec3::Z, IVec3::NEG_X, IVec3::NEG_Y, IVec3::NEG_Z];
@@ -25,42 +25,97 @@ const DIAGONALS: [(IVec3, IVec3); 6] = [
 /// The volumes of the solid's connected pieces, in cubic world units, the largest first; whole voxels are counted.
 /// The number of pieces is the list's length.
 pub fn pieces(band: &Band) -> Vec<f64> {
-    let labels: Vec<Labels> = band.distances.par_iter().map(Labels::of).collect();
-    let mut first_node = Vec::with_capacity(labels.len() + 1);
-    let mut sizes: Vec<u64> = Vec::new();
-    for labels in &labels {
-        first_node.push(sizes.len());
-        sizes.resize(sizes.len() + labels.count, 0);
-        let base = first_node[first_node.len() - 1];
-        labels.local.iter().flatten().for_each(|&label| sizes[base + usize::from(label)] += 1);
-    }
-    let first_tile = sizes.len();
-    sizes.extend(band.inside_tiles.iter().map(|tile| (tile.edge as u64).pow(3)));
+    Pieces::of(band).volumes(band)
+}
 
-    let lookup = Lookup::new(band);
-    let node = |place: Place| match place {
-        Place::Outside => None,
-        Place::Tile(index) => Some(first_tile + index),
-        Place::Voxel { block, offset } => {
-            labels[block].local[offset].map(|label| first_node[block] + usize::from(label))
+/// The inside voxels of those pieces that `dropped` picks, block by block in the band's order, tiles after; `dropped` is
+/// told a piece's rank (0 is the largest) and its volume in cubic world units.
+pub fn voxels_of_pieces(band: &Band, dropped: impl Fn(usize, f64) -> bool) -> Vec<(IVec3, BlockMask)> {
+    let pieces = Pieces::of(band);
+    let volumes = pieces.volumes(band);
+    let drops: Vec<bool> = volumes.iter().enumerate().map(|(rank, &volume)| dropped(rank, volume)).collect();
+    if !drops.contains(&true) {
+        return Vec::new();
+    }
+    let mut voxels = Vec::new();
+    for (block, labels) in pieces.labels.iter().enumerate() {
+        let mut mask = BlockMask::default();
+        for (offset, label) in labels.local.iter().enumerate() {
+            let drops = label.is_some_and(|label| drops[pieces.rank[pieces.first_node[block] + usize::from(label)]]);
+            mask[offset >> 6] |= u64::from(drops) << (offset & 63);
         }
-    };
-    let of_blocks: Vec<Vec<(usize, usize)>> = (0..band.origins.len())
-        .into_par_iter()
-        .map(|block| if labels[block].count == 0 { Vec::new() } else { block_links(band, &lookup, block, &node) })
-        .collect();
-    let mut forest = Forest::new(sizes.len());
-    of_blocks.into_iter().flatten().for_each(|(a, b)| forest.join(a, b));
+        if mask != BlockMask::default() {
+            voxels.push((band.origins[block], mask));
+        }
+    }
     for (index, tile) in band.inside_tiles.iter().enumerate() {
-        for face in FACES {
-            // One voxel beyond the face finds a tile of this size or larger; smaller ones find this tile.
-            let step = if face.min_element() < 0 { face } else { face * tile.edge };
-            if let Some(Place::Tile(other)) = tile.origin.checked_add(step).map(|voxel| lookup.at(voxel)) {
-                forest.join(first_tile + index, first_tile + other);
+        if drops[pieces.rank[pieces.first_tile + index]] {
+            let blocks = tile.edge / BLOCK_EDGE;
+            for number in 0..blocks.pow(3) {
+                let step = IVec3::new(number / blocks / blocks, number / blocks % blocks, number % blocks);
+                voxels.push((tile.origin + step * BLOCK_EDGE, [u64::MAX; 8]));
             }
         }
     }
-    forest.totals(&sizes, band.lattice.voxel_size.get())
+    voxels
+}
+
+/// Which piece everything inside belongs to. Nodes are the pieces of single blocks, then the tiles.
+struct Pieces {
+    labels: Vec<Labels>,
+    first_node: Vec<usize>,
+    first_tile: usize,
+    /// Of each node: the rank of its piece.
+    rank: Vec<usize>,
+    /// Of each piece: its voxels, the most first.
+    sizes: Vec<u64>,
+}
+
+impl Pieces {
+    fn volumes(&self, band: &Band) -> Vec<f64> {
+        let cubed = band.lattice.voxel_size.get().powi(3);
+        self.sizes.iter().map(|&size| size as f64 * cubed).collect()
+    }
+
+    fn of(band: &Band) -> Self {
+        let labels: Vec<Labels> = band.distances.par_iter().map(Labels::of).collect();
+        let mut first_node = Vec::with_capacity(labels.len() + 1);
+        let mut sizes: Vec<u64> = Vec::new();
+        for labels in &labels {
+            first_node.push(sizes.len());
+            sizes.resize(sizes.len() + labels.count, 0);
+            let base = first_node[first_node.len() - 1];
+            labels.local.iter().flatten().for_each(|&label| sizes[base + usize::from(label)] += 1);
+        }
+        let first_tile = sizes.len();
+        sizes.extend(band.inside_tiles.iter().map(|tile| (tile.edge as u64).pow(3)));
+
+        let lookup = Lookup::new(band);
+        let node = |place: Place| match place {
+            Place::Outside => None,
+            Place::Tile(index) => Some(first_tile + index),
+            Place::Voxel { block, offset } => {
+                labels[block].local[offset].map(|label| first_node[block] + usize::from(label))
+            }
+        };
+        let of_blocks: Vec<Vec<(usize, usize)>> = (0..band.origins.len())
+            .into_par_iter()
+            .map(|block| if labels[block].count == 0 { Vec::new() } else { block_links(band, &lookup, block, &node) })
+            .collect();
+        let mut forest = Forest::new(sizes.len());
+        of_blocks.into_iter().flatten().for_each(|(a, b)| forest.join(a, b));
+        for (index, tile) in band.inside_tiles.iter().enumerate() {
+            for face in FACES {
+                // One voxel beyond the face finds a tile of this size or larger; smaller ones find this tile.
+                let step = if face.min_element() < 0 { face } else { face * tile.edge };
+                if let Some(Place::Tile(other)) = tile.origin.checked_add(step).map(|voxel| lookup.at(voxel)) {
+                    forest.join(first_tile + index, first_tile + other);
+                }
+            }
+        }
+        let (rank, sizes) = forest.ranks(&sizes);
+        Self { labels, first_node, first_tile, rank, sizes }
+    }
 }
 
 /// The joins of a block's pieces with those around it, and of its own along diagonals.
@@ -165,16 +220,20 @@ impl Forest {
         self.0[a.max(b)] = a.min(b);
     }
 
-    /// The sums of each set's sizes (voxels) as volumes, the largest first.
-    fn totals(mut self, sizes: &[u64], voxel_size: f64) -> Vec<f64> {
+    /// Each node's set, by rank, and the sums of each set's sizes, the largest first.
+    fn ranks(mut self, sizes: &[u64]) -> (Vec<usize>, Vec<u64>) {
         let mut totals = vec![0; sizes.len()];
         for (node, size) in sizes.iter().enumerate() {
             totals[self.root(node)] += size;
         }
-        totals.retain(|&total| total > 0);
-        totals.sort_unstable_by(|a, b| b.cmp(a));
-        let cubed = voxel_size * voxel_size * voxel_size;
-        totals.into_iter().map(|total| total as f64 * cubed).collect()
+        let mut roots: Vec<usize> = (0..sizes.len()).filter(|&node| totals[node] > 0).collect();
+        roots.sort_unstable_by_key(|&root| (std::cmp::Reverse(totals[root]), root));
+        let mut rank = vec![0; sizes.len()];
+        for (place, &root) in roots.iter().enumerate() {
+            rank[root] = place;
+        }
+        let of_nodes = (0..sizes.len()).map(|node| rank[self.root(node)]).collect();
+        (of_nodes, roots.into_iter().map(|root| totals[root]).collect())
     }
 }
 
@@ -224,6 +283,27 @@ mod tests {
             let band = band_of(|p| wire(p).max(0.5 - (p - crumb).length()), 25.0, 1.0);
             assert_eq!(pieces(&band).last(), Some(&1.0), "{direction}");
         }
+    }
+
+    #[test]
+    fn the_voxels_of_a_piece_are_all_of_it() {
+        let ball = |p: DVec3, x: f64, radius: f64| radius - (p - DVec3::new(x, 0.0, 0.0)).length();
+        let band = band_of(|p| ball(p, -25.0, 21.0).max(ball(p, 25.0, 22.0)), 50.0, 1.0);
+        assert!(!band.inside_tiles.is_empty());
+        let volumes = pieces(&band);
+        let dropped = voxels_of_pieces(&band, |rank, volume| {
+            assert_eq!(volume, volumes[rank]);
+            rank > 0
+        });
+        let count: u32 = dropped.iter().flat_map(|(_, mask)| mask).map(|word| word.count_ones()).sum();
+        assert_eq!(f64::from(count), volumes[1]);
+        for (origin, mask) in &dropped {
+            for offset in (0..BLOCK_VOXELS).filter(|&offset| mask[offset >> 6] >> (offset & 63) & 1 == 1) {
+                let centre = (*origin + local_of(offset)).as_dvec3();
+                assert!(ball(centre, -25.0, 21.0) >= 0.0, "{centre} is not in the smaller ball");
+            }
+        }
+        assert!(voxels_of_pieces(&band, |_, _| false).is_empty());
     }
 
     #[test]

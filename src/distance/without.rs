@@ -1,0 +1,236 @@
+//! A field without some of its pieces: crumbs that a morph leaves for a frame or two.
+//!
+//! What is to go is known as voxels inside. F′ = min(F, G) with G the distance to the nearest of their centres less
+//! [`ROOM`]: negative around all of them, so that nothing of the piece that a voxel could see remains, and far from them
+//! F′ = F to the last bit.
+
+use std::collections::HashMap;
+
+use glam::{DVec3, IVec3};
+
+use crate::{
+    field::{Aabb, BATCH, Evaluator, Field, Gradients, Interval, Points, Slope},
+    grid::{BlockMask, Lattice, block_origin, is_active, voxel_offset},
+};
+
+/// How far around the centres of its voxels a piece is taken away, in voxels. Smaller leaves slivers of it in corners
+/// between voxels; larger takes more of a piece beside it, of which no voxel is nearer than √2.
+const ROOM: f64 = 1.2;
+
+/// From where on G says nothing, in voxels from the nearest centre: centres are looked for among the voxels around a
+/// point, which hold all up to here.
+const FAR: f64 = 1.5;
+
+/// F without the pieces that some voxels belong to.
+pub struct Without<'a> {
+    field: &'a dyn Field,
+    lattice: Lattice,
+    voxels: HashMap<IVec3, BlockMask>,
+}
+
+impl<'a> Without<'a> {
+    /// Takes the pieces away whose voxels are given block by block; see
+    /// [`voxels_of_pieces`](crate::grid::measure::voxels_of_pieces).
+    pub fn new(field: &'a dyn Field, lattice: Lattice, voxels: &[(IVec3, BlockMask)]) -> Self {
+        let mut all: HashMap<IVec3, BlockMask> = HashMap::new();
+        for (origin, mask) in voxels {
+            let known = all.entry(*origin).or_default();
+            known.iter_mut().zip(mask).for_each(|(known, word)| *known |= word);
+        }
+        Self { field, lattice, voxels: all }
+    }
+
+    fn taken(&self, voxel: IVec3) -> bool {
+        self.voxels.get(&block_origin(voxel)).is_some_and(|mask| is_active(mask, voxel_offset(voxel)))
+    }
+
+    /// G and its gradient; infinity far from all centres.
+    fn room(&self, position: DVec3) -> (f64, DVec3) {
+        let edge = self.lattice.voxel_size.get();
+        let middle = self.lattice.nearest(position);
+        let mut nearest = f64::INFINITY;
+        let mut gradient = DVec3::ZERO;
+        for number in 0..27 {
+            let voxel = middle + IVec3::new(number / 9, number / 3 % 3, number % 3) - 1;
+            if self.taken(voxel) {
+                let away = position - self.lattice.centre(voxel);
+                if away.length() < nearest.min(FAR * edge) {
+                    nearest = away.length();
+                    gradient = away.normalize_or_zero();
+                }
+            }
+        }
+        (nearest - ROOM * edge, gradient)
+    }
+
+    /// Whether anything is taken away near a region.
+    fn reaches(&self, region: &Aabb) -> bool {
+        let least = block_origin(self.lattice.nearest(region.min) - 2);
+        let greatest = block_origin(self.lattice.nearest(region.max) + 2);
+        let blocks = (greatest - least) / 8 + 1;
+        let count = blocks.as_dvec3().element_product();
+        if count > self.voxels.len() as f64 {
+            return self.voxels.keys().any(|origin| origin.cmpge(least).all() && origin.cmple(greatest).all());
+        }
+        (0..blocks.x).any(|x| {
+            (0..blocks.y).any(|y| (0..blocks.z).any(|z| self.voxels.contains_key(&(least + IVec3::new(x, y, z) * 8))))
+        })
+    }
+}
+
+impl Field for Without<'_> {
+    fn bounding_box(&self) -> Option<Aabb> {
+        self.field.bounding_box()
+    }
+
+    fn slope(&self) -> Slope {
+        match self.field.slope() {
+            Slope::Exact { .. } => Slope::Lipschitz(1.0),
+            Slope::Lipschitz(most) => Slope::Lipschitz(most.max(1.0)),
+            Slope::Unknown => Slope::Unknown,
+        }
+    }
+
+    fn reference(&self, position: DVec3) -> f64 {
+        self.field.reference(position).min(self.room(position).0)
+    }
+
+    fn evaluator(&self) -> Box<dyn Evaluator + '_> {
+        Box::new(WithoutEvaluator { without: self, inner: self.field.evaluator(), near: vec![true] })
+    }
+}
+
+struct WithoutEvaluator<'a> {
+    without: &'a Without<'a>,
+    inner: Box<dyn Evaluator + 'a>,
+    /// Whether anything is taken away near each region entered, the innermost last.
+    near: Vec<bool>,
+}
+
+impl WithoutEvaluator<'_> {
+    fn near(&self) -> bool {
+        self.near.last().is_none_or(|&near| near)
+    }
+}
+
+impl Evaluator for WithoutEvaluator<'_> {
+    fn enter(&mut self, region: &Aabb) -> Interval {
+        let near = self.near() && self.without.reaches(region);
+        self.near.push(near);
+        let bounds = self.inner.enter(region);
+        let least = -ROOM * self.without.lattice.voxel_size.get();
+        if near { Interval::new(bounds.lo.min(least), bounds.hi) } else { bounds }
+    }
+
+    fn leave(&mut self) {
+        self.near.pop();
+        self.inner.leave();
+    }
+
+    fn values(&mut self, points: &Points, out: &mut [f32; BATCH]) {
+        self.inner.values(points, out);
+        if self.near() {
+            for (i, value) in out.iter_mut().enumerate().take(points.len) {
+                let room = self.without.room(points.position(i)).0 as f32;
+                // A value that is no number stays one.
+                if room < *value {
+                    *value = room;
+                }
+            }
+        }
+    }
+
+    fn gradients(&mut self, points: &Points, out: &mut Gradients) {
+        self.inner.gradients(points, out);
+        if self.near() {
+            for i in 0..points.len {
+                let (room, gradient) = self.without.room(points.position(i));
+                if (room as f32) < out.value[i] {
+                    set(out, i, room, gradient);
+                }
+            }
+        }
+    }
+
+    fn gradient_bounds(&mut self) -> Option<[Interval; 3]> {
+        if self.near() { None } else { self.inner.gradient_bounds() }
+    }
+
+    fn branches(&self) -> usize {
+        self.inner.branches() + usize::from(self.near())
+    }
+
+    fn branch(&mut self, branch: usize, points: &Points, out: &mut Gradients) {
+        if branch < self.inner.branches() {
+            self.inner.branch(branch, points, out);
+            return;
+        }
+        for i in 0..points.len {
+            let (room, gradient) = self.without.room(points.position(i));
+            set(out, i, room, gradient);
+        }
+    }
+}
+
+fn set(out: &mut Gradients, i: usize, value: f64, gradient: DVec3) {
+    out.value[i] = value as f32;
+    (out.dx[i], out.dy[i], out.dz[i]) = gradient.as_vec3().into();
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::atomic::AtomicBool;
+
+    use super::*;
+    use crate::{
+        distance::{
+            accuracy::exact,
+            band::{MeasuredBlock, Settings, measure},
+            testing::{Joined, Leaf},
+        },
+        grid::{BLOCK_VOXELS, VoxelSize, measure::voxels_of_pieces},
+    };
+
+    /// Two balls and a crumb of three voxels beside them: without the small ones the band is that of the large ball.
+    #[test]
+    fn only_the_largest_piece_remains() {
+        let (large, radius) = (DVec3::new(-8.2, 0.3, 0.1), 13.0);
+        let field = Joined::union(vec![
+            Leaf::Sphere(large, radius),
+            Leaf::Sphere(DVec3::new(14.1, 0.2, 0.4), 6.0),
+            Leaf::Sphere(DVec3::new(-8.0, 0.0, 16.4), 1.1),
+        ]);
+        let lattice = Lattice { voxel_size: VoxelSize::new(1.0).unwrap() };
+        let cancel = AtomicBool::new(false);
+        let region = field.bounding_box().unwrap().grown(4.0);
+        let settings = Settings { lattice, half_width: 3.0, region, cancel: &cancel, progress: &|_| {} };
+        let whole = measure(&field, &settings, || |_: &MeasuredBlock| ()).unwrap().band;
+        let dropped = voxels_of_pieces(&whole, |rank, _| rank > 0);
+        let without = Without::new(&field, lattice, &dropped);
+        let band = measure(&without, &settings, || |_: &MeasuredBlock| ()).unwrap().band;
+        assert_eq!(crate::grid::measure::pieces(&band).len(), 1);
+        for (origin, distances) in band.origins.iter().zip(&band.distances) {
+            let points = Points::of_block(*origin, &lattice);
+            for i in 0..BLOCK_VOXELS {
+                let truth = exact::sphere(points.position(i), large, radius).clamp(-3.0, 3.0);
+                let found = f64::from(distances[i]);
+                assert!((found - truth).abs() < 0.02, "{found} for {truth} at {}", points.position(i));
+            }
+        }
+    }
+
+    #[test]
+    fn far_away_nothing_changes_and_bounds_hold() {
+        let field = Joined::one(Leaf::Sphere(DVec3::ZERO, 5.0));
+        let lattice = Lattice { voxel_size: VoxelSize::new(1.0).unwrap() };
+        let without = Without::new(&field, lattice, &[(IVec3::ZERO, [1, 0, 0, 0, 0, 0, 0, 0])]);
+        assert_eq!(without.reference(DVec3::ZERO), -ROOM);
+        assert_eq!(without.reference(DVec3::new(1.3, 0.0, 0.0)), 1.3 - ROOM);
+        assert_eq!(without.reference(DVec3::splat(2.0)), field.reference(DVec3::splat(2.0)));
+        let mut evaluator = without.evaluator();
+        let region = Aabb::new(DVec3::splat(-0.5), DVec3::splat(0.5));
+        let bounds = evaluator.enter(&region);
+        assert!(bounds.lo <= -ROOM && bounds.hi >= 0.0);
+        evaluator.leave();
+    }
+}
