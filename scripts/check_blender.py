@@ -144,8 +144,9 @@ class Player:
             self.volume.is_sequence = True
             self.volume.frame_start = first
             self.volume.frame_offset = first - 1  # file number = frame - frame_start + 1 + frame_offset
-            self.volume.frame_duration = len(files)  # 0, the default, would show nothing
-            bpy.context.scene.frame_start, bpy.context.scene.frame_end = first, first + len(files) - 1
+            last = last_number(self.files[-1])
+            self.volume.frame_duration = last - first + 1  # 0, the default, would show nothing
+            bpy.context.scene.frame_start, bpy.context.scene.frame_end = first, last
         self.object = bpy.data.objects.new("file", self.volume)
         self.object.hide_render = True
         bpy.context.scene.collection.objects.link(self.object)
@@ -383,11 +384,10 @@ def main(options):
         frame["mesh"] = check_mesh(mesh, colour, voxel, problems)
         if options.dump:
             os.makedirs(options.dump, exist_ok=True)
-            arrays = {"positions": mesh["positions"], "corners": mesh["corners"], "sizes": mesh["sizes"]}
+            stem = os.path.join(options.dump, os.path.splitext(os.path.basename(path))[0])
+            mesh["positions"].astype("<f4").tofile(stem + ".positions.f32")
             if colour in mesh:
-                arrays["colours"] = mesh[colour]
-            name = os.path.splitext(os.path.basename(path))[0]
-            np.savez(os.path.join(options.dump, name + ".npz"), **arrays)
+                mesh[colour].astype("<f4").tofile(stem + ".colours.f32")
     report["problems"] = [os.path.basename(f["file"]) + ": " + text for f in report["frames"] for text in f["problems"]]
     shown = [index for index, frame in enumerate(report["frames"]) if frame.get("mesh", {}).get("faces")]
     if options.render and shown:
