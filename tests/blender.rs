@@ -254,3 +254,45 @@ fn colours_of_cubism_arrive_in_blender() {
 fn colours_of_cube_to_heart_arrive_in_blender() {
     colours_arrive("cube-to-heart", "1,12-21,24", 0.9999);
 }
+
+/// Files with what is to be found, made by OpenVDB's own Python module: balls whose insides are not filled, a crumb
+/// beside one; and a hollow ball, which is sound.
+const MAKER: &str = "
+import sys, numpy as np, pyopenvdb as vdb
+place = np.indices((49, 49, 49)) - 24
+def write(name, values, half_width):
+    grid = vdb.FloatGrid(half_width)
+    grid.copyFromArray(np.ascontiguousarray(values, np.float32), ijk=(-24, -24, -24))
+    grid.name, grid.gridClass = 'surface', vdb.GridClass.LEVEL_SET
+    grid.transform = vdb.createLinearTransform(0.1)
+    vdb.write(sys.argv[1] + '/' + name + '.vdb', grids=[grid])
+radius = np.sqrt((place ** 2).sum(0)) * 0.1
+ball = radius - 1.5
+for voxels in (2, 3):
+    width = 0.1 * voxels
+    write('unfilled%d' % voxels, np.where(abs(ball) < width, ball, width), width)
+write('hollow', np.clip(np.maximum(ball, 0.8 - radius), -0.3, 0.3), 0.3)
+crumb = np.sqrt(((place - 18) ** 2).sum(0)) * 0.1 - 0.25
+write('crumb', np.clip(np.minimum(ball, crumb), -0.3, 0.3), 0.3)
+";
+
+#[test]
+fn second_surfaces_and_crumbs_are_found() {
+    let Some(python) = blender() else { return };
+    let place = Workplace::new();
+    fs::create_dir(place.path("out")).expect("a folder");
+    place.run(Command::new("/usr/bin/python3").args(["-c", MAKER, "out"])).ok();
+    let run = check_in_blender(&python, &place, "out", &["--colour", "none", "--pieces", "1"]);
+    assert_eq!(run.code, 1, "{}", run.stderr);
+    let report: serde_json::Value = serde_json::from_str(&run.stdout).expect("a report");
+    let problems = |name: &str| {
+        let frames = report["frames"].as_array().expect("frames");
+        let frame = frames.iter().find(|frame| frame["file"].as_str().is_some_and(|file| file.ends_with(name)));
+        frame.unwrap_or_else(|| panic!("no {name}"))["problems"].to_string()
+    };
+    assert_eq!(problems("hollow.vdb"), "[]");
+    assert!(problems("crumb.vdb").contains("2 pieces instead of 1"), "{}", problems("crumb.vdb"));
+    for name in ["unfilled2.vdb", "unfilled3.vdb"] {
+        assert!(problems(name).contains("a second surface"), "{name}: {}", problems(name));
+    }
+}
