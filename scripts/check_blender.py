@@ -10,8 +10,10 @@ vertices into a colour attribute.
 Problems are reported, and end the run with exit code 1, when
   * the file or one of its grids does not load, or a grid is of the wrong type;
   * the mesh is empty, not closed, not oriented alike everywhere, or inside out;
-  * a voxel's length inside and outside of a vertex the field is not a voxel's length: wrong sign, wrong units, a
-    second surface at the inner edge of a band that was not filled;
+  * a voxel's length inside and outside of a vertex the field is not a voxel's length: wrong sign, wrong units;
+  * there is a second surface: a piece of the mesh where the field does not pass through 0 but leaps over it, which is
+    the inner edge of a band whose inside was not filled. (A hollow in the solid is none: the field is a distance there.)
+  * with --pieces N: the solid is in more than N pieces (crumbs);
   * colours are missing (most vertices black), not finite, or outside [0, 1];
   * with --sequence: frame n does not play file n.
 
@@ -19,22 +21,18 @@ stdout is one JSON document; --dump writes what it was computed from, to be comp
 """
 import argparse
 import json
-import math
 import os
-import re
 import sys
 
-STDOUT = os.fdopen(os.dup(1), "w")
-os.dup2(2, 1)  # Blender logs to stdout, which is the report's
-
-import bpy  # noqa: E402
-import mathutils  # noqa: E402
-import numpy as np  # noqa: E402
+from blender_scene import STDOUT, Player, bpy, coloured_mesh, last_number, leave, new_object, np, read_mesh
 
 # How far the field may be from a voxel's length one voxel off the surface, in voxels: near creases it is shorter.
 FIELD_TOLERANCE = 0.5
 # The fraction of vertices that has to hold it.
 FIELD_FRACTION = 0.9
+# No distance changes by more than a voxel over a voxel; a field that does, by this many voxels, leaps. At the inner
+# edge of an unfilled band it goes from one end of its range to the other: 1.5 voxels and more on either side.
+LEAP = 1.4
 
 
 def arguments():
@@ -43,126 +41,10 @@ def arguments():
     parser.add_argument("--surface", default="surface", help="the level set's name")
     parser.add_argument("--colour", default="Cd", help="the colour grid's name, or 'none'")
     parser.add_argument("--sequence", action="store_true", help="load the files as one sequence and play it")
-    parser.add_argument("--dump", metavar="FOLDER", help="write FOLDER/NAME.npz: positions, colours, corners, sizes")
-    parser.add_argument("--render", metavar="PNG", help="render the frames into one contact sheet")
-    parser.add_argument("--pick", type=int, default=12, help="render at most so many frames, evenly spread (12)")
-    parser.add_argument("--size", type=int, default=160, help="edge of a rendered frame in pixels (160)")
-    parser.add_argument("--samples", type=int, default=8, help="samples a pixel (8)")
+    parser.add_argument("--pieces", type=int, metavar="N", help="the most pieces that the solid may be in")
+    parser.add_argument("--dump", metavar="FOLDER", help="write NAME.positions.f32 and NAME.colours.f32: of each "
+                        "vertex three little-endian 32-bit floats, in world units and linear RGB")
     return parser.parse_args()
-
-
-# --- the scene -------------------------------------------------------------------------------------------------------
-
-
-class Graph:
-    """A geometry node tree, written as nested calls."""
-
-    def __init__(self, name):
-        self.tree = bpy.data.node_groups.new(name, "GeometryNodeTree")
-        self.tree.interface.new_socket("Geometry", in_out="OUTPUT", socket_type="NodeSocketGeometry")
-
-    def add(self, kind, output=0, settings=None, **inputs):
-        """A node with settings and inputs (by name, or i0, i1, ... by place); returns one of its outputs."""
-        node = self.tree.nodes.new(kind)
-        for key, value in (settings or {}).items():
-            setattr(node, key, value)
-        for key, value in inputs.items():
-            place = re.fullmatch(r"i(\d+)", key)
-            socket = node.inputs[int(place[1])] if place else node.inputs[key]
-            if isinstance(value, bpy.types.NodeSocket):
-                self.tree.links.new(value, socket)
-            else:
-                socket.default_value = value
-        return node.outputs[output]
-
-    def finish(self, geometry):
-        out = self.tree.nodes.new("NodeGroupOutput")
-        self.tree.links.new(geometry, out.inputs[0])
-        return self.tree
-
-
-def build_graph(volume, surface, colour, voxel, material):
-    graph = Graph("check")
-    source = graph.add("GeometryNodeObjectInfo", "Geometry", {"transform_space": "RELATIVE"}, Object=volume)
-
-    def grid(name, kind):
-        settings = {"data_type": kind}
-        return graph.add("GeometryNodeGetNamedGrid", "Grid", settings, Volume=source, Name=name, Remove=False)
-
-    field = grid(surface, "FLOAT")
-    mesh = graph.add("GeometryNodeGridToMesh", "Mesh", Grid=field, Threshold=0.0)  # Blender's default is 0.1
-    position = graph.add("GeometryNodeInputPosition")
-    normal = graph.add("GeometryNodeInputNormal")
-
-    def store(mesh, name, kind, value):
-        settings = {"data_type": kind, "domain": "POINT"}
-        return graph.add("GeometryNodeStoreNamedAttribute", "Geometry", settings, Geometry=mesh, Name=name, Value=value)
-
-    for name, sign in (("inside", -1.0), ("outside", 1.0)):
-        step = graph.add("ShaderNodeVectorMath", settings={"operation": "SCALE"}, i0=normal, Scale=sign * voxel)
-        place = graph.add("ShaderNodeVectorMath", settings={"operation": "ADD"}, i0=position, i1=step)
-        value = graph.add("GeometryNodeSampleGrid", "Value", {"data_type": "FLOAT"}, Grid=field, Position=place)
-        mesh = store(mesh, name, "FLOAT", value)
-    if colour:
-        settings = {"data_type": "VECTOR"}
-        vectors = grid(colour, "VECTOR")
-        value = graph.add("GeometryNodeSampleGrid", "Value", settings, Grid=vectors, Position=position)
-        mesh = store(mesh, colour, "FLOAT_COLOR", value)
-    return graph.finish(graph.add("GeometryNodeSetMaterial", "Geometry", Geometry=mesh, Material=material))
-
-
-def make_material(colour):
-    material = bpy.data.materials.new("surface")
-    if material.node_tree is None:
-        material.use_nodes = True
-    nodes, links = material.node_tree.nodes, material.node_tree.links
-    nodes.clear()
-    shader, out = nodes.new("ShaderNodeBsdfDiffuse"), nodes.new("ShaderNodeOutputMaterial")
-    links.new(shader.outputs[0], out.inputs["Surface"])
-    if colour:
-        attribute = nodes.new("ShaderNodeAttribute")
-        attribute.attribute_name = colour
-        links.new(attribute.outputs["Color"], shader.inputs["Color"])
-    return material
-
-
-def last_number(path):
-    """The number that Blender reads: the last run of digits before the extension."""
-    found = re.search(r"(\d+)\.vdb$", os.path.basename(path))
-    return int(found[1]) if found else None
-
-
-class Player:
-    """A Volume object that shows one file after the other: as single files, or as one sequence."""
-
-    def __init__(self, files, sequence):
-        self.files, self.sequence = [os.path.abspath(path) for path in files], sequence
-        self.volume = bpy.data.volumes.new("file")
-        self.volume.filepath = self.files[0]
-        if sequence:
-            first = last_number(self.files[0])
-            self.volume.is_sequence = True
-            self.volume.frame_start = first
-            self.volume.frame_offset = first - 1  # file number = frame - frame_start + 1 + frame_offset
-            self.volume.frame_duration = len(files)  # 0, the default, would show nothing
-            bpy.context.scene.frame_start, bpy.context.scene.frame_end = first, first + len(files) - 1
-        self.object = bpy.data.objects.new("file", self.volume)
-        self.object.hide_render = True
-        bpy.context.scene.collection.objects.link(self.object)
-
-    def show(self, index):
-        """Shows a file; returns the path that Blender plays."""
-        if self.sequence:
-            bpy.context.scene.frame_set(last_number(self.files[index]))
-        else:
-            self.volume.filepath = self.files[index]
-            self.object.update_tag()
-        evaluated = self.object.evaluated_get(bpy.context.evaluated_depsgraph_get()).data
-        evaluated.grids.load()
-        return evaluated.grids.frame_filepath
-
-
-# --- what is checked -------------------------------------------------------------------------------------------------
 
 
 def check_grids(path, wanted, problems):
@@ -194,30 +76,6 @@ def check_grids(path, wanted, problems):
     return grids, voxel
 
 
-def read_mesh(carrier):
-    """The evaluated mesh as arrays."""
-    evaluated = carrier.evaluated_get(bpy.context.evaluated_depsgraph_get())
-    mesh = evaluated.to_mesh()
-
-    def array(source, name, width, kind=np.float32):
-        flat = np.empty(len(source) * width, kind)
-        source.foreach_get(name, flat)
-        return flat.reshape(-1, width) if width > 1 else flat
-
-    arrays = {
-        "positions": array(mesh.vertices, "co", 3).astype(np.float64),
-        "corners": array(mesh.loops, "vertex_index", 1, np.int32),
-        "sizes": array(mesh.polygons, "loop_total", 1, np.int32),
-    }
-    for attribute in mesh.attributes:
-        if attribute.domain == "POINT" and attribute.data_type == "FLOAT":
-            arrays[attribute.name] = array(attribute.data, "value", 1)
-        elif attribute.domain == "POINT" and attribute.data_type == "FLOAT_COLOR":
-            arrays[attribute.name] = array(attribute.data, "color", 4)[:, :3]
-    evaluated.to_mesh_clear()
-    return arrays
-
-
 def directed_edges(corners, sizes):
     ends = np.cumsum(sizes)
     following = np.arange(1, len(corners) + 1)
@@ -225,20 +83,8 @@ def directed_edges(corners, sizes):
     return np.stack([corners, corners[following]], 1).astype(np.int64)
 
 
-def signed_volume(positions, corners, sizes):
-    """Positive when normals point outwards."""
-    points = positions - positions.mean(0)
-    starts = np.cumsum(sizes) - sizes
-    total = 0.0
-    for step in range(1, int(sizes.max()) - 1):
-        faces = starts[sizes > step + 1]
-        a, b, c = (points[corners[faces + offset]] for offset in (0, step, step + 1))
-        total += float((a * np.cross(b, c)).sum()) / 6
-    return total
-
-
-def count_pieces(count, edges):
-    """Connected pieces, by spreading the least vertex number along the edges."""
+def pieces_of(count, edges):
+    """The number of the connected piece of each vertex, by spreading the least vertex number along the edges."""
     label = np.arange(count)
     while True:
         before = label.copy()
@@ -246,10 +92,22 @@ def count_pieces(count, edges):
         np.minimum.at(label, edges[:, 1], label[edges[:, 0]])
         label = label[label]
         if (label == before).all():
-            return len(np.unique(label))
+            return np.unique(label, return_inverse=True)[1]
 
 
-def check_mesh(mesh, colour, voxel, problems):
+def signed_volumes(positions, corners, sizes, piece):
+    """Of each piece: positive where normals point outwards, negative around a hollow."""
+    points = positions - positions.mean(0)
+    starts = np.cumsum(sizes) - sizes
+    volumes = np.zeros(piece.max() + 1)
+    for step in range(1, int(sizes.max()) - 1):
+        faces = starts[sizes > step + 1]
+        a, b, c = (points[corners[faces + offset]] for offset in (0, step, step + 1))
+        volumes += np.bincount(piece[corners[faces]], (a * np.cross(b, c)).sum(1) / 6, len(volumes))
+    return volumes
+
+
+def check_mesh(mesh, colour, voxel, most_pieces, problems):
     positions, corners, sizes = mesh["positions"], mesh["corners"], mesh["sizes"]
     facts = {"vertices": len(positions), "faces": len(sizes)}
     if len(sizes) == 0:
@@ -259,18 +117,29 @@ def check_mesh(mesh, colour, voxel, problems):
     width = len(positions) + 1
     key, twin = edges[:, 0] * width + edges[:, 1], edges[:, 1] * width + edges[:, 0]
     facts["closed"] = bool(np.isin(key, twin).all())
-    facts["pieces"] = count_pieces(len(positions), edges)
-    facts["signed_volume"] = signed_volume(positions, corners, sizes)
-    facts["box"] = [positions.min(0).tolist(), positions.max(0).tolist()]
     if not facts["closed"]:
         problems.append("the mesh is open, or its faces are not oriented alike")
+    piece = pieces_of(len(positions), edges)
+    volumes = signed_volumes(positions, corners, sizes, piece)
+    facts["pieces"], facts["hollows"] = int((volumes > 0).sum()), int((volumes < 0).sum())
+    facts["signed_volume"] = float(volumes.sum())
+    facts["box"] = [positions.min(0).tolist(), positions.max(0).tolist()]
     if facts["signed_volume"] <= 0:
         problems.append("the mesh is inside out: wrong sign or wrong class")
-    error = np.maximum(abs(mesh["inside"] + voxel), abs(mesh["outside"] - voxel)) / voxel
+    if most_pieces is not None and facts["pieces"] > most_pieces:
+        small = sorted(volumes[volumes > 0])[:-most_pieces]
+        problems.append("%d pieces instead of %d; the small ones have volumes up to %.3g voxels" % (
+            facts["pieces"], most_pieces, max(small) / voxel ** 3))
+    inside, outside = mesh["inside"] / voxel, mesh["outside"] / voxel
+    error = np.maximum(abs(inside + 1), abs(outside - 1))
     facts["field_good"] = float((error < FIELD_TOLERANCE).mean())
     facts["field_error_mean"] = float(error.mean())
     if facts["field_good"] < FIELD_FRACTION:
         problems.append("the field is no distance beside %.1f %% of the vertices" % (100 * (1 - facts["field_good"])))
+    leaps = np.bincount(piece, np.maximum(abs(inside), abs(outside)) > LEAP, len(volumes)) / np.bincount(piece)
+    for second in np.flatnonzero(leaps > 0.5):
+        problems.append("a second surface of %d vertices, where the field leaps: the band's inside is not filled, or the units are wrong" % (
+            (piece == second).sum()))
     if colour:
         facts["colour"] = check_colour(mesh.get(colour), problems)
     return facts
@@ -290,80 +159,20 @@ def check_colour(values, problems):
     return {"mean": values.mean(0).tolist(), "least": values.min(0).tolist(), "greatest": values.max(0).tolist()}
 
 
-# --- pictures --------------------------------------------------------------------------------------------------------
-
-
-def set_up_render(low, high, size, samples):
-    scene = bpy.context.scene
-    scene.render.engine, scene.cycles.device = "CYCLES", "CPU"
-    scene.cycles.samples, scene.cycles.use_denoising = samples, False
-    scene.render.resolution_x = scene.render.resolution_y = size
-    scene.render.film_transparent = False
-    scene.render.image_settings.file_format = "PNG"
-    scene.view_settings.view_transform = "Standard"  # the default changes colours
-    world = bpy.data.worlds.new("world")
-    scene.world = world
-    if world.node_tree is None:
-        world.use_nodes = True
-    background = next(node for node in world.node_tree.nodes if node.type == "BACKGROUND")
-    background.inputs[0].default_value, background.inputs[1].default_value = (1, 1, 1, 1), 0.6
-    centre, diagonal = (low + high) / 2, float(np.linalg.norm(high - low))
-    towards = mathutils.Vector((0.45, -1.0, 0.4)).normalized()
-    lens = bpy.data.cameras.new("camera")
-    lens.type, lens.ortho_scale, lens.clip_end = "ORTHO", diagonal * 1.02, diagonal * 10
-    camera = bpy.data.objects.new("camera", lens)
-    camera.location = mathutils.Vector(centre) + towards * diagonal * 3
-    camera.rotation_euler = towards.to_track_quat("Z", "Y").to_euler()
-    sun = bpy.data.objects.new("sun", bpy.data.lights.new("sun", "SUN"))
-    sun.data.energy, sun.rotation_euler = 2.0, (0.7, 0.2, 0.4)
-    for item in (camera, sun):
-        scene.collection.objects.link(item)
-    scene.camera = camera
-
-
-def load_pixels(path):
-    image = bpy.data.images.load(path)
-    width, height = image.size
-    pixels = np.empty(width * height * 4, np.float32)
-    image.pixels.foreach_get(pixels)
-    bpy.data.images.remove(image)
-    return pixels.reshape(height, width, 4)  # the lowest row first
-
-
-def save_pixels(path, pixels):
-    image = bpy.data.images.new("sheet", pixels.shape[1], pixels.shape[0])
-    image.pixels.foreach_set(np.ascontiguousarray(pixels, np.float32).ravel())
-    image.filepath_raw, image.file_format = os.path.abspath(path), "PNG"
-    image.save()
-
-
-def render_sheet(player, chosen, path, size):
-    columns = math.ceil(math.sqrt(len(chosen) * 1.5))
-    rows = math.ceil(len(chosen) / columns)
-    sheet = np.ones((rows * size, columns * size, 4), np.float32)
-    single = os.path.abspath(path) + ".frame.png"
-    for place, index in enumerate(chosen):
-        player.show(index)
-        bpy.context.scene.render.filepath = single
-        bpy.ops.render.render(write_still=True)
-        row, column = rows - 1 - place // columns, place % columns
-        sheet[row * size:(row + 1) * size, column * size:(column + 1) * size] = load_pixels(single)
-    os.remove(single)
-    save_pixels(path, sheet)
-
-
-# --- the run ---------------------------------------------------------------------------------------------------------
+def dump(folder, path, mesh, colour):
+    os.makedirs(folder, exist_ok=True)
+    stem = os.path.join(folder, os.path.splitext(os.path.basename(path))[0])
+    mesh["positions"].astype("<f4").tofile(stem + ".positions.f32")
+    if colour in mesh:
+        mesh[colour].astype("<f4").tofile(stem + ".colours.f32")
 
 
 def main(options):
-    bpy.ops.wm.read_factory_settings(use_empty=True)
-    bpy.context.scene.render.threads_mode, bpy.context.scene.render.threads = "FIXED", os.cpu_count() or 1
     colour = None if options.colour == "none" else options.colour
     wanted = [(options.surface, "FLOAT")] + ([(colour, "VECTOR_FLOAT")] if colour else [])
     report = {"blender": bpy.app.version_string, "frames": []}
-    player, material = Player(options.files, options.sequence), make_material(colour)
-    carrier = bpy.data.objects.new("mesh", bpy.data.meshes.new("mesh"))
-    bpy.context.scene.collection.objects.link(carrier)
+    player = Player(options.files, options.sequence)
+    carrier = new_object("mesh", bpy.data.meshes.new("mesh"))
     modifier, graph_voxel = carrier.modifiers.new("check", "NODES"), None
     for index, path in enumerate(player.files):
         problems = []
@@ -374,28 +183,16 @@ def main(options):
             continue
         frame["voxel_size"] = voxel
         if voxel != graph_voxel:
-            modifier.node_group = build_graph(player.object, options.surface, colour, voxel, material)
+            modifier.node_group = coloured_mesh(player.object, options.surface, colour, probe=voxel)
             graph_voxel = voxel
         playing = player.show(index)
         if os.path.abspath(bpy.path.abspath(playing)) != path:
             problems.append("Blender plays '%s' instead" % playing)
         mesh = read_mesh(carrier)
-        frame["mesh"] = check_mesh(mesh, colour, voxel, problems)
+        frame["mesh"] = check_mesh(mesh, colour, voxel, options.pieces, problems)
         if options.dump:
-            os.makedirs(options.dump, exist_ok=True)
-            arrays = {"positions": mesh["positions"], "corners": mesh["corners"], "sizes": mesh["sizes"]}
-            if colour in mesh:
-                arrays["colours"] = mesh[colour]
-            name = os.path.splitext(os.path.basename(path))[0]
-            np.savez(os.path.join(options.dump, name + ".npz"), **arrays)
+            dump(options.dump, path, mesh, colour)
     report["problems"] = [os.path.basename(f["file"]) + ": " + text for f in report["frames"] for text in f["problems"]]
-    shown = [index for index, frame in enumerate(report["frames"]) if frame.get("mesh", {}).get("faces")]
-    if options.render and shown:
-        boxes = np.array([report["frames"][index]["mesh"]["box"] for index in shown])
-        set_up_render(boxes[:, 0].min(0), boxes[:, 1].max(0), options.size, options.samples)
-        spread = np.linspace(0, len(shown) - 1, min(options.pick, len(shown))).round().astype(int)
-        render_sheet(player, [shown[place] for place in spread], options.render, options.size)
-        report["render"] = options.render
     return report
 
 
@@ -405,7 +202,4 @@ if __name__ == "__main__":
         sys.exit("a sequence needs file names that end in a number before .vdb")
     REPORT = main(OPTIONS)
     STDOUT.write(json.dumps(REPORT, indent=1) + "\n")
-    STDOUT.flush()
-    # Blender's own clean-up is noisy and can crash; the report is complete.
-    sys.stderr.flush()
-    os._exit(1 if REPORT["problems"] else 0)
+    leave(1 if REPORT["problems"] else 0)

@@ -12,7 +12,7 @@ mkdir -p out
 frames=$(target/release/hfvdb bake cubism --output 'out/cubism.####.vdb' --overwrite "$@")
 # One path a line, and no blanks in them.
 # shellcheck disable=SC2086
-target/release/hfvdb preview $frames --output out/cubism.png --pictures 24 >/dev/null
+target/release/hfvdb preview $frames --output out/cubism.png --pictures 12 >/dev/null
 
 cat <<END
 

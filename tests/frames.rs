@@ -6,7 +6,15 @@ use std::fs;
 use std::path::Path;
 use std::process::Command;
 
+use OpenVDB_rs::prelude::{AnyGrid, Coord, GridClass, Node};
+use rayon::prelude::*;
 use support::Workplace;
+
+/// The most by which neighbouring voxels may differ, in voxels: as in `check_frames.py`, which says why.
+const STEP: f32 = 1.1;
+const STEP_BESIDE_THIN: f32 = 2.5;
+/// The share of pairs of neighbours that may differ by more than [`STEP`] in shapes with features thinner than a voxel.
+const FAR_APART: f64 = 2e-4;
 
 /// A file's bytes without OpenVDB's random identifier.
 fn fingerprint(path: &Path) -> Vec<u8> {
@@ -25,12 +33,64 @@ fn python_finds_nothing_wrong(place: &Workplace, folder: &str, frames: usize, op
     place.run(&mut command).ok();
 }
 
+/// Fails unless a reader in pure Rust finds whole level sets in all files of a folder, with colours on the same voxels.
+fn rust_finds_nothing_wrong(place: &Workplace, folder: &str, frames: usize, thin: bool) {
+    let names = place.names(folder);
+    assert_eq!(names.len(), frames);
+    names.par_iter().for_each(|name| {
+        let (_, grids) = OpenVDB_rs::io::read_file(place.path(folder).join(name)).expect("a .vdb file");
+        let named = |wanted: &str| grids.iter().find(|grid| grid.name() == wanted);
+        let (Some(AnyGrid::Float(surface)), Some(AnyGrid::Vec3S(colour)), 2) =
+            (named("surface"), named("Cd"), grids.len())
+        else {
+            panic!("{name}: not the grids surface, of floats, and Cd, of vectors");
+        };
+        let voxel = surface.uniform_voxel_size().expect("cubic voxels") as f32;
+        let background = *surface.background();
+        assert_eq!((surface.grid_class(), colour.grid_class()), (GridClass::LevelSet, GridClass::Unknown), "{name}");
+        assert!(background >= 1.5 * voxel, "{name}: background {background}");
+        assert!(surface.transform().is_approx_equal(colour.transform(), 0.0), "{name}: two transforms");
+
+        assert_eq!((surface.tree().active_tile_count(), colour.tree().active_tile_count()), (0, 0), "{name}");
+        let leaves = (surface.tree().leaf_refs(), colour.tree().leaf_refs());
+        assert_eq!(leaves.0.len(), leaves.1.len(), "{name}: two topologies");
+        assert!(
+            leaves.0.iter().zip(&leaves.1).all(|(a, b)| a.origin() == b.origin() && a.has_same_topology(b)),
+            "{name}: two topologies"
+        );
+        assert!(colour.tree().active_voxels().all(|(_, rgb)| rgb.0.iter().all(|c| (0.0..=1.0).contains(c))), "{name}");
+
+        let values = surface.accessor();
+        let (mut inside, mut pairs, mut far_apart, mut most) = (false, 0_u64, 0_u64, 0.0_f32);
+        for leaf in leaves.0 {
+            for (at, &value, active) in leaf.iter_all() {
+                assert!(value.abs() <= background, "{name}: {value} is beyond the background");
+                assert_eq!(active, value.abs() < background, "{name}: active is what is within the band");
+                inside |= value < 0.0;
+                let Coord([x, y, z]) = leaf.offset_to_global_coord(at);
+                for next in [[x + 1, y, z], [x, y + 1, z], [x, y, z + 1], [x - 1, y, z], [x, y - 1, z], [x, y, z - 1]] {
+                    let step = (values.get_value(&Coord(next)) - value).abs() / voxel;
+                    pairs += u64::from(step > 0.0);
+                    far_apart += u64::from(step > STEP);
+                    most = most.max(step);
+                }
+            }
+        }
+        assert!(inside, "{name}: nothing inside");
+        assert!(most <= if thin { STEP_BESIDE_THIN } else { STEP }, "{name}: neighbours differ by {most} voxels");
+        assert!(far_apart as f64 <= FAR_APART * pairs as f64, "{name}: {far_apart} of {pairs} neighbours far apart");
+        let corner = surface.eval_active_voxel_bbox().min;
+        assert_eq!(values.get_value(&Coord(corner.0.map(|along| along - 1))), background, "{name}: outside");
+    });
+}
+
 #[test]
 fn every_frame_of_cubism_is_a_whole_level_set() {
     let place = Workplace::new();
     place.hfvdb("bake cubism --resolution 96 -o out/m.####.vdb").ok();
     // Its facets' steps are thinner than a voxel in places.
     python_finds_nothing_wrong(&place, "out", 48, &["--thin"]);
+    rust_finds_nothing_wrong(&place, "out", 48, true);
 }
 
 #[test]
@@ -38,6 +98,7 @@ fn every_frame_of_cube_to_heart_is_a_whole_level_set() {
     let place = Workplace::new();
     place.hfvdb("bake cube-to-heart --resolution 64 -o out/m.####.vdb").ok();
     python_finds_nothing_wrong(&place, "out", 24, &[]);
+    rust_finds_nothing_wrong(&place, "out", 24, false);
 }
 
 #[test]

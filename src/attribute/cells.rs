@@ -2,23 +2,14 @@
 
 use std::sync::Arc;
 
-use glam::DVec3;
-
 use super::mix::{Mixer, Turn};
 use super::{Colour, ColourSampler, ColourSpace, LinearRgb};
 use crate::field::{Aabb, BATCH, Points};
 
 /// Space divided into cells.
 pub trait CellIndex: Send + Sync {
-    /// The cell that a position lies in.
-    fn index_at(&self, position: DVec3) -> u32;
-
-    /// The cells of a batch's points.
-    fn indices(&self, points: &Points, out: &mut [u32; BATCH]) {
-        for (i, index) in out[..points.len].iter_mut().enumerate() {
-            *index = self.index_at(points.position(i));
-        }
-    }
+    /// The cells that the points lie in.
+    fn indices(&self, points: &Points, out: &mut [u32; BATCH]);
 }
 
 /// Cubes of one size side by side, one of them centred at the origin.
@@ -30,10 +21,12 @@ pub struct CubeLattice {
 
 impl CellIndex for CubeLattice {
     /// A hash of the cube's place: two cubes share one rarely, and never neighbours by rule.
-    fn index_at(&self, position: DVec3) -> u32 {
-        let place = (position / self.edge).round().as_i64vec3();
-        let hash = place.to_array().iter().fold(0, |hash, part| scrambled(hash ^ *part as u64));
-        (hash >> 32) as u32
+    fn indices(&self, points: &Points, out: &mut [u32; BATCH]) {
+        for (i, out) in out[..points.len].iter_mut().enumerate() {
+            let place = (points.position(i) / self.edge).round().as_i64vec3();
+            let hash = place.to_array().iter().fold(0, |hash, part| scrambled(hash ^ *part as u64));
+            *out = (hash >> 32) as u32;
+        }
     }
 }
 
@@ -120,7 +113,7 @@ impl ColourSampler for ByCellSampler<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use glam::Vec3;
+    use glam::{DVec3, Vec3};
 
     const THREE: [LinearRgb; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
 

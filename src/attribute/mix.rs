@@ -30,12 +30,14 @@ pub enum Turn {
 }
 
 impl Turn {
-    /// The short way between two colours' hues; up where they are opposite or there is no hue.
+    /// The short way between two colours' hues where they are far apart; up where they are exactly opposite, or nearer
+    /// than a quarter turn: then they say nothing of the way between opposite hues, and which of them is the greater
+    /// hangs on where they were sampled.
     pub fn between(space: ColourSpace, from: LinearRgb, to: LinearRgb) -> Self {
         let Some(axis) = space.hue_axis() else { return Self::Up };
         let apart = half_turn(space.encode(to)[axis.hue] - space.encode(from)[axis.hue]);
         // Exactly opposite colours come out a rounding error to either side.
-        if apart < 0.0 && apart > -180.0 + 0.01 { Self::Down } else { Self::Up }
+        if apart < -90.0 && apart > -180.0 + 0.01 { Self::Down } else { Self::Up }
     }
 
     fn degrees(self) -> f32 {
@@ -201,6 +203,9 @@ mod tests {
         let (red, cyan) = (from_srgb([1.0, 0.0, 0.0]), from_srgb([0.0, 1.0, 1.0]));
         assert_eq!(Turn::between(ColourSpace::Hsv, red, cyan), Turn::Up);
         assert_eq!(Turn::between(ColourSpace::Hsv, cyan, red), Turn::Up);
+        for (to, turn) in [(25.0, Turn::Up), (15.0, Turn::Up), (-100.0, Turn::Down), (120.0, Turn::Up)] {
+            assert_eq!(Turn::between(ColourSpace::Hsv, hsv(20.0, 1.0, 1.0), hsv(to, 1.0, 1.0)), turn, "{to}");
+        }
     }
 
     /// No pair of nearly equal hues is mixed to very different colours.

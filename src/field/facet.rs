@@ -7,6 +7,7 @@
 
 mod cut;
 mod mend;
+mod pieces;
 #[cfg(test)]
 mod tests;
 
@@ -15,6 +16,7 @@ use glam::DVec3;
 use super::cells::{CellId, Cells};
 use super::{Aabb, Expression, Field, Gradients, Graph, Node, Points, SetSystem};
 use cut::{Piece, Plane};
+pub use pieces::Pieces;
 
 /// How facets are cut.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -29,12 +31,12 @@ pub struct Options {
 }
 
 /// A faceted shape.
-#[derive(Clone, Debug)]
+#[derive(Clone)]
 pub struct Facet {
     /// The solid in the graph, positive inside; not a distance.
     pub node: Node,
-    /// How many pieces it is made of, its core not counted.
-    pub pieces: usize,
+    /// What it is made of, its core not counted.
+    pub pieces: Pieces,
     /// How many cells were left whole, since cutting them would have left a crumb or a hollow.
     pub mended: usize,
 }
@@ -44,7 +46,7 @@ pub fn facet(graph: &mut Graph, shape: Node, cells: &Cells, options: &Options) -
     let field = Expression::new(graph, shape).keeping_values();
     let (pieces, mended) = mend::sound_pieces(&field, cells, options);
     let node = assemble(graph, shape, &pieces);
-    Facet { node, pieces: pieces.len(), mended }
+    Facet { node, pieces: Pieces::new(field, pieces, cells), mended }
 }
 
 /// Copies of a shape around the points of another's surface that are nearest to the middles of some cells; nothing

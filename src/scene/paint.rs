@@ -6,9 +6,9 @@ use glam::{DAffine3, DVec3};
 
 use crate::attribute::{ByCell, CellIndex, Choice, Part, Parts, Rule};
 use crate::attribute::{Colour, Constant, LinearRgb, VertexColours};
-use crate::field::Field;
 use crate::field::cells::Cells;
-use crate::field::facet::surface_points;
+use crate::field::facet::{Pieces, surface_points};
+use crate::field::{BATCH, Field, Points};
 
 use super::colour::{GREY, css};
 use super::error::Problem;
@@ -71,7 +71,7 @@ impl Solids {
     fn own_paint(&mut self, id: ShapeId, shape: &Shape, voxel: f64) -> Result<Option<Paint>, Problem> {
         let paint = match &shape.colour {
             Some(ShapeColour::Solid(colour)) => return Ok(Some(Paint::solid(*colour))),
-            Some(ShapeColour::ByCell { palette, seed }) => Some(self.by_cell(shape, palette, *seed)?),
+            Some(ShapeColour::ByCell { palette, seed }) => Some(self.by_cell(id, shape, palette, *seed)?),
             None => {
                 let paint = self.made_paint(id, shape, voxel)?;
                 if shape.modifiers.at.is_some() && paint.as_ref().is_some_and(|paint| paint.solid.is_none()) {
@@ -126,7 +126,7 @@ impl Solids {
         Ok(Parts::new(parts, rule, TOLERANCE_VOXELS * voxel).map(Paint::of))
     }
 
-    fn by_cell(&mut self, shape: &Shape, palette: &[LinearRgb], seed: u64) -> Result<Paint, Problem> {
+    fn by_cell(&mut self, id: ShapeId, shape: &Shape, palette: &[LinearRgb], seed: u64) -> Result<Paint, Problem> {
         let choice = Choice::Palette(palette.to_vec());
         let cells: Arc<dyn CellIndex> = match (&shape.modifiers.at, &shape.maker) {
             (Some(copies), _) => {
@@ -134,19 +134,24 @@ impl Solids {
                 let host = self.host(copies.cells)?;
                 Arc::new(NearestCopy(surface_points(host.as_ref(), &cells, &picked)))
             }
-            (None, Maker::Facet { cells, .. }) => Arc::new(SurfaceCells(self.cells(*cells)?)),
+            (None, Maker::Facet { cells, .. }) => {
+                Arc::new(FacetCells { pieces: self.pieces(id)?, cells: self.cells(*cells)? })
+            }
             _ => return Err(Problem::new(shape.span, format!("`{}` has no cells to take colours", shape.name))),
         };
         Ok(Paint::of(ByCell { cells, choice, seed }))
     }
 }
 
-/// The cells on a shape's surface.
-struct SurfaceCells(Arc<Cells>);
+/// The cells of a faceted shape, each as far as its material reaches.
+struct FacetCells {
+    pieces: Arc<Pieces>,
+    cells: Arc<Cells>,
+}
 
-impl CellIndex for SurfaceCells {
-    fn index_at(&self, position: DVec3) -> u32 {
-        self.0.surface_leaf_at(position).0
+impl CellIndex for FacetCells {
+    fn indices(&self, points: &Points, out: &mut [u32; BATCH]) {
+        self.pieces.cells_at(&self.cells, points, out);
     }
 }
 
@@ -154,9 +159,12 @@ impl CellIndex for SurfaceCells {
 struct NearestCopy(Vec<DVec3>);
 
 impl CellIndex for NearestCopy {
-    fn index_at(&self, position: DVec3) -> u32 {
-        let distances = self.0.iter().map(|middle| middle.distance_squared(position));
-        distances.enumerate().min_by(|a, b| a.1.total_cmp(&b.1)).map_or(0, |(i, _)| i as u32)
+    fn indices(&self, points: &Points, out: &mut [u32; BATCH]) {
+        for (i, out) in out[..points.len].iter_mut().enumerate() {
+            let position = points.position(i);
+            let distances = self.0.iter().map(|middle| middle.distance_squared(position));
+            *out = distances.enumerate().min_by(|a, b| a.1.total_cmp(&b.1)).map_or(0, |(i, _)| i as u32);
+        }
     }
 }
 

@@ -72,6 +72,13 @@ shape.cube.box = [3, 1.6, 1.6]
 dotted keys replace single values; a table in braces replaces the whole value.
 ";
 
+const PICTURES: &str = "
+`hfvdb preview cube-to-heart` and, below, `hfvdb preview cube-to-heart --variant rgb`:
+
+![The contact sheet of cube-to-heart, mixed in HSV](images/cube-to-heart.png)
+![The contact sheet of its variant rgb](images/cube-to-heart-rgb.png)
+";
+
 /// The text of `docs/scene.md`.
 pub fn reference() -> String {
     let mut out = String::from(BEGINNING);
@@ -89,6 +96,7 @@ pub fn reference() -> String {
     for name in builtin_names() {
         let _ = writeln!(out, "- `{name}`: {}", builtin_line(name).unwrap_or_default());
     }
+    out.push_str(PICTURES);
     out
 }
 

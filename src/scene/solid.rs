@@ -6,7 +6,7 @@ use std::sync::Arc;
 use glam::{DAffine3, DVec3};
 
 use crate::field::cells::{CellId, CellOptions, Cells};
-use crate::field::facet::{Options, facet, scatter};
+use crate::field::facet::{Options, Pieces, facet, scatter};
 use crate::field::{Blend, BlendBounds, Expression, Field, Graph, Node, SetSystem, rotation};
 
 use crate::distance::extent::extent;
@@ -27,6 +27,8 @@ pub(super) struct Solids {
     graph: Graph,
     made: BTreeMap<(ShapeId, Stage), Node>,
     cells: BTreeMap<CellsId, Arc<Cells>>,
+    /// Of shapes made by `facet`, as far as they are made.
+    pieces: BTreeMap<ShapeId, Arc<Pieces>>,
 }
 
 /// How far a shape is made.
@@ -44,7 +46,15 @@ impl Solids {
     /// Nothing built yet.
     pub fn new(model: &Arc<Model>, assets: &Arc<Assets>, moment: Moment) -> Self {
         let (model, assets) = (Arc::clone(model), Arc::clone(assets));
-        Self { model, assets, moment, graph: Graph::new(), made: BTreeMap::new(), cells: BTreeMap::new() }
+        Self {
+            model,
+            assets,
+            moment,
+            graph: Graph::new(),
+            made: BTreeMap::new(),
+            cells: BTreeMap::new(),
+            pieces: BTreeMap::new(),
+        }
     }
 
     /// The same at another moment: what does not change is kept.
@@ -54,6 +64,7 @@ impl Solids {
             Stage::Own => !variation.own(*id),
             Stage::Scaled | Stage::Placed => !variation.placed(*id),
         });
+        other.pieces.retain(|id, _| !variation.own(*id));
         other.cells.retain(|id, _| !variation.placed(self.model.cells[id.0].around));
         other
     }
@@ -252,7 +263,9 @@ impl Solids {
                 let cells = self.cells(*cells)?;
                 let whole = self.node(*of, Stage::Placed)?;
                 let options = Options { tilt: *tilt, cut: *cut, seed: *seed };
-                facet(&mut self.graph, whole, &cells, &options).node
+                let made = facet(&mut self.graph, whole, &cells, &options);
+                self.pieces.insert(id, Arc::new(made.pieces));
+                made.node
             }
             Maker::Union(operands) => {
                 let nodes = self.nodes(operands)?;
@@ -283,6 +296,12 @@ impl Solids {
         let built = Cells::build(around.as_ref(), &options)
             .map_err(|error| Problem::new(cells.span, format!("`{}`: {error}", cells.name)))?;
         Ok(Arc::clone(self.cells.entry(id).or_insert(Arc::new(built))))
+    }
+
+    /// The pieces of a shape made by `facet`.
+    pub fn pieces(&mut self, id: ShapeId) -> Result<Arc<Pieces>, Problem> {
+        self.node(id, Stage::Own)?;
+        Ok(Arc::clone(&self.pieces[&id]))
     }
 
     /// The field of the shape that cells stand around.

@@ -10,7 +10,7 @@ use super::Options;
 const SAMPLES: usize = 8;
 /// How much neighbouring pieces overlap, of a cell's edge. It only has to outlast rounding; a larger overlap moves
 /// steps away from the borders of cells, where colours change.
-const OVERLAP: f64 = 1.0 / 512.0;
+pub(super) const OVERLAP: f64 = 1.0 / 512.0;
 /// The cosine up to which directions of the surface in a cell count as one face of it: 45°.
 const SAME_FACE: f64 = 0.7;
 /// A face with fewer of a cell's samples is only brushed by the cell, and not cut.

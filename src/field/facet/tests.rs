@@ -57,7 +57,7 @@ fn a_cube_stays_one_body_cut_no_deeper_than_asked() {
         let cube = graph.cuboid(DVec3::splat(1.6));
         let cells = cells(&graph, cube, [1, 3], seed);
         let faceted = facet(&mut graph, cube, &cells, &Options { seed, ..OPTIONS });
-        assert!(faceted.pieces >= cells.surface().len());
+        assert!(faceted.pieces.pieces.len() >= cells.surface().len());
         let field = Expression::new(&graph, faceted.node);
         assert_eq!(parts(&field, 45), [1, 1]);
         let whole = Expression::new(&graph, cube);
@@ -163,4 +163,40 @@ fn copies_stand_on_the_surface() {
     }
     let none = scatter(&mut graph, eye, &host, &cells, &[]);
     assert!(Expression::new(&graph, none).reference(DVec3::ZERO) < 0.0);
+}
+
+#[test]
+fn the_walls_of_steps_belong_to_the_cells_whose_material_they_are() {
+    let mut graph = Graph::new();
+    let cube = graph.cuboid(DVec3::splat(1.6));
+    let cells = cells(&graph, cube, [1, 3], 1);
+    let faceted = facet(&mut graph, cube, &cells, &OPTIONS);
+    let solid = Expression::new(&graph, faceted.node);
+    let shape = Expression::new(&graph, cube);
+    // Surface points: where lines along x enter the solid, and those along y and z.
+    let mut walls = 0;
+    for line in 0..3 * 40 * 40 {
+        let [u, v] = [line % 40, line / 40 % 40].map(|i| (f64::from(i) + 0.37) * 0.04 - 0.8);
+        let at = |along: f64| DVec3::from_array([[along, u, v], [u, along, v], [u, v, along]][line as usize / 1600]);
+        if solid.reference(at(0.0)) < 0.0 {
+            continue; // a line through what was cut off
+        }
+        let (mut outside, mut inside) = (-1.0, 0.0);
+        for _ in 0..60 {
+            let middle = (outside + inside) / 2.0;
+            *(if solid.reference(at(middle)) >= 0.0 { &mut inside } else { &mut outside }) = middle;
+        }
+        let position = at(inside);
+        let holds = |cell: CellId| {
+            let piece = faceted.pieces.pieces.iter().find(|piece| piece.cell == cell).expect("a piece");
+            piece.value(position, shape.reference(position)) >= -0.003
+        };
+        let mut points = Points::new(position);
+        points.push(Vec3::ZERO);
+        let mut found = [0; BATCH];
+        faceted.pieces.cells_at(&cells, &points, &mut found);
+        assert!(holds(CellId(found[0])), "{position}");
+        walls += u32::from(!holds(cells.surface_leaf_at(position)));
+    }
+    assert!(walls > 0, "no line met a wall");
 }

@@ -1,0 +1,25 @@
+#!/usr/bin/env bash
+# Makes all pictures of the documentation anew, in docs/images: the program's own contact sheets, and those rendered in
+# Blender (Cycles). About ten minutes on two cores; what is baked for it stays in out/pictures.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+
+readonly folder=out/pictures images=docs/images
+blender_python=${HFVDB_BLENDER_PYTHON:-.venv/bin/python}
+
+scripts/install.sh --tests
+cargo build --release --locked
+rm -rf "$folder"
+mkdir -p "$folder"/{cubism,hsv,rgb}
+hfvdb() { target/release/hfvdb "$@" </dev/null; }
+hfvdb bake cubism --output "$folder/cubism/cubism.####.vdb"
+hfvdb bake cube-to-heart --resolution 160 --output "$folder/hsv/cube-to-heart.####.vdb"
+hfvdb bake cube-to-heart --variant rgb --resolution 160 --output "$folder/rgb/cube-to-heart.####.vdb"
+
+hfvdb preview cubism --pictures 12 --output "$images/cubism.png"
+hfvdb preview cube-to-heart --pictures 12 --size 170 --output "$images/cube-to-heart.png"
+hfvdb preview cube-to-heart --variant rgb --pictures 12 --size 170 --output "$images/cube-to-heart-rgb.png"
+"$blender_python" scripts/render_blender.py "$folder/cubism" --output "$images/blender-cubism.png"
+"$blender_python" scripts/render_blender.py "$folder/hsv" "$folder/rgb" --pictures 6 \
+    --output "$images/blender-cube-to-heart.png"
+ls -l "$images"

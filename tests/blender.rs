@@ -1,0 +1,298 @@
+//! Frames opened in real Blender: meshed, played as a sequence, and their colours compared with the exact ones at every
+//! vertex of the mesh.
+//!
+//! `HFVDB_BLENDER_PYTHON` names a Python that has Blender as a module (`scripts/test.sh` sets it). Without it these
+//! tests say that they were skipped.
+
+mod support;
+
+use std::env;
+use std::fs;
+use std::io::{self, Write};
+use std::path::Path;
+use std::process::Command;
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+
+use glam::DVec3;
+use hfvdb::attribute::{ColourSampler, LinearRgb};
+use hfvdb::field::{BATCH, Evaluator, Gradients, Points};
+use hfvdb::scene::{self, FrameContent, Overrides, PrepareOptions, Prepared, Source};
+use rayon::prelude::*;
+use support::{Run, Workplace};
+
+const RESOLUTION: u32 = 128;
+/// Colours that differ by no more are the same: a step of eight bits, of linear values.
+const SAME: f32 = 1.0 / 255.0;
+
+/// Python with Blender; none where there is none, and that is said past the test harness, which hides what tests say.
+fn blender() -> Option<String> {
+    let python = env::var("HFVDB_BLENDER_PYTHON").ok();
+    if python.is_none() {
+        let _ = writeln!(io::stderr(), "SKIPPED: a test in Blender; HFVDB_BLENDER_PYTHON names no Python with bpy");
+    }
+    python
+}
+
+/// Runs `scripts/check_blender.py` with the files of a folder of the workplace.
+fn check_in_blender(python: &str, place: &Workplace, folder: &str, options: &[&str]) -> Run {
+    let files = place.names(folder).into_iter().map(|name| place.path(folder).join(name));
+    let script = concat!(env!("CARGO_MANIFEST_DIR"), "/scripts/check_blender.py");
+    place.run(Command::new(python).arg(script).args(files).args(options))
+}
+
+fn prepare(scene: &str) -> Prepared {
+    let model = scene::load(&Source::Builtin(scene.into()), &Overrides::default()).expect("a built-in scene");
+    let options = PrepareOptions {
+        voxel_size: None,
+        resolution: Some(RESOLUTION),
+        half_width: None,
+        memory_limit: None,
+        cancel: &AtomicBool::new(false),
+        progress: &|_| (),
+    };
+    Arc::new(model).prepare(&options).unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// Threes of numbers that `--dump` wrote.
+fn dumped(path: &Path) -> Vec<[f32; 3]> {
+    let bytes = fs::read(path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
+    let number = |bytes: &[u8]| f32::from_le_bytes(bytes.try_into().expect("four bytes"));
+    bytes.chunks_exact(12).map(|three| [0, 4, 8].map(|at| number(&three[at..at + 4]))).collect()
+}
+
+/// What became of a vertex's colour.
+enum Verdict {
+    /// It is the exact one.
+    Exact,
+    /// It is between the exact colours within two voxels, which are no smooth change.
+    Between,
+    /// The same of those a little farther away.
+    BetweenFar,
+    Wrong(String),
+}
+
+/// The exact colours of one frame's surface: of the functions themselves, without voxels. Surface points are found here
+/// by plain Newton steps and by trying, not by what bakes frames.
+struct Judge<'a> {
+    evaluator: Box<dyn Evaluator + 'a>,
+    sampler: Box<dyn ColourSampler + 'a>,
+    voxel: f64,
+}
+
+impl<'a> Judge<'a> {
+    fn new(content: &'a FrameContent, voxel: f64) -> Self {
+        let colour = content.colour.as_deref().expect("a coloured scene");
+        Self { evaluator: content.field.evaluator(), sampler: colour.sampler(), voxel }
+    }
+
+    /// Follows each position to F = 0; none where that does not lead there in a dozen steps.
+    fn on_surface(&mut self, positions: &[DVec3]) -> Vec<Option<DVec3>> {
+        let mut found = Vec::with_capacity(positions.len());
+        let mut gradients = Gradients::new();
+        for chunk in positions.chunks(BATCH) {
+            let mut at = chunk.to_vec();
+            let mut arrived = vec![false; at.len()];
+            for _ in 0..12 {
+                self.evaluator.gradients(&batch(&at), &mut gradients);
+                for i in 0..at.len() {
+                    let gradient = gradients.gradient(i).as_dvec3();
+                    let step = gradient * (-f64::from(gradients.value[i]) / gradient.length_squared());
+                    arrived[i] = step.length() < 1e-3 * self.voxel;
+                    if !arrived[i] {
+                        at[i] += step.clamp_length_max(self.voxel);
+                    }
+                }
+                if arrived.iter().all(|arrived| *arrived) {
+                    break;
+                }
+            }
+            found.extend(at.into_iter().zip(arrived).map(|(at, arrived)| arrived.then_some(at)));
+        }
+        found
+    }
+
+    /// The surface's closest point to a position within about a voxel of it, by trying ever finer.
+    fn closest(&mut self, to: DVec3) -> Option<DVec3> {
+        let mut best: Option<DVec3> = None;
+        for radius in [1.0, 0.3, 0.1, 0.03] {
+            let tried = self.on_surface(&ball(best.unwrap_or(to), radius * self.voxel, 3));
+            let nearer = |a: &DVec3, b: &DVec3| a.distance(to).total_cmp(&b.distance(to));
+            best = tried.into_iter().flatten().chain(best).min_by(nearer);
+        }
+        best
+    }
+
+    fn colours(&mut self, positions: &[DVec3]) -> Vec<LinearRgb> {
+        let mut colours = Vec::with_capacity(positions.len());
+        let mut out = [[0.0; 3]; BATCH];
+        for chunk in positions.chunks(BATCH) {
+            self.sampler.sample(&batch(chunk), &mut out);
+            colours.extend_from_slice(&out[..chunk.len()]);
+        }
+        colours
+    }
+
+    /// The colours of surface points around one, as far as there are any where they are sought: over a ball, listed from
+    /// one end to the opposite one.
+    fn colours_around(&mut self, middle: DVec3, radius: f64, steps: i32) -> Vec<Option<LinearRgb>> {
+        let radius = radius * self.voxel;
+        let mut found = self.on_surface(&ball(middle, radius, steps));
+        found.iter_mut().for_each(|at| *at = at.filter(|at| at.distance(middle) <= radius));
+        let there: Vec<DVec3> = found.iter().flatten().copied().collect();
+        let mut colours = self.colours(&there).into_iter();
+        found.iter().map(|at| at.and_then(|_| colours.next())).collect()
+    }
+
+    /// Judges what arrived at some vertices.
+    fn judge(&mut self, vertices: &[(DVec3, LinearRgb)]) -> Vec<Verdict> {
+        let positions: Vec<DVec3> = vertices.iter().map(|(position, _)| *position).collect();
+        let feet: Vec<DVec3> =
+            self.on_surface(&positions).into_iter().zip(&positions).map(|(foot, at)| foot.unwrap_or(*at)).collect();
+        let exact = self.colours(&feet);
+        let judge = |((vertex, foot), exact)| {
+            let (position, got): &(DVec3, LinearRgb) = vertex;
+            if difference(*got, exact) <= SAME { Verdict::Exact } else { self.judge_one(*position, *got, foot) }
+        };
+        vertices.iter().zip(feet).zip(exact).map(judge).collect()
+    }
+
+    /// A vertex whose colour is not that of the surface point which Newton steps lead to.
+    fn judge_one(&mut self, position: DVec3, got: LinearRgb, foot: DVec3) -> Verdict {
+        // At a crease the mesh cuts corners, and the steps lead to one of the sides.
+        let at_crease = foot.distance(position) > 0.05 * self.voxel;
+        let foot = if at_crease { self.closest(position).unwrap_or(foot) } else { foot };
+        let exact = self.colours(&[foot])[0];
+        if difference(got, exact) <= SAME {
+            return Verdict::Exact;
+        }
+        // Blender mixes the colours of the eight voxels around, which are those of their closest surface points: these
+        // are mostly within two voxels, and never farther than twice a voxel's diagonal. In between: slivers.
+        let (mut bent, mut low, mut high) = (false, exact, exact);
+        for (radius, steps, verdict) in
+            [(2.0, 3, Verdict::Between), (0.5, 6, Verdict::Between), (2.0 * 3f64.sqrt(), 12, Verdict::BetweenFar)]
+        {
+            let around = self.colours_around(foot, radius, steps);
+            // What voxels hold between them is what is linear. A jump of colour bends it, and so does a sharp kink.
+            let mut opposite = around.iter().zip(around.iter().rev()).filter_map(|(a, b)| Some(((*a)?, (*b)?)));
+            bent |= opposite.any(|(a, b)| difference(exact, [0, 1, 2].map(|i| (a[i] + b[i]) / 2.0)) > SAME);
+            for colour in around.iter().flatten() {
+                low = [0, 1, 2].map(|i| low[i].min(colour[i]));
+                high = [0, 1, 2].map(|i| high[i].max(colour[i]));
+            }
+            if bent && (0..3).all(|i| (low[i] - SAME..=high[i] + SAME).contains(&got[i])) {
+                return verdict;
+            }
+        }
+        Verdict::Wrong(format!(
+            "{got:?} at {position:.4} instead of {exact:?}, and the colours around do not explain it"
+        ))
+    }
+}
+
+fn batch(positions: &[DVec3]) -> Points {
+    let mut points = Points::new(positions[0]);
+    positions.iter().for_each(|position| points.push((*position - points.origin).as_vec3()));
+    points
+}
+
+/// Positions evenly over a ball, `steps` from the middle to its border.
+fn ball(middle: DVec3, radius: f64, steps: i32) -> Vec<DVec3> {
+    let along = || (-steps..=steps).map(|step| f64::from(step) / f64::from(steps));
+    let cube = along().flat_map(|x| along().flat_map(move |y| along().map(move |z| DVec3::new(x, y, z))));
+    cube.filter(|step| step.length() < 1.001).map(|step| middle + step * radius).collect()
+}
+
+fn difference(a: LinearRgb, b: LinearRgb) -> f32 {
+    (0..3).map(|i| (a[i] - b[i]).abs()).fold(0.0, f32::max)
+}
+
+/// Bakes frames of a scene, opens them in Blender as one sequence, and judges the colours of all vertices. At least the
+/// share `exact` of them has to be exact by itself.
+fn colours_arrive(scene: &str, frames: &str, exact: f64) {
+    let Some(python) = blender() else { return };
+    let place = Workplace::new();
+    place.hfvdb(&format!("bake {scene} --resolution {RESOLUTION} --frames {frames} -o out/####.vdb")).ok();
+    check_in_blender(&python, &place, "out", &["--sequence", "--dump", "dump"]).ok();
+
+    let prepared = prepare(scene);
+    let (mut vertices, mut exactly, mut far, mut wrong) = (0, 0, 0, Vec::new());
+    for name in place.names("out") {
+        let number = name.trim_end_matches(".vdb");
+        let content = prepared.frame(number.parse().expect("a frame")).unwrap_or_else(|error| panic!("{error}"));
+        let array = |kind: &str| dumped(&place.path("dump").join(format!("{number}.{kind}.f32")));
+        let positions = array("positions").into_iter().map(|position| DVec3::from(position.map(f64::from)));
+        let pairs: Vec<(DVec3, LinearRgb)> = positions.zip(array("colours")).collect();
+        let judge = |part: &[_]| Judge::new(&content, prepared.lattice.voxel_size.get()).judge(part);
+        let verdicts: Vec<Verdict> = pairs.par_chunks(1024).flat_map_iter(judge).collect();
+        vertices += verdicts.len();
+        for verdict in verdicts {
+            match verdict {
+                Verdict::Exact => exactly += 1,
+                Verdict::Between => {}
+                Verdict::BetweenFar => far += 1,
+                Verdict::Wrong(what) => wrong.push(format!("frame {number}: {what}")),
+            }
+        }
+    }
+    let share = f64::from(exactly) / vertices as f64;
+    println!("{scene}: {vertices} vertices, {:.3} % exact, {far} by a jump beyond two voxels", 100.0 * share);
+    assert!(wrong.is_empty(), "{} of {vertices} vertices:\n{}", wrong.len(), wrong[..wrong.len().min(10)].join("\n"));
+    assert!(far * 1000 <= vertices, "{far} of {vertices} vertices have colours from beyond two voxels");
+    assert!(share >= exact, "only {:.2} % of {vertices} vertices have their exact colour", 100.0 * share);
+}
+
+// Both ends, where an object is itself, and frames around the middle: frame 17 has to play file 17.
+
+#[test]
+fn colours_of_cubism_arrive_in_blender() {
+    // A quarter of the vertices is less than two voxels from another cell.
+    colours_arrive("cubism", "1,12-21,48", 0.6);
+}
+
+#[test]
+fn colours_of_cube_to_heart_arrive_in_blender() {
+    colours_arrive("cube-to-heart", "1,12-21,24", 0.9999);
+}
+
+/// Files with what is to be found, made by OpenVDB's own Python module: balls whose insides are not filled, a crumb
+/// beside one; and a hollow ball, which is sound.
+const MAKER: &str = "
+import sys, numpy as np, pyopenvdb as vdb
+place = np.indices((49, 49, 49)) - 24
+def write(name, values, half_width):
+    grid = vdb.FloatGrid(half_width)
+    grid.copyFromArray(np.ascontiguousarray(values, np.float32), ijk=(-24, -24, -24))
+    grid.name, grid.gridClass = 'surface', vdb.GridClass.LEVEL_SET
+    grid.transform = vdb.createLinearTransform(0.1)
+    vdb.write(sys.argv[1] + '/' + name + '.vdb', grids=[grid])
+radius = np.sqrt((place ** 2).sum(0)) * 0.1
+ball = radius - 1.5
+for voxels in (2, 3):
+    width = 0.1 * voxels
+    write('unfilled%d' % voxels, np.where(abs(ball) < width, ball, width), width)
+write('hollow', np.clip(np.maximum(ball, 0.8 - radius), -0.3, 0.3), 0.3)
+crumb = np.sqrt(((place - 18) ** 2).sum(0)) * 0.1 - 0.25
+write('crumb', np.clip(np.minimum(ball, crumb), -0.3, 0.3), 0.3)
+";
+
+#[test]
+fn second_surfaces_and_crumbs_are_found() {
+    let Some(python) = blender() else { return };
+    let place = Workplace::new();
+    fs::create_dir(place.path("out")).expect("a folder");
+    place.run(Command::new("/usr/bin/python3").args(["-c", MAKER, "out"])).ok();
+    let run = check_in_blender(&python, &place, "out", &["--colour", "none", "--pieces", "1"]);
+    assert_eq!(run.code, 1, "{}", run.stderr);
+    let report: serde_json::Value = serde_json::from_str(&run.stdout).expect("a report");
+    let problems = |name: &str| {
+        let frames = report["frames"].as_array().expect("frames");
+        let frame = frames.iter().find(|frame| frame["file"].as_str().is_some_and(|file| file.ends_with(name)));
+        frame.unwrap_or_else(|| panic!("no {name}"))["problems"].to_string()
+    };
+    assert_eq!(problems("hollow.vdb"), "[]");
+    assert!(problems("crumb.vdb").contains("2 pieces instead of 1"), "{}", problems("crumb.vdb"));
+    for name in ["unfilled2.vdb", "unfilled3.vdb"] {
+        assert!(problems(name).contains("a second surface"), "{name}: {}", problems(name));
+    }
+}
