@@ -1,10 +1,11 @@
 //! Colours as a scene writes them, turned into scene-linear Rec.709.
 
-use crate::attribute::{LinearRgb, from_srgb};
+use crate::attribute::{Components, LinearRgb, from_srgb};
 
 use super::diagnostic::{Diagnostic, clip, nearest};
+use super::keys::Limit;
 use super::reader::Reader;
-use super::value::{Data, Value};
+use super::value::Value;
 
 /// The colour of a shape without one beside coloured ones: sRGB `#cccccc`.
 pub const GREY: &str = "#cccccc";
@@ -32,43 +33,37 @@ pub fn not_a_colour(text: &str, value: &Value, names: &[String]) -> Diagnostic {
     }
 }
 
-/// `[r, g, b]` from 0 to 1, sRGB.
-pub fn srgb_list(reader: &Reader<'_>, name: &str, value: &Value) -> Option<LinearRgb> {
-    let three = reader.three(name, value)?;
-    let component = |part: &Value| match part.number() {
-        Some(encoded) if (0.0..=1.0).contains(&encoded) => Some(encoded as f32),
-        Some(_) => {
-            reader.say(
-                Diagnostic::error(part.span, format!("`{}` must be from 0 to 1", clip(name)))
-                    .help("brighter colours are written { linear = [r, g, b] }"),
-            );
-            None
-        }
-        None => {
-            reader.wrong_kind(name, "three numbers", part);
-            None
-        }
-    };
-    let parts = [component(&three[0]), component(&three[1]), component(&three[2])];
-    Some(from_srgb([parts[0]?, parts[1]?, parts[2]?]))
+/// What each of a colour's three numbers may be.
+pub fn limits(meaning: Components) -> [Limit; 3] {
+    const SHARE: Limit = Limit::Within(0.0, 1.0);
+    match meaning {
+        Components::Srgb => [SHARE; 3],
+        Components::Linear => [Limit::Within(0.0, f64::from(u16::MAX)); 3],
+        Components::Hsv => [Limit::Any, SHARE, SHARE],
+    }
 }
 
-/// The numbers of `{ linear = [r, g, b] }`, each 0 or greater.
-pub fn linear_list(reader: &Reader<'_>, name: &str, value: &Value) -> Option<LinearRgb> {
+/// A colour of three numbers that stand still.
+pub fn constant(reader: &Reader<'_>, name: &str, value: &Value, meaning: Components) -> Option<LinearRgb> {
     let three = reader.three(name, value)?;
-    let mut colour = [0.0; 3];
-    for (component, part) in colour.iter_mut().zip(three) {
-        *component = match part.data {
-            Data::Integer(_) | Data::Float(_) => {
-                reader.constant(name, super::keys::Limit::Within(0.0, f64::from(u16::MAX)), part) as f32
+    let mut numbers = [0.0; 3];
+    let mut sound = true;
+    for ((number, part), limit) in numbers.iter_mut().zip(three).zip(limits(meaning)) {
+        match part.number() {
+            Some(given) if limit.allows(given) => *number = given as f32,
+            Some(_) => {
+                sound = false;
+                let problem = Diagnostic::error(part.span, format!("`{}` must be {}", clip(name), limit.words()));
+                let brighter = "brighter colours are written { linear = [r, g, b] }";
+                reader.say(if meaning == Components::Srgb { problem.help(brighter) } else { problem });
             }
-            _ => {
+            None => {
+                sound = false;
                 reader.wrong_kind(name, "three numbers", part);
-                return None;
             }
-        };
+        }
     }
-    Some(colour)
+    sound.then(|| meaning.colour(numbers))
 }
 
 #[cfg(test)]

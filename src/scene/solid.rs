@@ -97,6 +97,11 @@ impl Solids {
         Ok(Arc::new(Expression::new(&self.graph, node)))
     }
 
+    /// The moment.
+    pub fn moment(&self) -> &Moment {
+        &self.moment
+    }
+
     /// A number at the moment.
     pub fn number(&self, number: &Number) -> Result<f64, Problem> {
         Ok(number.at(&self.moment)?)
@@ -254,7 +259,7 @@ impl Solids {
                 let options = Options { tilt: *tilt, cut: *cut, seed: *seed };
                 facet(&mut self.graph, whole, &cells, &options).node
             }
-            Maker::Union(operands) => {
+            Maker::Union { operands, .. } => {
                 let nodes = self.nodes(operands)?;
                 self.graph.union(SetSystem::R0, &nodes)
             }

@@ -28,7 +28,7 @@ mod write;
 
 pub use error::Error;
 pub use frame::{Blocks, Class, Content, Frame, Grid, Values, VectorType};
-pub use inspect::{FileInfo, GridInfo, Range, inspect};
+pub use inspect::{FileInfo, GridInfo, Range, active_box, inspect};
 pub use metadata::{Metadata, MetadataValue};
 pub use read::{Contents, SparseBlocks, StoredClass, StoredGrid, Tile, Voxels, read};
 pub use temporary::remove_temporaries;
