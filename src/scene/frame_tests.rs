@@ -389,3 +389,17 @@ fn the_papers_round_reaches_the_morph() {
     let rounded = middle(&format!("{text}round = {{ a0 = -0.1 }}\n"));
     assert!(rounded < plain - 0.01, "{rounded} {plain}");
 }
+
+#[test]
+fn empty_frames_of_the_papers_mode_are_named_once() {
+    let text =
+        "frames = '1-9'\n[shape.a]\nsphere = 1\n[shape.b]\nbox = 1.4\n[morph]\nfrom = 'a'\nto = 'b'\nmode = 'paper'\n";
+    for round in ["", "round = { a0 = -0.2, depth = 0.3 }\n"] {
+        let scene = prepared_with(&format!("{text}{round}"), Some(24)).unwrap_or_else(|error| panic!("{error}"));
+        let warnings = scene.warnings.to_string();
+        assert_eq!(warnings.matches("the morph is empty in frames 2-8\n --> scene.toml:6:2").count(), 1, "{warnings}");
+    }
+    let alive =
+        prepared_with(&format!("{text}slab = [-1, 2]\ns = 0.25\na0 = 0.3\na1 = 2.5\na2 = 2.5\na3 = 0.3\n"), Some(24)).unwrap_or_else(|error| panic!("{error}"));
+    assert!(alive.warnings.is_empty(), "{}", alive.warnings);
+}

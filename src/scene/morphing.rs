@@ -3,12 +3,11 @@
 use std::sync::Arc;
 
 use glam::DVec3;
-use rayon::prelude::*;
 
 use crate::attribute::ColourSpace;
 use crate::distance::band;
 use crate::distance::descent::Scope;
-use crate::distance::extent::{self, Estimate, estimate};
+use crate::distance::extent::{Estimate, estimate};
 use crate::distance::nearest::{FieldFeet, Watch};
 use crate::distance::octree::{self, BuildError, DistanceObject};
 use crate::field::{Aabb, Field};
@@ -332,9 +331,10 @@ pub(super) fn empty_frames(model: &Model, morph: &Morph, planned: &morph::Morph)
     }
     let range = model.shot.range;
     let frames: Vec<i64> = sampled_frames(range).into_iter().map(|frame| frame.round() as i64).collect();
-    let is_empty =
-        |frame: &i64| matches!(box_of(planned.field(range.share(*frame as f64)).as_ref()), Err(extent::Error::Empty));
-    let empty: Vec<i64> = frames.into_par_iter().filter(is_empty).collect();
+    let times: Vec<f64> = frames.iter().map(|frame| range.share(*frame as f64)).collect();
+    let report = planned.report(&times);
+    let volumes = frames.into_iter().zip(&report.frames);
+    let empty: Vec<i64> = volumes.filter(|(_, report)| report.volume == 0.0).map(|(frame, _)| frame).collect();
     if empty.is_empty() {
         return None;
     }
@@ -342,6 +342,6 @@ pub(super) fn empty_frames(model: &Model, morph: &Morph, planned: &morph::Morph)
     let problem = format!("the morph is empty in {count} {}", in_ranges(&empty));
     Some(
         Diagnostic::warning(morph.span, problem)
-            .help("a wider `slab` such as [-1, 2], a greater a0, or `mode = \"volume\"`"),
+            .help("a wider `slab` such as [-1, 2], a smaller s and a3, greater a1 and a2, or `mode = \"volume\"`"),
     )
 }
