@@ -400,6 +400,7 @@ fn empty_frames_of_the_papers_mode_are_named_once() {
         assert_eq!(warnings.matches("the morph is empty in frames 2-8\n --> scene.toml:6:2").count(), 1, "{warnings}");
     }
     let alive =
-        prepared_with(&format!("{text}slab = [-1, 2]\ns = 0.25\na0 = 0.3\na1 = 2.5\na2 = 2.5\na3 = 0.3\n"), Some(24)).unwrap_or_else(|error| panic!("{error}"));
+        prepared_with(&format!("{text}slab = [-1, 2]\ns = 0.25\na0 = 0.3\na1 = 2.5\na2 = 2.5\na3 = 0.3\n"), Some(24))
+            .unwrap_or_else(|error| panic!("{error}"));
     assert!(alive.warnings.is_empty(), "{}", alive.warnings);
 }

@@ -69,7 +69,7 @@ pub enum Content {
     /// One shape.
     Shape(ShapeId),
     /// One shape becoming another.
-    Morph(Morph),
+    Morph(Box<Morph>),
 }
 
 impl Content {
@@ -184,7 +184,7 @@ pub enum ShapeColour {
     /// Three numbers, each of space and time.
     Formula {
         /// The numbers.
-        components: [Component; 3],
+        components: Box<[Component; 3]>,
         /// What they are.
         meaning: Components,
         /// Where they stand.

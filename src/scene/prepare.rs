@@ -342,7 +342,8 @@ impl Prepared {
 
     /// A morph's field without what is to be taken away.
     fn cut(&self, whole: Arc<dyn Field>, frame: i64) -> Result<Arc<dyn Field>, Problem> {
-        let Content::Morph(Morph { cut: Some(cut), .. }) = self.model.content else { return Ok(whole) };
+        let Content::Morph(morph) = &self.model.content else { return Ok(whole) };
+        let Some(cut) = morph.cut else { return Ok(whole) };
         self.base.at(self.model.moment(frame as f64), &self.variation).without(whole, cut)
     }
 

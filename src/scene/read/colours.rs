@@ -182,7 +182,7 @@ impl<'r, 'a> Building<'r, 'a> {
             },
         };
         let [a, b, c] = [component(0), component(1), component(2)];
-        Some(ShapeColour::Formula { components: [a?, b?, c?], meaning, span: value.span })
+        Some(ShapeColour::Formula { components: Box::new([a?, b?, c?]), meaning, span: value.span })
     }
 
     /// What takes the colours that are chosen at random.

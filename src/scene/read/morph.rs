@@ -133,7 +133,7 @@ impl<'r, 'a> Building<'r, 'a> {
             if let Some((_, span)) = chosen {
                 self.reader.say(Diagnostic::warning(span, "`output.shape` is not used: the morph is what is baked"));
             }
-            return Some(Content::Morph(morph));
+            return Some(Content::Morph(Box::new(morph)));
         }
         if self.root.get("morph").is_some() {
             return None;
