@@ -219,6 +219,7 @@ fn a_file_that_is_not_sound_gives_one_document_and_exit_code_1() {
     for (change, problem) in [
         ("g.mapAll(lambda x: -x); g.background = -0.3", "turn its signs round"),
         ("g.getAccessor().setValueOn((10, 0, 0), float('nan'))", "1 values are not finite numbers"),
+        ("g.getAccessor().setValueOn((10, 0, 0), 5.0)", "1 active values lie beyond its background"),
         ("g.transform = v.createLinearTransform([[.1,0,0,0],[0,.1,0,0],[0,0,.2,0],[0,0,0,1]])", "are no cubes"),
     ] {
         let script = format!(
@@ -236,7 +237,7 @@ fn a_file_that_is_not_sound_gives_one_document_and_exit_code_1() {
 #[test]
 fn a_failed_bake_leaves_no_folder_that_it_made() {
     let place = Workplace::new();
-    let text = "[shape.a]\nsphere = 1\ncolor = [0.5, \"1/(x - x)\", 0]\n";
+    let text = "[shape.a]\nsphere = 1\ncolor = [0.5, \"sqrt(x)\", 0]\n";
     place.write("bad.toml", text);
     place.hfvdb("bake bad.toml -o out/a.vdb --resolution 24").fails(1, &["bad.toml:3:9", "frame 1", "NaN"]);
     assert_eq!(place.names("."), ["bad.toml"]);

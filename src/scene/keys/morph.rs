@@ -24,7 +24,7 @@ pub const MORPH: &[Key] = &[
         "volume",
         Kind::Number,
         Number(1.0),
-        "How many times the volume of the straight way, over time; 1 at the first frame and at the last.",
+        "How many times the volume of the straight way between the two; 1 at the first and at the last frame of `over`.",
     )
     .limit(Limit::Within(0.001, 100.0)),
     Key::new(

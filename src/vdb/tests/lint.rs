@@ -54,16 +54,16 @@ fn distances_that_are_none() {
     );
     level_set(
         &with(&|band| {
-            scaled(band, 0.5);
-            band.half_width = 1.5;
+            scaled(band, 2.0);
+            band.half_width = 6.0;
         }),
-        "error surface: the slope of its values is 0.50 away from 1 in the mean: they are no distances",
+        "error surface: the slope of its values is 0.99 away from 1 in the mean: they are no distances",
     );
     level_set(&with(&|band| band.half_width = 200.0), "error surface: its background, 14, is 200 voxels wide");
-    let narrow = with(&|band| band.half_width = 2.5);
-    let found = findings(vec![Grid::level_set("surface", &narrow)]).join("\n");
-    assert!(found.contains("warning surface: its band is 2.50 voxels wide on each side; tools expect 3"), "{found}");
-    assert!(found.contains("active values lie beyond its background, 0.175"), "{found}");
+    level_set(
+        &with(&|band| band.half_width = 2.5),
+        "warning surface: its band is 2.50 voxels wide on each side; tools expect 3",
+    );
     let empty = with(&|band| {
         band.origins.clear();
         band.distances.clear();
