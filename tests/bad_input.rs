@@ -197,3 +197,51 @@ fn interrupted() {
         }
     }
 }
+
+#[test]
+fn files_of_any_maker_are_checked() {
+    let place = Workplace::new();
+    place.hfvdb("bake sphere -o ball.vdb --resolution 24").ok();
+    let run = place.hfvdb("check ball.vdb").ok();
+    assert_eq!(run.stdout, "ball.vdb: grids surface, Cd; 0 errors, 0 warnings\n");
+    let whole = fs::read(place.path("ball.vdb")).expect("it was baked");
+    place.write("cut.vdb", &whole[..whole.len() / 2]);
+    place.write("text.vdb", "no volume at all");
+    place.hfvdb("check cut.vdb").fails(1, &["cut.vdb", "damaged at byte"]);
+    place.hfvdb("check text.vdb").fails(1, &["text.vdb", "it is no OpenVDB file"]);
+    place.hfvdb("check nowhere.vdb").fails(1, &["nowhere.vdb"]);
+}
+
+/// Debian's Python OpenVDB makes what this program never writes.
+#[test]
+fn a_file_that_is_not_sound_gives_one_document_and_exit_code_1() {
+    let place = Workplace::new();
+    for (change, problem) in [
+        ("g.mapAll(lambda x: -x); g.background = -0.3", "turn its signs round"),
+        ("g.getAccessor().setValueOn((10, 0, 0), float('nan'))", "1 values are not finite numbers"),
+        ("g.getAccessor().setValueOn((10, 0, 0), 5.0)", "1 active values lie beyond its background"),
+        ("g.transform = v.createLinearTransform([[.1,0,0,0],[0,.1,0,0],[0,0,.2,0],[0,0,0,1]])", "are no cubes"),
+    ] {
+        let script = format!(
+            "import pyopenvdb as v; g = v.createLevelSetSphere(1.0, voxelSize=0.1, halfWidth=3.0); {change}; \
+             g.name = 'surface'; v.write('bad.vdb', grids=[g])"
+        );
+        place.run(Command::new("/usr/bin/python3").args(["-c", &script])).ok();
+        let run = place.hfvdb("check bad.vdb --json");
+        let document: serde_json::Value = serde_json::from_str(&run.stdout).expect("one document");
+        assert_eq!(document["findings"][0]["severity"], "error");
+        run.fails(1, &["bad.vdb", problem]);
+    }
+}
+
+#[test]
+fn a_failed_bake_leaves_no_folder_that_it_made() {
+    let place = Workplace::new();
+    let text = "[shape.a]\nsphere = 1\ncolor = [0.5, \"sqrt(x)\", 0]\n";
+    place.write("bad.toml", text);
+    place.hfvdb("bake bad.toml -o out/a.vdb --resolution 24").fails(1, &["bad.toml:3:9", "frame 1", "NaN"]);
+    assert_eq!(place.names("."), ["bad.toml"]);
+    fs::create_dir(place.path("mine")).expect("a folder");
+    place.hfvdb("bake bad.toml -o mine/a.vdb --resolution 24").fails(1, &["bad.toml:3:9"]);
+    assert_eq!(place.names("."), ["bad.toml", "mine"]);
+}

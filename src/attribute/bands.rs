@@ -1,23 +1,25 @@
-//! Rings of colour by distance.
+//! Colours by depth: rings where a solid is cut.
 
 use std::sync::Arc;
 
 use super::{Colour, ColourSampler, LinearRgb};
 use crate::field::{Aabb, BATCH, Evaluator, Field, Points};
 
-/// Colours in turn, band after band of a field's value: rings around its surface.
+/// Colours in turn, each from one depth of a field to the next.
 pub struct Bands {
     field: Arc<dyn Field>,
-    width: f64,
-    colours: Vec<LinearRgb>,
+    bands: Vec<(f64, LinearRgb)>,
+    tolerance: f64,
 }
 
 impl Bands {
-    /// Bands of `width` in the field's value, the first colour's just inside F = 0, the second's next further in, and so
-    /// on, outside likewise backwards. `None` where the width is not a finite positive number or there are no colours.
-    pub fn new(field: Arc<dyn Field>, width: f64, colours: Vec<LinearRgb>) -> Option<Self> {
-        let sound = width.is_finite() && width > 0.0 && !colours.is_empty();
-        sound.then_some(Self { field, width, colours })
+    /// Colours with the values of the field (world units, positive inside) at which they begin, rising; before the
+    /// first one, the first's. Points no further than `tolerance`, world units, before a band are in it: those on a
+    /// surface are a rounding error off to either side. `None` where the values do not rise or there are none.
+    pub fn new(field: Arc<dyn Field>, bands: Vec<(f64, LinearRgb)>, tolerance: f64) -> Option<Self> {
+        let rising = bands.windows(2).all(|pair| pair[0].0 < pair[1].0);
+        let sound = rising && !bands.is_empty() && bands.iter().all(|band| band.0.is_finite());
+        sound.then_some(Self { field, bands, tolerance })
     }
 }
 
@@ -41,11 +43,11 @@ impl ColourSampler for BandsSampler<'_> {
 
     fn sample(&mut self, points: &Points, out: &mut [LinearRgb; BATCH]) {
         self.evaluator.values(points, &mut self.values);
-        let colours = &self.bands.colours;
-        let per_width = (1.0 / self.bands.width) as f32;
+        let Bands { bands, tolerance, .. } = self.bands;
         for (value, out) in self.values[..points.len].iter().zip(out) {
-            let band = (value * per_width).floor() as i64;
-            *out = colours[band.rem_euclid(colours.len() as i64) as usize];
+            let depth = f64::from(*value) + tolerance;
+            let begun = bands.partition_point(|(begin, _)| *begin <= depth);
+            *out = bands[begun.saturating_sub(1)].1;
         }
     }
 }
@@ -58,19 +60,21 @@ mod tests {
     use crate::field::{Expression, Graph};
 
     #[test]
-    fn rings_by_value() {
+    fn each_band_from_its_depth_to_the_next() {
         let mut graph = Graph::new();
         let x = graph.x();
-        let colours: Vec<LinearRgb> = (0..3).map(|i| [i as f32, 0.0, 0.0]).collect();
-        let bands = Bands::new(Arc::new(Expression::new(&graph, x)), 0.5, colours).expect("bands");
+        let field: Arc<dyn Field> = Arc::new(Expression::new(&graph, x));
+        let grey = |i: u8| [f32::from(i); 3];
+        let bands = vec![(0.0, grey(0)), (0.5, grey(1)), (2.0, grey(2))];
+        let colour = Bands::new(Arc::clone(&field), bands, 0.01).expect("bands");
         let mut points = Points::new(DVec3::ZERO);
-        [0.1, 0.6, 1.4, 1.6, -0.1, -0.6, -1.4, -1.6].iter().for_each(|x| points.push(Vec3::new(*x, 0.0, 0.0)));
+        [-9.0, -0.001, 0.4, 0.495, 0.6, 1.9, 2.0, 99.0].iter().for_each(|x| points.push(Vec3::new(*x, 0.0, 0.0)));
         let mut out = [[0.0; 3]; BATCH];
-        bands.sampler().sample(&points, &mut out);
-        assert_eq!(
-            out[..8].iter().map(|colour| colour[0]).collect::<Vec<_>>(),
-            [0.0, 1.0, 2.0, 0.0, 2.0, 1.0, 0.0, 2.0]
-        );
-        assert!(Bands::new(Arc::new(Expression::new(&graph, x)), 0.0, vec![[0.0; 3]]).is_none());
+        colour.sampler().sample(&points, &mut out);
+        let found: Vec<f32> = out[..8].iter().map(|colour| colour[0]).collect();
+        assert_eq!(found, [0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 2.0, 2.0]);
+        for bad in [vec![], vec![(1.0, grey(0)), (1.0, grey(1))], vec![(f64::NAN, grey(0))]] {
+            assert!(Bands::new(Arc::clone(&field), bad, 0.0).is_none());
+        }
     }
 }

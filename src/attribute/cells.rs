@@ -2,9 +2,11 @@
 
 use std::sync::Arc;
 
+use glam::DVec3;
+
 use super::mix::{Mixer, Turn};
 use super::{Colour, ColourSampler, ColourSpace, LinearRgb};
-use crate::field::{Aabb, BATCH, Points};
+use crate::field::{Aabb, BATCH, Field, Points};
 
 /// Space divided into cells.
 pub trait CellIndex: Send + Sync {
@@ -13,20 +15,56 @@ pub trait CellIndex: Send + Sync {
 }
 
 /// Cubes of one size side by side, one of them centred at the origin.
-#[derive(Clone, Copy, Debug, PartialEq)]
+///
+/// Where a solid's surface lies in the face between two cubes, its points are a rounding error off to either side;
+/// they belong to the cube whose middle is deeper inside.
+#[derive(Clone)]
 pub struct CubeLattice {
     /// A cube's edge, world units.
     pub edge: f64,
+    /// The solid, positive inside.
+    pub solid: Arc<dyn Field>,
+    /// How near to a face, in world units, points belong to either cube.
+    pub tolerance: f64,
 }
 
 impl CellIndex for CubeLattice {
     /// A hash of the cube's place: two cubes share one rarely, and never neighbours by rule.
     fn indices(&self, points: &Points, out: &mut [u32; BATCH]) {
         for (i, out) in out[..points.len].iter_mut().enumerate() {
-            let place = (points.position(i) / self.edge).round().as_i64vec3();
+            let place = self.cube_at(points.position(i) / self.edge).as_i64vec3();
             let hash = place.to_array().iter().fold(0, |hash, part| scrambled(hash ^ *part as u64));
             *out = (hash >> 32) as u32;
         }
+    }
+}
+
+impl CubeLattice {
+    /// The cube of a position, both in edges.
+    fn cube_at(&self, position: DVec3) -> DVec3 {
+        let cube = position.round();
+        let off = position - cube;
+        let near_face = |off: f64| (0.5 - off.abs()) * self.edge < self.tolerance;
+        let beyond = DVec3::from_array(off.to_array().map(|off| if near_face(off) { off.signum() } else { 0.0 }));
+        if beyond == DVec3::ZERO {
+            return cube;
+        }
+        let mut cubes = vec![cube];
+        for axis in DVec3::AXES {
+            let step = beyond * axis;
+            if step != DVec3::ZERO {
+                cubes.extend(cubes.clone().into_iter().map(|cube| cube + step));
+            }
+        }
+        // The same order from whichever cube it is seen, so that equals are decided alike.
+        cubes.sort_by(|a, b| a.to_array().partial_cmp(&b.to_array()).unwrap_or(std::cmp::Ordering::Equal));
+        let depth = |cube: &DVec3| self.solid.reference(*cube * self.edge);
+        let deeper = |best: (f64, DVec3), cube: DVec3| {
+            let depth = depth(&cube);
+            if depth > best.0 { (depth, cube) } else { best }
+        };
+        let first = (depth(&cubes[0]), cubes[0]);
+        cubes[1..].iter().copied().fold(first, deeper).1
     }
 }
 
@@ -113,7 +151,15 @@ impl ColourSampler for ByCellSampler<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::field::{Expression, Graph};
     use glam::{DVec3, Vec3};
+
+    /// A cube around the origin.
+    fn block(edge: f64) -> Arc<dyn Field> {
+        let mut graph = Graph::new();
+        let node = graph.cuboid(DVec3::splat(edge));
+        Arc::new(Expression::new(&graph, node))
+    }
 
     const THREE: [LinearRgb; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
 
@@ -129,7 +175,7 @@ mod tests {
 
     #[test]
     fn one_colour_a_cube() {
-        let cells = Arc::new(CubeLattice { edge: 0.5 });
+        let cells = Arc::new(CubeLattice { edge: 0.5, solid: block(9.0), tolerance: 0.0 });
         let colour = ByCell { cells, choice: Choice::Palette(THREE.to_vec()), seed: 3 };
         let mut points = Points::new(DVec3::new(-10.0, 3.0, 0.5));
         (0..BATCH).for_each(|i| points.push(Vec3::splat(i as f32 * 0.01)));
@@ -141,6 +187,20 @@ mod tests {
             assert!(cube(i) != cube(i - 1) || out[i] == out[i - 1]);
         }
         assert!((1..BATCH).any(|i| out[i] != out[0]));
+    }
+
+    /// A cube of edge 1 in a lattice of 0.2: its faces, edges and corners all lie between cubes of the lattice.
+    #[test]
+    fn a_surface_between_cubes_belongs_to_those_inside() {
+        let lattice = CubeLattice { edge: 0.2, solid: block(1.0), tolerance: 1e-4 };
+        let inner = lattice.index_at(DVec3::new(0.4, 0.38, 0.4));
+        for wobble in [-1e-6, 0.0, 1e-6] {
+            let at = 0.5 + wobble;
+            assert_eq!(lattice.index_at(DVec3::new(at, 0.38, 0.42)), inner);
+            assert_eq!(lattice.index_at(DVec3::new(at, 0.5 - wobble, 0.42)), inner);
+            assert_eq!(lattice.index_at(DVec3::new(at, 0.5 - wobble, 0.5)), inner);
+            assert_ne!(lattice.index_at(DVec3::new(at, 0.18, 0.42)), inner);
+        }
     }
 
     #[test]

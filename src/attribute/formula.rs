@@ -16,7 +16,27 @@ pub enum Components {
     Hsv,
 }
 
-/// A colour whose components are fields. Their values are taken as they come, negative or not a number included.
+impl Components {
+    /// The colour that three numbers stand for. Encoded red, green and blue, saturation and value are held to 0…1,
+    /// scene-linear numbers to 0 and above; a hue may be any number of degrees. Where one of them is not a number,
+    /// or a hue is infinite, they come back as they are: no colour.
+    pub fn colour(self, numbers: [f32; 3]) -> LinearRgb {
+        let [hue, saturation, value] = numbers;
+        if numbers.iter().any(|number| number.is_nan()) {
+            return numbers;
+        }
+        match self {
+            Self::Linear => numbers.map(|number| number.max(0.0)),
+            Self::Srgb => from_srgb(numbers.map(|number| number.clamp(0.0, 1.0))),
+            Self::Hsv if hue.is_finite() => {
+                ColourSpace::Hsv.decode([hue, saturation.clamp(0.0, 1.0), value.clamp(0.0, 1.0)])
+            }
+            Self::Hsv => numbers,
+        }
+    }
+}
+
+/// A colour whose components are fields.
 pub struct ByFormula {
     /// One field a component.
     pub components: [Arc<dyn Field>; 3],
@@ -48,12 +68,7 @@ impl ColourSampler for FormulaSampler<'_> {
             evaluator.values(points, values);
         }
         for (i, out) in out[..points.len].iter_mut().enumerate() {
-            let numbers = self.values.each_ref().map(|values| values[i]);
-            *out = match self.meaning {
-                Components::Linear => numbers,
-                Components::Srgb => from_srgb(numbers),
-                Components::Hsv => ColourSpace::Hsv.decode(numbers),
-            };
+            *out = self.meaning.colour(self.values.each_ref().map(|values| values[i]));
         }
     }
 }
@@ -89,5 +104,20 @@ mod tests {
         assert_eq!(colour(["x", "0", "1"], Components::Srgb, 0.5), from_srgb([0.5, 0.0, 1.0]));
         let green = colour(["240*x", "1", "1"], Components::Hsv, 0.5);
         assert!(green[0] < 1e-6 && (green[1] - 1.0).abs() < 1e-6 && green[2] < 1e-6, "{green:?}");
+    }
+
+    #[test]
+    fn numbers_out_of_range_are_held_and_what_is_no_number_stays_none() {
+        assert_eq!(Components::Linear.colour([-1.0, 0.5, 7.0]), [0.0, 0.5, 7.0]);
+        assert_eq!(Components::Srgb.colour([-1.0, 2.0, f32::INFINITY]), [0.0, 1.0, 1.0]);
+        assert_eq!(Components::Hsv.colour([-120.0, 2.0, 1.5]), Components::Hsv.colour([240.0, 1.0, 1.0]));
+        for meaning in [Components::Linear, Components::Srgb, Components::Hsv] {
+            for place in 0..3 {
+                let mut numbers = [0.5; 3];
+                numbers[place] = f32::NAN;
+                assert!(meaning.colour(numbers)[place].is_nan(), "{meaning:?}");
+            }
+        }
+        assert_eq!(Components::Hsv.colour([f32::INFINITY, 0.5, 0.5]), [f32::INFINITY, 0.5, 0.5]);
     }
 }

@@ -1,21 +1,23 @@
 //! Colour and other attributes at points in space: sources, colour spaces, rules for set operations.
 //!
-//! Everything here answers in scene-linear Rec.709. What moves over time is seen through [`crate::morph::Moved`].
+//! Everything here answers in scene-linear Rec.709. What stands elsewhere, or moves, is seen through a [`SpaceMap`].
 
 mod bands;
 mod cells;
 mod colour_space;
 mod constant;
 mod formula;
+mod mapped;
 mod mesh_colour;
 mod mix;
 mod parts;
 
 pub use bands::Bands;
 pub use cells::{ByCell, CellIndex, Choice, CubeLattice};
-pub use colour_space::{ColourSpace, NotAColour, from_srgb, parse, to_srgb};
+pub use colour_space::{ColourSpace, from_srgb, to_srgb};
 pub use constant::Constant;
 pub use formula::{ByFormula, Components};
+pub use mapped::{MappedSampler, SpaceMap};
 pub use mesh_colour::VertexColours;
 pub use mix::{Mixer, Turn};
 pub use parts::{Part, Parts, Rule};

@@ -25,7 +25,7 @@ pub struct Computed {
 pub enum ComputeError {
     /// The distances.
     Distance(band::Error),
-    /// A colour is negative or not a number at a world position.
+    /// A colour is negative, infinite or not a number at a world position.
     Colour {
         /// World units.
         position: [f64; 3],
@@ -40,8 +40,7 @@ impl fmt::Display for ComputeError {
             Self::Distance(error) => error.fmt(f),
             Self::Colour { position: [x, y, z], value: [r, g, b] } => write!(
                 f,
-                "the colour at ({x}, {y}, {z}) is ({r}, {g}, {b}): a channel is negative or not a number; \
-                 clamp it in the formula, as in clamp(…, 0, 1)"
+                "the colour at ({x:.6}, {y:.6}, {z:.6}) is ({r}, {g}, {b}): a channel is negative, infinite or not a number"
             ),
         }
     }

@@ -16,4 +16,4 @@ pub use interrupt::Interrupt;
 pub use memory::{Bytes, default_limit};
 pub use pattern::{FramePattern, PatternError};
 pub use run::{Error, Estimate, Event, Output, Record, bake, check_memory, compute_frame, estimate};
-pub use target::{TargetError, make_ready};
+pub use target::{OutputFolder, TargetError, make_ready};

@@ -167,6 +167,10 @@ pub fn compute_frame(
     let colour = content.colour.as_deref().map(|colour| (colour, name));
     compute(&*content.field, colour, &settings).map_err(|error| match error {
         ComputeError::Distance(band::Error::Cancelled) => Error::Interrupted,
+        ComputeError::Colour { .. } => {
+            let problem = format!("frame {frame}: {error}");
+            prepared.colour_problem(&problem).map_or(Error::Frame(frame, error), Error::Scene)
+        }
         error => Error::Frame(frame, error),
     })
 }

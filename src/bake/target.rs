@@ -44,8 +44,24 @@ impl fmt::Display for TargetError {
 
 impl std::error::Error for TargetError {}
 
+/// The folder that files go into. Where it was made for them and none came, it goes away with this.
+#[derive(Debug)]
+#[must_use = "the folder stays as long as this does"]
+pub struct OutputFolder {
+    made: Option<PathBuf>,
+}
+
+impl Drop for OutputFolder {
+    fn drop(&mut self) {
+        if let Some(folder) = &self.made {
+            // Refused where the folder holds anything, as it does after a good bake.
+            let _ = std::fs::remove_dir(folder);
+        }
+    }
+}
+
 /// Checks that the frames' files can be made, and makes the output folder (its last level only).
-pub fn make_ready(pattern: &FramePattern, frames: &[i64], overwrite: bool) -> Result<(), TargetError> {
+pub fn make_ready(pattern: &FramePattern, frames: &[i64], overwrite: bool) -> Result<OutputFolder, TargetError> {
     let folder = if pattern.folder().as_os_str().is_empty() { Path::new(".") } else { pattern.folder() };
     if !overwrite {
         let exist: Vec<_> = frames.iter().map(|&frame| pattern.file(frame)).filter(|file| file.exists()).collect();
@@ -53,11 +69,12 @@ pub fn make_ready(pattern: &FramePattern, frames: &[i64], overwrite: bool) -> Re
             return Err(TargetError::Exist(first.clone(), exist.len()));
         }
     }
+    let mut output = OutputFolder { made: None };
     match std::fs::metadata(folder) {
         Ok(metadata) if metadata.is_dir() => {}
         Ok(_) => return Err(TargetError::Folder(folder.into(), io::ErrorKind::NotADirectory.into())),
         Err(error) if error.kind() == io::ErrorKind::NotFound => match std::fs::create_dir(folder) {
-            Ok(()) => {}
+            Ok(()) => output.made = Some(folder.into()),
             Err(error) if error.kind() == io::ErrorKind::NotFound => return Err(TargetError::NoParent(folder.into())),
             Err(error) => return Err(TargetError::Folder(folder.into(), error)),
         },
@@ -68,6 +85,6 @@ pub fn make_ready(pattern: &FramePattern, frames: &[i64], overwrite: bool) -> Re
         .prefix(".hfvdb-")
         .suffix(".tmp")
         .tempfile_in(folder)
-        .map(drop)
-        .map_err(|error| TargetError::Folder(folder.into(), error))
+        .map_err(|error| TargetError::Folder(folder.into(), error))?;
+    Ok(output)
 }

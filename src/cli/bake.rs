@@ -40,7 +40,7 @@ pub fn write_frames(
     sampling: &Sampling,
     global: &Global,
 ) -> Result<(), Failure> {
-    let frames = job::frames(writing.frames.as_ref(), model, global);
+    let frames = job::frames(writing.frames.as_ref(), model, global)?;
     let frames = frames.numbers();
     pattern.holds(frames.len())?;
     if !pattern.number_is_last() && !global.quiet {
@@ -48,7 +48,8 @@ pub fn write_frames(
     }
     let interrupt = job::interrupt()?;
     let output = output(model, pattern, writing, sampling)?;
-    bake::make_ready(&output.pattern, frames, output.overwrite).map_err(|error| Failure::work(error.to_string()))?;
+    let _folder = bake::make_ready(&output.pattern, frames, output.overwrite)
+        .map_err(|error| Failure::work(error.to_string()))?;
 
     let start = Instant::now();
     let progress = Progress::new(frames.len(), global);

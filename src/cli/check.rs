@@ -1,29 +1,69 @@
-//! `hfvdb check`: is the scene right, and what would it take?
+//! `hfvdb check`: is the scene right, and what would it take? Is the file sound?
 
 use std::fmt::Write;
+use std::path::Path;
 
 use clap::Args;
 use serde_json::json;
 
 use super::failure::Failure;
 use super::job;
-use super::options::{Global, Sampling, SceneArguments};
+use super::options::{Global, Sampling, SceneArguments, SceneChanges};
 use super::progress::Progress;
 use crate::bake;
 use crate::scene::{Model, Origin};
+use crate::vdb::{self, Lint, Severity};
 
 /// Arguments of `hfvdb check`.
 #[derive(Args)]
 pub struct Arguments {
+    /// A scene file (.toml or .json), the name of a built-in scene, or a .vdb file of any maker
+    #[arg(value_name = "SCENE or FILE.vdb")]
+    input: String,
+
     #[command(flatten)]
-    scene: SceneArguments,
+    changes: SceneChanges,
     #[command(flatten)]
     sampling: Sampling,
 }
 
 /// Runs the command.
 pub fn run(arguments: &Arguments, global: &Global) -> Result<(), Failure> {
-    let model = job::load(&arguments.scene, global)?;
+    let path = Path::new(&arguments.input);
+    if path.extension().is_some_and(|end| end.eq_ignore_ascii_case("vdb")) {
+        return of_file(path, global);
+    }
+    of_scene(arguments, global)
+}
+
+/// What is wrong with a file of any maker.
+fn of_file(path: &Path, global: &Global) -> Result<(), Failure> {
+    let Lint { grids, findings } = vdb::lint(path)?;
+    let errors = findings.iter().filter(|finding| finding.severity == Severity::Error).count();
+    let warnings = findings.len() - errors;
+    for finding in &findings {
+        match finding.severity {
+            Severity::Error => eprintln!("error: {}: {finding}", path.display()),
+            Severity::Warning if !global.quiet => eprintln!("warning: {}: {finding}", path.display()),
+            Severity::Warning => {}
+        }
+    }
+    if global.json {
+        super::print_json(&json!({ "path": path, "grids": grids, "findings": findings }))?;
+    } else {
+        let names = if grids.is_empty() { "none".into() } else { grids.join(", ") };
+        super::print(&format!("{}: grids {names}; {errors} errors, {warnings} warnings\n", path.display()))?;
+    }
+    if errors > 0 {
+        return Err(Failure::work(format!("{} is not sound", path.display())).with_results());
+    }
+    Ok(())
+}
+
+/// Whether a scene is right, and what it would take.
+fn of_scene(arguments: &Arguments, global: &Global) -> Result<(), Failure> {
+    let scene = SceneArguments { scene: arguments.input.clone(), changes: arguments.changes.clone() };
+    let model = job::load(&scene, global)?;
     let interrupt = job::interrupt()?;
     let progress = Progress::new(1, global);
     let prepared = job::prepare(&model, &arguments.sampling, None, &interrupt, &progress, global)?;
@@ -45,7 +85,7 @@ pub fn run(arguments: &Arguments, global: &Global) -> Result<(), Failure> {
     let Some(estimate) = largest else { return Ok(()) };
     if global.json {
         super::print_json(&json!({
-            "scene": arguments.scene.scene,
+            "scene": scene.scene,
             "frames": [shot.first, shot.last],
             "voxel_size": voxel_size,
             "box": [prepared.extent.min.to_array(), prepared.extent.max.to_array()],
@@ -72,7 +112,7 @@ pub fn run(arguments: &Arguments, global: &Global) -> Result<(), Failure> {
     }
     if estimate.memory > limit {
         let error = bake::Error::Memory { needed: estimate.memory, limit, voxels: estimate.voxels };
-        return Err(error.into());
+        return Err(Failure::from(error).with_results());
     }
     Ok(())
 }

@@ -9,22 +9,24 @@ pub struct Failure {
     message: String,
     /// Whether the message is finished text (a scene's marked errors) that needs no `error:` in front.
     rendered: bool,
+    /// Whether stdout has its document already.
+    told: bool,
 }
 
 impl Failure {
     /// The input or the work failed: 1.
     pub fn work(message: impl Into<String>) -> Self {
-        Self { code: 1, message: message.into(), rendered: false }
+        Self { code: 1, message: message.into(), rendered: false, told: false }
     }
 
     /// The command line is wrong by itself: 2.
     pub fn usage(message: impl Into<String>) -> Self {
-        Self { code: 2, message: message.into(), rendered: false }
+        Self { code: 2, message: message.into(), rendered: false, told: false }
     }
 
     /// More memory is needed than allowed: 3.
     pub fn memory(message: impl Into<String>) -> Self {
-        Self { code: 3, message: message.into(), rendered: false }
+        Self { code: 3, message: message.into(), rendered: false, told: false }
     }
 
     /// A signal ended the work: 130 or 143.
@@ -33,12 +35,18 @@ impl Failure {
             code,
             message: "interrupted; finished frames are whole, nothing half-written is left".into(),
             rendered: false,
+            told: false,
         }
     }
 
     /// Errors of a scene, marked in its text already.
     pub fn rendered(message: String) -> Self {
-        Self { code: 1, message, rendered: true }
+        Self { code: 1, message, rendered: true, told: false }
+    }
+
+    /// The same, where the results are on stdout all the same: no second document with `--json`.
+    pub fn with_results(self) -> Self {
+        Self { told: true, ..self }
     }
 
     /// The process's exit code.
@@ -53,7 +61,7 @@ impl Failure {
         } else {
             eprintln!("error: {}", self.message);
         }
-        if json {
+        if json && !self.told {
             let document = serde_json::json!({ "error": { "exit_code": self.code, "message": self.message } });
             // Nothing is left to say when stdout is closed.
             let _ = super::print_json(&document);

@@ -67,9 +67,12 @@ pub fn limit(sampling: &Sampling) -> Bytes {
 }
 
 /// The frames asked for, else the whole shot; a note where some lie outside of it.
-pub fn frames(asked: Option<&Frames>, model: &Model, global: &Global) -> Frames {
+pub fn frames(asked: Option<&Frames>, model: &Model, global: &Global) -> Result<Frames, Failure> {
     let shot = model.shot;
-    let frames = asked.cloned().unwrap_or_else(|| Frames::range(shot.range.first, shot.range.last));
+    let frames = match asked {
+        Some(frames) => frames.clone(),
+        None => Frames::of_range(shot.range).map_err(|error| Failure::work(error.to_string()))?,
+    };
     let (first, last) = frames.ends();
     if (first < shot.range.first || last > shot.range.last) && !global.quiet {
         let range = (shot.range.first, shot.range.last);
@@ -79,7 +82,7 @@ pub fn frames(asked: Option<&Frames>, model: &Model, global: &Global) -> Frames 
             eprintln!("warning: some frames lie outside of the shot {}-{}, where its ends hold", range.0, range.1);
         }
     }
-    frames
+    Ok(frames)
 }
 
 /// The scene's hash in hexadecimal.

@@ -8,7 +8,7 @@ use clap::Args;
 use super::bake::write_frames;
 use super::failure::Failure;
 use super::options::{Global, Sampling, Writing};
-use crate::bake::{FramePattern, Frames};
+use crate::bake::FramePattern;
 use crate::scene::{self, FrameRange, Overrides};
 
 /// Arguments of `hfvdb morph`.
@@ -24,7 +24,7 @@ pub struct Arguments {
 
     /// The frames over which the morph runs
     #[arg(long, value_name = "FIRST-LAST", default_value = "1-48", allow_hyphen_values = true)]
-    shot: Frames,
+    shot: FrameRange,
 
     /// How much the shapes flow through one body: 0.05 the shortest way, 1.5 very much [default: 0.5]
     #[arg(long, value_name = "NUMBER", allow_negative_numbers = true)]
@@ -43,8 +43,7 @@ pub struct Arguments {
 /// Runs the command.
 pub fn run(arguments: &Arguments, global: &Global) -> Result<(), Failure> {
     let pattern = FramePattern::new(&arguments.writing.output, "vdb")?;
-    let (first, last) = arguments.shot.ends();
-    if arguments.shot.numbers().len() as i64 != last - first + 1 || first == last {
+    if arguments.shot.count() < 2 {
         return Err(Failure::usage("--shot: a morph runs over a range of at least two frames, such as 1-48"));
     }
     let set = |key: &str, value: Option<String>| value.map(|value| format!("morph.{key}={value}"));
@@ -58,7 +57,7 @@ pub fn run(arguments: &Arguments, global: &Global) -> Result<(), Failure> {
         .collect(),
         variant: None,
     };
-    let model = scene::morph_of_meshes(&arguments.from, &arguments.to, FrameRange { first, last }, &overrides)?;
+    let model = scene::morph_of_meshes(&arguments.from, &arguments.to, arguments.shot, &overrides)?;
     let model = Arc::new(model);
     write_frames(&model, pattern, &arguments.writing, &arguments.sampling, global)
 }

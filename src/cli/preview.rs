@@ -92,7 +92,7 @@ fn is_vdb(input: &str) -> bool {
 fn of_scene(arguments: &Arguments, interrupt: &Interrupt, global: &Global) -> Result<(), Failure> {
     let scene = SceneArguments { scene: arguments.inputs[0].clone(), changes: arguments.changes.clone() };
     let model = job::load(&scene, global)?;
-    let frames = job::frames(arguments.frames.as_ref(), &model, global);
+    let frames = job::frames(arguments.frames.as_ref(), &model, global)?;
     let progress = Progress::new(frames.numbers().len(), global);
     let default = arguments.sampling.voxel_size.is_none().then_some(RESOLUTION);
     let prepared = job::prepare(&model, &arguments.sampling, default, interrupt, &progress, global)?;
@@ -113,8 +113,7 @@ fn of_files(arguments: &Arguments, interrupt: &Interrupt, global: &Global) -> Re
     let mut bounds: Option<Aabb> = None;
     if arguments.inputs.len() > 1 {
         for path in &arguments.inputs {
-            let info = vdb::inspect(path)?;
-            for [least, greatest] in info.grids.iter().filter_map(|grid| grid.world_box) {
+            if let Some([least, greatest]) = vdb::active_box(path)? {
                 let world = Aabb::new(least.into(), greatest.into());
                 bounds = Some(bounds.map_or(world, |bounds| bounds.union(world)));
             }

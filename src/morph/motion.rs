@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use glam::{DMat3, DVec3, Mat3, Vec3};
 
-use crate::attribute::{Colour, ColourSampler, LinearRgb};
+use crate::attribute::{Colour, ColourSampler, MappedSampler, SpaceMap};
 use crate::distance::{Distance, Foot};
 use crate::field::{Aabb, BATCH, Evaluator, Field, Gradients, Interval, Points, Slope};
 
@@ -53,13 +53,20 @@ impl Similarity {
         let half = absolute(self.rotation.transpose()) * (aabb.size() * 0.5) / self.scale;
         around(self.to_object(aabb.centre()), half)
     }
+}
 
-    /// A batch of world positions, in the object's space: the origin in `f64`, the offsets in `f32`.
-    fn points_to_object(&self, points: &Points, out: &mut Points) {
+/// From the world to the object's space.
+impl SpaceMap for Similarity {
+    /// The origin in `f64`, the offsets in `f32`.
+    fn points(&self, points: &Points, out: &mut Points) {
         out.origin = self.to_object(points.origin);
         out.len = points.len;
         let turn = Mat3::from_cols_array(&(self.rotation.transpose() * (1.0 / self.scale)).to_cols_array().map(to_f32));
         rotate(turn, [&points.x, &points.y, &points.z], [&mut out.x, &mut out.y, &mut out.z]);
+    }
+
+    fn region(&self, region: &Aabb) -> Aabb {
+        self.box_to_object(*region)
     }
 }
 
@@ -206,8 +213,7 @@ impl<T: Distance + ?Sized> Distance for Moved<T> {
 
 impl<T: Colour + ?Sized> Colour for Moved<T> {
     fn sampler(&self) -> Box<dyn ColourSampler + '_> {
-        let points = Points::new(DVec3::ZERO);
-        Box::new(MovedSampler { inner: self.inner.sampler(), placement: self.placement, points })
+        Box::new(MappedSampler::new(self.inner.sampler(), self.placement))
     }
 }
 
@@ -241,7 +247,7 @@ impl Evaluator for MovedEvaluator<'_> {
     }
 
     fn values(&mut self, points: &Points, out: &mut [f32; BATCH]) {
-        self.placement.points_to_object(points, &mut self.points);
+        self.placement.points(points, &mut self.points);
         self.inner.values(&self.points, out);
         let scale = self.placement.scale as f32;
         if scale != 1.0 {
@@ -250,7 +256,7 @@ impl Evaluator for MovedEvaluator<'_> {
     }
 
     fn gradients(&mut self, points: &Points, out: &mut Gradients) {
-        self.placement.points_to_object(points, &mut self.points);
+        self.placement.points(points, &mut self.points);
         self.inner.gradients(&self.points, out);
         self.gradients_to_world(out);
     }
@@ -268,7 +274,7 @@ impl Evaluator for MovedEvaluator<'_> {
     }
 
     fn branch(&mut self, branch: usize, points: &Points, out: &mut Gradients) {
-        self.placement.points_to_object(points, &mut self.points);
+        self.placement.points(points, &mut self.points);
         self.inner.branch(branch, &self.points, out);
         self.gradients_to_world(out);
     }
@@ -277,25 +283,4 @@ impl Evaluator for MovedEvaluator<'_> {
 fn widened(interval: Interval) -> Interval {
     let margin = |value: f64| value.abs() * (4.0 * f64::EPSILON);
     Interval::new(interval.lo - margin(interval.lo), interval.hi + margin(interval.hi))
-}
-
-struct MovedSampler<'a> {
-    inner: Box<dyn ColourSampler + 'a>,
-    placement: Similarity,
-    points: Points,
-}
-
-impl ColourSampler for MovedSampler<'_> {
-    fn enter(&mut self, region: &Aabb) {
-        self.inner.enter(&self.placement.box_to_object(*region));
-    }
-
-    fn leave(&mut self) {
-        self.inner.leave();
-    }
-
-    fn sample(&mut self, points: &Points, out: &mut [LinearRgb; BATCH]) {
-        self.placement.points_to_object(points, &mut self.points);
-        self.inner.sample(&self.points, out);
-    }
 }

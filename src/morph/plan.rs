@@ -157,7 +157,7 @@ impl Morph {
 
     /// What the morph shows at scene time τ.
     pub fn stage(&self, time: f64) -> Stage {
-        let t = self.time_at(time);
+        let (progress, t) = (self.progress(time), self.time_at(time));
         if t <= 0.0 {
             return Stage::From;
         }
@@ -168,8 +168,8 @@ impl Morph {
             Mode::Paper(paper) => Stage::Between(paper.section(t)),
             Mode::Flow(flow) => {
                 let a0 = match &self.still {
-                    Some(measured) => self.enclosing(measured, t).a0,
-                    None => self.enclosing(&self.measure(time), t).a0,
+                    Some(measured) => self.enclosing(measured, progress, t).a0,
+                    None => self.enclosing(&self.measure(time), progress, t).a0,
                 };
                 Stage::Between(Section { a0, ..flow.section(t) })
             }
@@ -191,22 +191,30 @@ impl Morph {
 
     /// The frame's colour at scene time τ. Where shape and colour are both at an end, it is the object's own.
     pub fn colour(&self, time: f64) -> Arc<dyn Colour> {
+        self.colour_of(time, None, None)
+    }
+
+    /// As [`Morph::colour`], with other colours of the two objects at that time, in their own spaces, where given.
+    pub fn colour_of(&self, time: f64, from: Option<Arc<dyn Colour>>, to: Option<Arc<dyn Colour>>) -> Arc<dyn Colour> {
         let colour_time = self.colour_time(time);
-        let colour = |object: &MorphObject| Moved::new(object.colour.clone(), object.motion.at(time));
+        let placed = |object: &MorphObject, other: Option<Arc<dyn Colour>>| {
+            Moved::new(other.unwrap_or_else(|| object.colour.clone()), object.motion.at(time))
+        };
+        let (from, to) = (placed(&self.from, from), placed(&self.to, to));
         let distance = |object: &MorphObject| Moved::new(object.distance.clone(), object.motion.at(time));
         let t = self.time_at(time);
         if t <= 0.0 && colour_time <= 0.0 {
-            return Arc::new(colour(&self.from));
+            return Arc::new(from);
         }
         if t >= 1.0 && colour_time == 1.0 {
-            return Arc::new(colour(&self.to));
+            return Arc::new(to);
         }
         let Settings { alpha, beta, colour_space, .. } = self.settings;
         Arc::new(MorphColour {
             first: Arc::new(distance(&self.from)),
             second: Arc::new(distance(&self.to)),
-            from: Arc::new(colour(&self.from)),
-            to: Arc::new(colour(&self.to)),
+            from: Arc::new(from),
+            to: Arc::new(to),
             unit: self.plan.unit,
             transfer: Transfer { time: colour_time, alpha, beta },
             mixer: Mixer::new(colour_space, self.plan.turn),
@@ -240,11 +248,11 @@ impl Morph {
     fn frame_report(&self, time: f64) -> (FrameReport, Vec<f32>) {
         let fresh = if self.still.is_none() { Some(self.measure(time)) } else { None };
         let measured = fresh.as_ref().or(self.still.as_ref()).expect("one of both is there");
-        let t = self.time_at(time);
-        let Enclosing { a0, fractions } = self.enclosing(measured, t);
+        let (progress, t) = (self.progress(time), self.time_at(time));
+        let Enclosing { a0, fractions } = self.enclosing(measured, progress, t);
         let cell = self.plan.grid.cell_volume();
         let target = match &self.settings.mode {
-            Mode::Flow(_) => Some(self.target(measured, t) * cell),
+            Mode::Flow(_) => Some(self.target(measured, progress, t) * cell),
             Mode::Paper(_) => None,
         };
         let volume = total(&fractions) * cell;
@@ -253,15 +261,15 @@ impl Morph {
 
     /// STB's t at scene time τ, in \[0, 1\].
     fn time_at(&self, time: f64) -> f64 {
-        let progress = self.progress(time).clamp(0.0, 1.0);
+        let progress = self.progress(time);
         // Even pace has its ease in its curve.
         self.plan.pace.at(if self.paced() { progress } else { self.settings.ease.at(progress) })
     }
 
-    /// How far the change of shape is along its span, without ease or pace.
+    /// How far the change of shape is along its span, without ease or pace, in \[0, 1\].
     fn progress(&self, time: f64) -> f64 {
         let [start, end] = self.settings.over;
-        (time - start) / (end - start)
+        ((time - start) / (end - start)).clamp(0.0, 1.0)
     }
 
     fn time_of(&self, progress: f64) -> f64 {
@@ -274,7 +282,7 @@ impl Morph {
     }
 
     /// The blend's amount at t and what it encloses; at the ends, 0 and the object.
-    fn enclosing(&self, measured: &Measured, t: f64) -> Enclosing {
+    fn enclosing(&self, measured: &Measured, progress: f64, t: f64) -> Enclosing {
         let grid = &self.plan.grid;
         let own =
             |distances: &[f32]| Enclosing { a0: 0.0, fractions: object_fractions(grid, distances, self.plan.unit) };
@@ -288,17 +296,17 @@ impl Morph {
             Mode::Paper(paper) => Volume::new(grid, measured, self.plan.unit, paper.section(t)).as_it_is(),
             Mode::Flow(flow) => {
                 let volume = Volume::new(grid, measured, self.plan.unit, flow.section(t));
-                volume.enclosing(self.target(measured, t))
+                volume.enclosing(self.target(measured, progress, t))
             }
         }
     }
 
     /// The volume at t, in cells.
-    fn target(&self, measured: &Measured, t: f64) -> f64 {
+    fn target(&self, measured: &Measured, progress: f64, t: f64) -> f64 {
         let own = |distances: &[f32]| object_cells(&self.plan.grid, distances, self.plan.unit);
         let (first, second) = (own(&measured.first), own(&measured.second));
         let factor = match &self.settings.mode {
-            Mode::Flow(flow) => flow.volume.as_ref().map_or(1.0, |curve| curve.at(t)),
+            Mode::Flow(flow) => flow.volume.as_ref().map_or(1.0, |curve| curve.at(progress)),
             Mode::Paper(_) => 1.0,
         };
         ((1.0 - t) * first + t * second) * factor
@@ -343,12 +351,12 @@ impl Morph {
         };
         let progress: Vec<f64> = shares.iter().map(|share| self.settings.ease.at(*share)).collect();
         let at = |step: usize| self.still.as_ref().unwrap_or_else(|| &samples[step]);
-        let ends = [self.enclosing(at(0), 0.0), self.enclosing(at(STEPS), 1.0)];
+        let ends = [self.enclosing(at(0), 0.0, 0.0), self.enclosing(at(STEPS), 1.0, 1.0)];
         if ends.iter().all(|end| total(&end.fractions) <= 0.0) {
             return Err(Error::Empty);
         }
         let all = |times: &[f64]| -> Vec<Vec<f32>> {
-            let step = |step: usize| self.enclosing(at(step), times[step]).fractions;
+            let step = |step: usize| self.enclosing(at(step), shares[step], times[step]).fractions;
             (0..=STEPS).into_par_iter().map(step).collect()
         };
         let changes = |times: &[f64]| -> (Vec<f64>, Vec<Vec<f32>>) {

@@ -58,7 +58,8 @@ pub struct Flow {
     pub bridge: f64,
     /// How t follows the morph's progress.
     pub pace: Pace,
-    /// A factor on the volume over t, 1 at both ends; `None` is 1 all the way.
+    /// A factor on the volume over the morph's progress (0 to 1, even in scene time whatever ease and pace do to t),
+    /// 1 at both ends; `None` is 1 all the way.
     pub volume: Option<Curve>,
 }
 

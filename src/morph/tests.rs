@@ -437,22 +437,36 @@ fn moving_objects_change_evenly_too() {
 }
 
 #[test]
-fn a_span_an_ease_and_a_volume_of_ones_own() {
-    let (from, to) = (Exact::cube(0.0, 0.5), Exact::ball(0.2, 0.6));
-    let mode = Mode::Flow(Flow { volume: Curve::through(vec![[0.0, 1.0], [0.5, 1.3], [1.0, 1.0]]), ..Flow::default() });
-    let settings = Settings { mode, over: [0.25, 0.75], ease: Ease::Smooth, ..Settings::default() };
+fn a_span_and_an_ease_of_ones_own() {
+    let (from, to) = (Exact::cube(-1.2, 0.5), Exact::ball(1.2, 0.5));
+    let settings = Settings { over: [0.25, 0.75], ease: Ease::Smooth, ..Settings::default() };
     let morph = morph_with(from, to, settings);
     assert_eq!([0.0, 0.25, 0.75, 1.0].map(|time| morph.stage(time).t()), [0.0, 0.0, 1.0, 1.0]);
     let report = morph.report(&(0..=40).map(|step| 0.25 + f64::from(step) / 80.0).collect::<Vec<_>>());
-    for frame in &report.frames {
-        assert!((frame.volume / frame.target.expect("a target") - 1.0).abs() < 1e-4);
-    }
     // Eased changes run as 6u(1 − u).
     let whole: f64 = report.frames.iter().map(|frame| frame.change).sum();
     for (step, frame) in report.frames.iter().enumerate().skip(1) {
         let share = |step: usize| Ease::Smooth.at(step as f64 / 40.0);
         let expected = (share(step) - share(step - 1)) * whole;
         assert!((frame.change - expected).abs() < 0.2 * whole / 40.0, "step {step}: {} for {expected}", frame.change);
+    }
+}
+
+/// Whatever ease and pace do to t: at half of the span the volume is the curve's middle.
+#[test]
+fn a_volume_of_ones_own() {
+    for (ease, pace) in [(Ease::Linear, Pace::Even), (Ease::Smooth, Pace::Even), (Ease::Smooth, Pace::Time)] {
+        let (from, to) = (Exact::cube(0.0, 0.5), Exact::ball(0.2, 0.6));
+        let volume = Curve::through(vec![[0.0, 1.0], [0.5, 1.3], [1.0, 1.0]]);
+        let mode = Mode::Flow(Flow { volume, pace, ..Flow::default() });
+        let morph = morph_with(from, to, Settings { mode, over: [0.25, 0.75], ease, ..Settings::default() });
+        let report = morph.report(&(0..=40).map(|step| 0.25 + f64::from(step) / 80.0).collect::<Vec<_>>());
+        let [first, middle, last] = [report.frames[0], report.frames[20], report.frames[40]];
+        let straight = (1.0 - middle.t) * first.volume + middle.t * last.volume;
+        assert!((middle.volume / straight - 1.3).abs() < 1e-3, "{ease:?} {pace:?}: {}", middle.volume / straight);
+        for frame in &report.frames {
+            assert!((frame.volume / frame.target.expect("a target") - 1.0).abs() < 1e-4);
+        }
     }
 }
 

@@ -1,20 +1,14 @@
 //! Colours as a scene writes them, turned into scene-linear Rec.709.
 
-use crate::attribute::LinearRgb;
+use crate::attribute::{Components, LinearRgb, from_srgb};
 
 use super::diagnostic::{Diagnostic, clip, nearest};
+use super::keys::Limit;
 use super::reader::Reader;
-use super::value::{Data, Value};
+use super::value::Value;
 
 /// The colour of a shape without one beside coloured ones: sRGB `#cccccc`.
 pub const GREY: &str = "#cccccc";
-
-/// Decodes one sRGB component from 0 to 1 (IEC 61966-2-1). With the `libm` crate, so that every machine gets the
-/// same bits.
-pub fn linear_of_srgb(encoded: f64) -> f32 {
-    let linear = if encoded <= 0.04045 { encoded / 12.92 } else { libm::pow((encoded + 0.055) / 1.055, 2.4) };
-    linear as f32
-}
 
 /// `#rgb`, `#rrggbb`, a CSS name or a CSS function such as `rgb(…)`; `None` where it is none of them.
 pub fn css(text: &str) -> Option<LinearRgb> {
@@ -24,12 +18,7 @@ pub fn css(text: &str) -> Option<LinearRgb> {
         return None;
     }
     let colour = csscolorparser::parse(text).ok()?;
-    // Hex digits are exact eighths of a byte; the parser holds them in `f32`.
-    let component = |value: f32| {
-        let byte = f64::from(value) * 255.0;
-        linear_of_srgb(if (byte - byte.round()).abs() < 1e-4 { byte.round() / 255.0 } else { f64::from(value) })
-    };
-    (colour.a == 1.0).then(|| [component(colour.r), component(colour.g), component(colour.b)])
+    (colour.a == 1.0).then(|| from_srgb([colour.r, colour.g, colour.b]))
 }
 
 /// The error about a text that is no colour, with the nearest of the scene's names and CSS's.
@@ -44,43 +33,37 @@ pub fn not_a_colour(text: &str, value: &Value, names: &[String]) -> Diagnostic {
     }
 }
 
-/// `[r, g, b]` from 0 to 1, sRGB.
-pub fn srgb_list(reader: &Reader<'_>, name: &str, value: &Value) -> Option<LinearRgb> {
-    let three = reader.three(name, value)?;
-    let component = |part: &Value| match part.number() {
-        Some(encoded) if (0.0..=1.0).contains(&encoded) => Some(linear_of_srgb(encoded)),
-        Some(_) => {
-            reader.say(
-                Diagnostic::error(part.span, format!("`{}` must be from 0 to 1", clip(name)))
-                    .help("brighter colours are written { linear = [r, g, b] }"),
-            );
-            None
-        }
-        None => {
-            reader.wrong_kind(name, "three numbers", part);
-            None
-        }
-    };
-    let parts = [component(&three[0]), component(&three[1]), component(&three[2])];
-    Some([parts[0]?, parts[1]?, parts[2]?])
+/// What each of a colour's three numbers may be.
+pub fn limits(meaning: Components) -> [Limit; 3] {
+    const SHARE: Limit = Limit::Within(0.0, 1.0);
+    match meaning {
+        Components::Srgb => [SHARE; 3],
+        Components::Linear => [Limit::Within(0.0, f64::from(u16::MAX)); 3],
+        Components::Hsv => [Limit::Any, SHARE, SHARE],
+    }
 }
 
-/// The numbers of `{ linear = [r, g, b] }`, each 0 or greater.
-pub fn linear_list(reader: &Reader<'_>, name: &str, value: &Value) -> Option<LinearRgb> {
+/// A colour of three numbers that stand still.
+pub fn constant(reader: &Reader<'_>, name: &str, value: &Value, meaning: Components) -> Option<LinearRgb> {
     let three = reader.three(name, value)?;
-    let mut colour = [0.0; 3];
-    for (component, part) in colour.iter_mut().zip(three) {
-        *component = match part.data {
-            Data::Integer(_) | Data::Float(_) => {
-                reader.constant(name, super::keys::Limit::Within(0.0, f64::from(u16::MAX)), part) as f32
+    let mut numbers = [0.0; 3];
+    let mut sound = true;
+    for ((number, part), limit) in numbers.iter_mut().zip(three).zip(limits(meaning)) {
+        match part.number() {
+            Some(given) if limit.allows(given) => *number = given as f32,
+            Some(_) => {
+                sound = false;
+                let problem = Diagnostic::error(part.span, format!("`{}` must be {}", clip(name), limit.words()));
+                let brighter = "brighter colours are written { linear = [r, g, b] }";
+                reader.say(if meaning == Components::Srgb { problem.help(brighter) } else { problem });
             }
-            _ => {
+            None => {
+                sound = false;
                 reader.wrong_kind(name, "three numbers", part);
-                return None;
             }
-        };
+        }
     }
-    Some(colour)
+    sound.then(|| meaning.colour(numbers))
 }
 
 #[cfg(test)]
@@ -93,10 +76,7 @@ mod tests {
         assert_eq!(css("#fff"), Some([1.0, 1.0, 1.0]));
         assert_eq!(css("White"), Some([1.0, 1.0, 1.0]));
         assert_eq!(css("#000"), Some([0.0, 0.0, 0.0]));
-        // The worked values of IEC 61966-2-1 for bytes 0xbc and 0x0a.
-        let [r, g, _] = css("#bc0a00").unwrap();
-        assert!((r - 0.502_886_5).abs() < 1e-6, "{r}");
-        assert!((g - 0.003_035_27).abs() < 1e-7, "{g}");
+        assert_eq!(css("#bc0a00"), Some(from_srgb([188.0 / 255.0, 10.0 / 255.0, 0.0])));
         assert_eq!(css("rgb(188, 10, 0)"), css("#bc0a00"));
     }
 

@@ -6,7 +6,7 @@ use std::sync::atomic::AtomicBool;
 
 use glam::{DVec3, Vec3};
 
-use crate::attribute::{Colour, LinearRgb};
+use crate::attribute::{Colour, LinearRgb, from_srgb};
 use crate::field::{BATCH, Points};
 
 use super::*;
@@ -262,4 +262,145 @@ fn built_in_stills_are_made() {
         let frame = scene.frame(1).unwrap();
         assert!(value(&frame, 0.0, 0.0, 0.0) > 0.0 && frame.colour.is_some());
     }
+}
+
+#[track_caller]
+fn assert_close(colour: LinearRgb, wanted: LinearRgb) {
+    assert!(colour.iter().zip(wanted).all(|(a, b)| (a - b).abs() < 1e-5), "{colour:?} for {wanted:?}");
+}
+
+#[test]
+fn colours_by_formula() {
+    let text = "frames = '1-5'\n[shape.a]\nsphere = 1\nscale = 2\nmove = [10, 0, 0]\n\
+                color = ['x', '2*y', { 1 = 0, 5 = 1 }]\n";
+    let scene = prepared(text);
+    // Space is the shape's own, numbers are sRGB, formulas are held to 0 … 1.
+    let at = |frame: i64, x: f64, y: f64| colour(&scene.frame(frame).unwrap(), x, y, 0.0);
+    assert_close(at(1, 11.0, 1.5), from_srgb([0.5, 1.0, 0.0]));
+    assert_close(at(3, 9.0, 0.5), from_srgb([0.0, 0.5, 0.5]));
+    let bright = prepared("[shape.a]\nsphere = 1\ncolor = { linear = ['3*x', '-x', 0.25] }\n").frame(1).unwrap();
+    assert_close(colour(&bright, 1.0, 0.0, 0.0), [3.0, 0.0, 0.25]);
+    let wheel = prepared("[shape.a]\nsphere = 1\ncolor = { hsv = ['240*x', 1, 1] }\n").frame(1).unwrap();
+    assert_close(colour(&wheel, 1.0, 0.0, 0.0), BLUE);
+}
+
+#[test]
+fn colours_by_formula_change_in_a_morph_too() {
+    let text = "frames = '1-5'\n[shape.a]\nsphere = 1\ncolor = [1, 't', 0]\n[shape.b]\nbox = 1.5\ncolor = [0, 0, 't']\n\
+                move = [0, 0, 't']\n[morph]\nfrom = 'a'\nto = 'b'\n";
+    let scene = prepared_with(text, Some(24)).unwrap_or_else(|error| panic!("{error}"));
+    assert_close(colour(&scene.frame(1).unwrap(), 1.0, 0.0, 0.0), RED);
+    assert_close(colour(&scene.frame(5).unwrap(), 0.0, 0.0, 1.0), BLUE);
+    let still =
+        prepared_with(&text.replace("[1, 't', 0]", "[1, 0, 0]"), Some(24)).unwrap_or_else(|error| panic!("{error}"));
+    let green = |scene: &Prepared| colour(&scene.frame(3).unwrap(), 0.0, 0.0, -0.9)[1];
+    assert!(green(&scene) > green(&still) + 0.01, "{} {}", green(&scene), green(&still));
+}
+
+#[test]
+fn bands_go_by_distance_below_the_surface() {
+    // F of the first is no distance, that of the second is: both have the same bands.
+    for (maker, x) in [("formula = '4 - x^2 - y^2 - z^2'\nbounds = 5", 2.0), ("sphere = 2", 2.0)] {
+        let text = format!(
+            "[shape.d]\ndifference = ['a', {{ half_space = [0, 1, 0] }}]\n[shape.a]\n{maker}\n\
+             color = {{ bands = [[0, 'red'], [0.5, 'blue'], [1.25, 'lime']] }}\n"
+        );
+        let frame = prepared_with(&text, Some(64)).unwrap_or_else(|error| panic!("{error}")).frame(1).unwrap();
+        let found = [0.02, 0.47, 0.53, 1.22, 1.28].map(|depth| colour(&frame, x - depth, 0.0, 0.0));
+        assert_eq!(found, [RED, RED, BLUE, BLUE, [0.0, 1.0, 0.0]], "{maker}");
+        // On the surface, and outside.
+        assert_eq!([colour(&frame, x, 0.0, 0.0), colour(&frame, x + 1.0, 0.0, 0.0)], [RED, RED]);
+    }
+}
+
+#[test]
+fn voxels_of_a_lattice_take_colours() {
+    let text = |colour: &str| format!("[shape.a]\nbox = 1\ncolor = {{ {colour}, by = 'voxel', voxel_size = 0.2 }}\n");
+    let frame = |colour: &str| prepared_with(&text(colour), Some(32)).unwrap().frame(1).unwrap();
+    let on_top = |frame: &FrameContent| {
+        let places = (0..25).map(|i| (f64::from(i % 5) * 0.2 - 0.4, f64::from(i / 5) * 0.2 - 0.4));
+        places.map(|(x, y)| colour(frame, x, y, 0.5)).collect::<Vec<_>>()
+    };
+    let palette = frame("palette = ['red', 'blue']");
+    let top = on_top(&palette);
+    assert!(top.contains(&RED) && top.contains(&BLUE), "{top:?}");
+    // One colour a cube, up to its faces.
+    for (x, y) in [(0.09, 0.0), (-0.09, 0.05), (0.0, -0.09)] {
+        assert_eq!(colour(&palette, x, y, 0.5), colour(&palette, 0.0, 0.0, 0.45));
+    }
+    assert_ne!(
+        on_top(&frame("palette = ['red', 'blue'], seed = 4")),
+        on_top(&frame("palette = ['red', 'blue'], seed = 5"))
+    );
+    let between = on_top(&frame("range = ['black', 'red'], color_space = 'rgb'"));
+    assert!(between.iter().all(|[r, g, b]| (0.0..=1.0).contains(r) && *g == 0.0 && *b == 0.0), "{between:?}");
+    assert!(between.windows(2).any(|pair| pair[0] != pair[1]));
+}
+
+#[test]
+fn parts_colour_a_shape_they_do_not_make() {
+    let text = "[shape.a]\nbox = 2\nmove = [5, 0, 0]\ncolor = { parts = ['low', { sphere = 0.5, color = 'lime' }] }\n\
+                [shape.low]\nhalf_space = [0, 0, 1]\noffset_along = -0.75\ncolor = 'red'\n";
+    let frame = prepared(text).frame(1).unwrap();
+    assert!(value(&frame, 5.0, 0.0, -0.9) > 0.0 && value(&frame, 5.0, 0.0, -1.1) < 0.0);
+    assert_eq!(colour(&frame, 5.9, 0.0, -0.9), RED);
+    assert_eq!(colour(&frame, 5.0, 0.0, 0.4), [0.0, 1.0, 0.0]);
+    // Outside of both by the inverse of the distances (STTI, eq. 6): 1.75 to the one, 0.5 to the other.
+    let lime = 1.75 / (1.75 + 0.5);
+    assert_close(colour(&frame, 5.0, 0.0, 1.0), [1.0 - lime, lime, 0.0]);
+}
+
+#[test]
+fn a_seam_softens_a_union() {
+    let text = "[shape.u]\nunion = ['a', 'b']\nseam = 0.4\n[shape.a]\nsphere = 1\ncolor = 'red'\n\
+                [shape.b]\nsphere = 1\ncolor = 'blue'\nmove = [1, 0, 0]\n";
+    let blue = |text: &str, x: f64| colour(&prepared(text).frame(1).unwrap(), x, 0.0, 0.0)[2];
+    assert_eq!([blue(text, -0.5), blue(text, 0.5)], [0.0, 1.0]);
+    assert!((blue(text, -0.05) - 0.375).abs() < 0.01 && (blue(text, 0.05) - 0.625).abs() < 0.01);
+    assert_eq!(blue(&text.replace("0.4", "0"), -0.05), 0.0);
+}
+
+#[test]
+fn a_morphs_volume_is_on_its_keys() {
+    let text = "frames = '1-9'\n[shape.a]\nsphere = 1\n[shape.b]\nsphere = 1\nmove = [0.5, 0, 0]\n\
+                [morph]\nfrom = 'a'\nto = 'b'\nvolume = { 1 = 1, 4 = 2, 9 = 1 }\n";
+    let scene = prepared_with(text, Some(48)).unwrap_or_else(|error| panic!("{error}"));
+    let radius = |frame: i64| {
+        let frame = scene.frame(frame).unwrap();
+        (0..200).map(|i| f64::from(i) * 0.01).find(|y| value(&frame, 0.25, *y, 0.0) < 0.0).unwrap()
+    };
+    // Twice the volume of nearly a ball.
+    assert!((radius(4) - 2.0_f64.cbrt()).abs() < 0.07, "{}", radius(4));
+    refused(
+        &text.replace("1 = 1, 4", "1 = 1.5, 4"),
+        "`morph.volume` is 1.5 at frame 1, and must be 1 there\n  --> scene.toml:10:10",
+    );
+}
+
+#[test]
+fn the_papers_round_reaches_the_morph() {
+    let text = "frames = '1-9'\n[shape.a]\nsphere = 1\n[shape.b]\nsphere = 1\nmove = [0.5, 0, 0]\n\
+                [morph]\nfrom = 'a'\nto = 'b'\nmode = 'paper'\nslab = [-1, 2]\ns = 0.25\na0 = 0.2\n";
+    let middle = |text: &str| {
+        let scene = prepared_with(text, Some(24)).unwrap_or_else(|error| panic!("{error}"));
+        value(&scene.frame(5).unwrap(), 0.25, 0.0, 0.0)
+    };
+    let plain = middle(text);
+    let rounded = middle(&format!("{text}round = {{ a0 = -0.1 }}\n"));
+    assert!(rounded < plain - 0.01, "{rounded} {plain}");
+}
+
+#[test]
+fn empty_frames_of_the_papers_mode_are_named_once() {
+    let text =
+        "frames = '1-9'\n[shape.a]\nsphere = 1\n[shape.b]\nbox = 1.4\n[morph]\nfrom = 'a'\nto = 'b'\nmode = 'paper'\n";
+    for round in ["", "round = { a0 = -0.2, depth = 0.3 }\n"] {
+        let scene = prepared_with(&format!("{text}{round}"), Some(24)).unwrap_or_else(|error| panic!("{error}"));
+        let warnings = scene.warnings.to_string();
+        assert_eq!(warnings.matches("the morph is empty in frames 2-8\n --> scene.toml:6:2").count(), 1, "{warnings}");
+    }
+    let alive =
+        prepared_with(&format!("{text}slab = [-1, 2]\ns = 0.25\na0 = 0.3\na1 = 2.5\na2 = 2.5\na3 = 0.3\n"), Some(24))
+            .unwrap_or_else(|error| panic!("{error}"));
+    assert!(alive.warnings.is_empty(), "{}", alive.warnings);
 }

@@ -1,5 +1,8 @@
 //! Frames and the shot: which frames there are, and what time each stands for.
 
+use std::fmt;
+use std::num::IntErrorKind;
+use std::str::FromStr;
 use std::sync::Arc;
 
 use super::number::Moment;
@@ -13,26 +16,55 @@ pub struct FrameRange {
     pub last: i64,
 }
 
-impl FrameRange {
+/// Why a text is no range of frames.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum BadRange {
+    /// It is no number, and no two with a hyphen between.
+    NoNumbers,
+    /// Its last frame is before its first.
+    Backwards,
+    /// A frame has more than nine digits, which neither file names nor metadata hold.
+    TooLarge,
+}
+
+impl fmt::Display for BadRange {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::NoNumbers => "is no frame number or range",
+            Self::Backwards => "runs backwards",
+            Self::TooLarge => "has a frame of more than nine digits",
+        })
+    }
+}
+
+impl std::error::Error for BadRange {}
+
+impl FromStr for FrameRange {
+    type Err = BadRange;
+
     /// Reads `"1-48"`, `"-5-10"` or `"7"`.
-    pub fn parse(text: &str) -> Option<Self> {
-        let text = text.trim();
-        if let Ok(only) = text.parse() {
-            return Self { first: only, last: only }.checked();
-        }
-        // The first hyphen may be a sign.
-        let hyphen = text.char_indices().skip(1).find(|&(_, c)| c == '-')?.0;
-        let (first, last) = (text[..hyphen].trim().parse().ok()?, text[hyphen + 1..].trim().parse().ok()?);
-        Self { first, last }.checked()
-    }
-
-    /// Numbers that frames can have: those that fit in file names and in exact `f64`.
-    fn checked(self) -> Option<Self> {
+    fn from_str(text: &str) -> Result<Self, BadRange> {
         const MOST: i64 = 999_999_999;
-        let fits = |frame: i64| (-MOST..=MOST).contains(&frame);
-        (fits(self.first) && fits(self.last) && self.first <= self.last).then_some(self)
+        let text = text.trim();
+        // A minus sign in front belongs to the number; the next one divides first from last.
+        let divider = text.char_indices().skip(1).find(|&(_, c)| c == '-').map(|(at, _)| at);
+        let number = |text: &str| match text.trim().parse::<i64>() {
+            Ok(frame) if (-MOST..=MOST).contains(&frame) => Ok(frame),
+            Ok(_) => Err(BadRange::TooLarge),
+            Err(error) => match error.kind() {
+                IntErrorKind::PosOverflow | IntErrorKind::NegOverflow => Err(BadRange::TooLarge),
+                _ => Err(BadRange::NoNumbers),
+            },
+        };
+        let (first, last) = match divider {
+            Some(at) => (number(&text[..at])?, number(&text[at + 1..])?),
+            None => (number(text)?, number(text)?),
+        };
+        if first <= last { Ok(Self { first, last }) } else { Err(BadRange::Backwards) }
     }
+}
 
+impl FrameRange {
     /// How many there are.
     pub fn count(self) -> usize {
         (self.last - self.first + 1) as usize
@@ -79,22 +111,52 @@ pub fn plain(frame: f64) -> String {
     text.trim_end_matches('0').trim_end_matches('.').to_owned()
 }
 
+/// Frames, rising, as people write them: `2-5, 9`; long lists are cut.
+pub fn in_ranges(frames: &[i64]) -> String {
+    /// The most ranges that are written.
+    const MOST: usize = 8;
+    let ranges: Vec<&[i64]> = frames.chunk_by(|a, b| *b == a + 1).collect();
+    let written: Vec<String> = ranges
+        .iter()
+        .take(MOST)
+        .map(|range| match range {
+            [only] => only.to_string(),
+            _ => format!("{}-{}", range[0], range[range.len() - 1]),
+        })
+        .collect();
+    let left: usize = ranges.iter().skip(MOST).map(|range| range.len()).sum();
+    let more = if left > 0 { format!(" and {left} more") } else { String::new() };
+    written.join(", ") + &more
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
     fn ranges_are_read_with_signs() {
-        let range = |first, last| Some(FrameRange { first, last });
-        assert_eq!(FrameRange::parse("1-48"), range(1, 48));
-        assert_eq!(FrameRange::parse(" 1001 - 1096 "), range(1001, 1096));
-        assert_eq!(FrameRange::parse("7"), range(7, 7));
-        assert_eq!(FrameRange::parse("-7"), range(-7, -7));
-        assert_eq!(FrameRange::parse("-7--2"), range(-7, -2));
-        assert_eq!(FrameRange::parse("-5-10"), range(-5, 10));
-        for bad in ["", "-", "a", "48-1", "1-48x2", "1-", "1..3", "99999999999-99999999999"] {
-            assert_eq!(FrameRange::parse(bad), None, "{bad}");
+        let range = |first, last| Ok(FrameRange { first, last });
+        assert_eq!("1-48".parse(), range(1, 48));
+        assert_eq!(" 1001 - 1096 ".parse(), range(1001, 1096));
+        assert_eq!("7".parse(), range(7, 7));
+        assert_eq!("-7".parse(), range(-7, -7));
+        assert_eq!("-7--2".parse(), range(-7, -2));
+        assert_eq!("-5-10".parse(), range(-5, 10));
+        for bad in ["", "-", "a", "1-48x2", "1-", "1..3"] {
+            assert_eq!(bad.parse::<FrameRange>(), Err(BadRange::NoNumbers), "{bad}");
         }
+        assert_eq!("48-1".parse::<FrameRange>(), Err(BadRange::Backwards));
+        for bad in ["1-1000000000", "-1000000000", "99999999999999999999-1"] {
+            assert_eq!(bad.parse::<FrameRange>(), Err(BadRange::TooLarge), "{bad}");
+        }
+    }
+
+    #[test]
+    fn frames_in_a_row_are_told_as_ranges() {
+        assert_eq!(in_ranges(&[1, 2, 3, 5, 8, 9]), "1-3, 5, 8-9");
+        assert_eq!(in_ranges(&[-2]), "-2");
+        let odd: Vec<i64> = (0..40).map(|i| 2 * i).collect();
+        assert_eq!(in_ranges(&odd), "0, 2, 4, 6, 8, 10, 12, 14 and 32 more");
     }
 
     #[test]

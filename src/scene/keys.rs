@@ -1,6 +1,12 @@
 //! Every key of the format, in one place: what is checked, what is proposed when a name is wrong, what a default
 //! is, and what `docs/scene.md` says.
 
+mod colours;
+mod morph;
+
+pub use colours::COLOURS;
+pub use morph::{MORPH, PAPER_ONLY, ROUND, VOLUME_ONLY};
+
 /// What a key takes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
@@ -40,6 +46,10 @@ pub enum Kind {
     Colour,
     /// A list of colours.
     Palette,
+    /// Three numbers of a colour, each also as a formula of space.
+    Components,
+    /// Colours with the depths at which they begin.
+    Bands,
     /// Copies in cells.
     Copies,
     /// An axis.
@@ -71,6 +81,8 @@ impl Kind {
             Self::Cells => "cells".into(),
             Self::Colour => "colour".into(),
             Self::Palette => "list of colours".into(),
+            Self::Components => "three numbers or formulas of space".into(),
+            Self::Bands => "list of `[depth, colour]`, depths rising".into(),
             Self::Copies => "copies".into(),
             Self::Box => "box".into(),
             Self::Table => "table".into(),
@@ -197,6 +209,11 @@ pub struct Maker {
 }
 
 use Absent::{Nothing, Number, Required, Text, Vector, Words};
+
+/// The seed of one choice at random.
+const fn seed(text: &'static str) -> Key {
+    Key::new("seed", Kind::Whole, Words("from the scene's `seed` and the name"), text).limit(Limit::NotNegative)
+}
 
 /// The top of a scene.
 pub const SCENE: &[Key] = &[
@@ -330,17 +347,17 @@ pub const MAKERS: &[Maker] = &[
             Required,
             "All that lies in any of them. Where they overlap, the later one's colour.",
         ),
-        parameters: SET_PARAMETERS,
+        parameters: &[colours::SEAM],
         formula: "a + b + √(a² + b²)",
     },
     Maker {
         key: Key::new("intersection", Kind::Shapes, Required, "What lies in all of them."),
-        parameters: SET_PARAMETERS,
+        parameters: &[],
         formula: "a + b − √(a² + b²)",
     },
     Maker {
         key: Key::new("difference", Kind::Shapes, Required, "The first without all others."),
-        parameters: SET_PARAMETERS,
+        parameters: &[],
         formula: "a − b − √(a² + b²)",
     },
     Maker {
@@ -363,8 +380,6 @@ pub const MAKERS: &[Maker] = &[
     },
 ];
 
-const SET_PARAMETERS: &[Key] = &[];
-
 const FACET_PARAMETERS: &[Key] = &[
     Key::new("cells", Kind::Cells, Required, "The cells that the surface is cut by."),
     Key::new("tilt", Kind::Constant, Number(20.0), "The most that a plane is tilted.")
@@ -373,13 +388,7 @@ const FACET_PARAMETERS: &[Key] = &[
     Key::new("cut", Kind::Constant, Number(0.1), "The deepest that a plane cuts.")
         .limit(Limit::NotNegative)
         .unit("units"),
-    Key::new(
-        "seed",
-        Kind::Whole,
-        Words("from the scene's `seed` and the name"),
-        "The number that its chances start from.",
-    )
-    .limit(Limit::NotNegative),
+    seed("The number that its chances start from."),
 ];
 
 /// What every shape takes beside its maker. The order of the text does not matter: this is the order of work.
@@ -420,13 +429,7 @@ pub const CELLS: &[Key] = &[
     Key::new("depth", Kind::Depth, Words("`[1, 3]`"), "How often a cell is halved: at least, at most."),
     Key::new("chance", Kind::Constant, Number(0.5), "That a cell between the two is halved once more.")
         .limit(Limit::Within(0.0, 1.0)),
-    Key::new(
-        "seed",
-        Kind::Whole,
-        Words("from the scene's `seed` and the name"),
-        "The number that its chances start from.",
-    )
-    .limit(Limit::NotNegative),
+    seed("The number that its chances start from."),
 ];
 
 /// Copies in cells: the table of `at`.
@@ -438,32 +441,7 @@ pub const COPIES: &[Key] = &[
         "The cells that copies stand in, each on the surface near its cell's middle.",
     ),
     Key::new("pick", Kind::Constant, Number(1.0), "The share of cells that get one.").limit(Limit::Within(0.0, 1.0)),
-    Key::new(
-        "seed",
-        Kind::Whole,
-        Words("from the scene's `seed` and the name"),
-        "The number that the choice starts from.",
-    )
-    .limit(Limit::NotNegative),
-];
-
-/// A colour written as a table.
-pub const COLOUR: &[Key] = &[
-    Key::new("linear", Kind::Vector, Nothing, "Scene-linear red, green, blue, each 0 or greater."),
-    Key::new("palette", Kind::Palette, Nothing, "A palette's name, or colours."),
-    Key::new(
-        "by",
-        Kind::Choice(&["cell"]),
-        Text("cell"),
-        "What takes one of the palette's colours at random: each cell of `facet` or `at`.",
-    ),
-    Key::new(
-        "seed",
-        Kind::Whole,
-        Words("from the scene's `seed` and the name"),
-        "The number that the choice starts from.",
-    )
-    .limit(Limit::NotNegative),
+    seed("The number that the choice starts from."),
 ];
 
 /// A parameter written as a table.
@@ -475,77 +453,6 @@ pub const PARAMETER: &[Key] = &[
 
 /// Names of colour spaces that colours are mixed in.
 pub const COLOUR_SPACES: &[&str] = &["rgb", "hsv", "lab", "lch", "oklab"];
-
-/// The morph.
-pub const MORPH: &[Key] = &[
-    Key::new("from", Kind::Shape, Required, "What it is at the first frame."),
-    Key::new("to", Kind::Shape, Required, "What it is at the last frame."),
-    Key::new(
-        "mode",
-        Kind::Choice(&["volume", "paper"]),
-        Text("volume"),
-        "`volume`: the volume runs evenly from the one's to the other's. `paper`: a0 … a3 and s as given.",
-    ),
-    Key::new(
-        "bridge",
-        Kind::Constant,
-        Number(0.5),
-        "How much separate shapes flow through one body: 0.05 is the shortest way.",
-    )
-    .limit(Limit::Within(0.05, 100.0)),
-    Key::new(
-        "pace",
-        Kind::Choice(&["even", "t"]),
-        Text("even"),
-        "`even`: every frame changes as much as the others. `t`: the papers' way.",
-    ),
-    Key::new("color_space", Kind::Choice(COLOUR_SPACES), Text("oklab"), "The space that colours are mixed in.")
-        .also(&["colour_space"]),
-    Key::new("alpha", Kind::Constant, Number(0.3), "How colours come: 0.1 sweep over the shape, 3 everywhere at once.")
-        .limit(Limit::NotNegative),
-    Key::new(
-        "beta",
-        Kind::Constant,
-        Number(0.5),
-        "Which object's distance counts more for colours; 0.5 is both alike.",
-    )
-    .limit(Limit::Within(0.0, 1.0)),
-    Key::new(
-        "over",
-        Kind::Frames,
-        Words("`frames`"),
-        "The frames in which the shape changes; before and after it stands.",
-    ),
-    Key::new("color_over", Kind::Frames, Words("`over`"), "The frames in which the colours change.")
-        .also(&["colour_over"]),
-    Key::new(
-        "ease",
-        Kind::Choice(&["linear", "smooth"]),
-        Text("linear"),
-        "Whether the shape's change starts and ends at rest.",
-    ),
-    Key::new(
-        "octopus",
-        Kind::Flag,
-        Text("false"),
-        "Colours run on past their end: the last one's creeps outward (STTI).",
-    ),
-    Key::new("cut", Kind::Shape, Nothing, "Taken away from every frame, to look inside. Stands in the world."),
-    Key::new("a0", Kind::Constant, Number(1.0), "`mode = \"paper\"`: how much is added between them.")
-        .limit(Limit::NotZero),
-    Key::new("a1", Kind::Constant, Number(1.0), "`mode = \"paper\"`: how far the first reaches.").limit(Limit::NotZero),
-    Key::new("a2", Kind::Constant, Number(1.0), "`mode = \"paper\"`: how far the second reaches.")
-        .limit(Limit::NotZero),
-    Key::new("a3", Kind::Constant, Number(1.0), "`mode = \"paper\"`: how far the slab of time reaches.")
-        .limit(Limit::NotZero),
-    Key::new("s", Kind::Constant, Number(1.0), "`mode = \"paper\"`: the scale of time against space.")
-        .limit(Limit::Positive)
-        .also(&["time_scale"]),
-    Key::new("slab", Kind::Table, Words("`[0, 1]`"), "`mode = \"paper\"`: the slab of time that bounds the blend."),
-];
-
-/// Keys of `[morph]` that only `mode = "paper"` uses.
-pub const PAPER_ONLY: &[&str] = &["a0", "a1", "a2", "a3", "s", "slab"];
 
 /// Grids that a file can hold.
 pub const GRIDS: &[&str] = &["surface", "Cd"];
@@ -583,7 +490,7 @@ pub const LATER: &[(&str, &[&str])] = &[
             "revolve", "keep",
         ],
     ),
-    ("morph", &["delay", "keep", "round", "volume", "weight"]),
+    ("morph", &["delay", "keep", "weight"]),
     ("color", &["texture", "sample", "grid", "noise", "wood", "marble"]),
     ("output", &["adaptive"]),
     ("grid", &["vel", "density"]),

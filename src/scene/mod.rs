@@ -39,7 +39,7 @@ pub use diagnostic::{Diagnostic, Diagnostics, Severity};
 pub use error::Error;
 pub use files::{FilePlace, FileReference};
 pub use formula::Formula;
-pub use frames::{FrameRange, Shot};
+pub use frames::{BadRange, FrameRange, Shot};
 pub use load::{Source, load, morph_of_meshes};
 pub use model::*;
 pub use number::{BadNumber, Ease, Keys, Moment, Number, NumberValue};

@@ -2,7 +2,8 @@
 
 use std::sync::Arc;
 
-use crate::attribute::LinearRgb;
+use crate::attribute::{Choice, Components, LinearRgb};
+use crate::morph::Round;
 
 use super::diagnostic::Diagnostics;
 use super::files::FileReference;
@@ -68,7 +69,7 @@ pub enum Content {
     /// One shape.
     Shape(ShapeId),
     /// One shape becoming another.
-    Morph(Morph),
+    Morph(Box<Morph>),
 }
 
 impl Content {
@@ -125,7 +126,7 @@ pub enum Maker {
     /// A mesh.
     Mesh { file: FileReference },
     /// All that is in any.
-    Union(Vec<ShapeId>),
+    Union { operands: Vec<ShapeId>, seam: f64 },
     /// What is in all.
     Intersection(Vec<ShapeId>),
     /// The first without the others.
@@ -176,13 +177,55 @@ pub struct Bounds {
 }
 
 /// A shape's colour.
-#[derive(Clone, Debug, PartialEq)]
-#[allow(missing_docs, reason = "the variants say it all")]
+#[derive(Clone, Debug)]
 pub enum ShapeColour {
     /// One, scene-linear.
     Solid(LinearRgb),
-    /// One of the palette's for each cell, at random.
-    ByCell { palette: Vec<LinearRgb>, seed: u64 },
+    /// Three numbers, each of space and time.
+    Formula {
+        /// The numbers.
+        components: Box<[Component; 3]>,
+        /// What they are.
+        meaning: Components,
+        /// Where they stand.
+        span: Span,
+    },
+    /// One for each piece of space, at random.
+    Random {
+        /// What is chosen from.
+        choice: Choice,
+        /// The pieces.
+        by: Pieces,
+        /// What the choice starts from.
+        seed: u64,
+    },
+    /// One for each band of depth below the surface: where it begins, units, rising.
+    Bands(Vec<(f64, LinearRgb)>),
+    /// Those of other shapes, which stand in this one's own space.
+    Parts {
+        /// The shapes, the later above the earlier.
+        shapes: Vec<ShapeId>,
+        /// The width of the transition where they meet, units.
+        seam: f64,
+    },
+}
+
+/// One of a colour's three numbers.
+#[derive(Clone, Debug)]
+pub enum Component {
+    /// The same everywhere.
+    Number(Number),
+    /// A formula of space and time.
+    Formula(Formula),
+}
+
+/// Pieces of space that take a colour each.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Pieces {
+    /// The cells of a facet or of copies.
+    Cells,
+    /// Cubes of this edge, units.
+    Cubes(f64),
 }
 
 /// Octree cells around a shape.
@@ -236,12 +279,14 @@ pub struct Morph {
 }
 
 /// How a morph's shape is found.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub enum MorphMode {
     /// a₀ from the volume, which runs evenly.
     Volume {
         /// How much separate shapes flow through one body.
         bridge: f64,
+        /// The factor on the volume of the straight way.
+        volume: Number,
     },
     /// The STB paper's numbers as given.
     Paper {
@@ -251,6 +296,8 @@ pub enum MorphMode {
         s: f64,
         /// The slab of time.
         slab: [f64; 2],
+        /// How both objects are rounded against the planes that cut them in time.
+        round: Option<Round>,
     },
 }
 

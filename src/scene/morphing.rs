@@ -12,12 +12,13 @@ use crate::distance::nearest::{FieldFeet, Watch};
 use crate::distance::octree::{self, BuildError, DistanceObject};
 use crate::field::{Aabb, Field};
 use crate::grid::{Lattice, VoxelSize};
-use crate::morph::{self, Ease, Flow, Mode, MorphObject, Motion, Pace, Paper, Side, Similarity};
+use crate::morph::{self, Curve, Ease, Flow, Mode, MorphObject, Motion, Pace, Paper, Side, Similarity};
 
+use super::diagnostic::Diagnostic;
 use super::error::Problem;
-use super::frames::FrameRange;
+use super::frames::{FrameRange, in_ranges};
 use super::model::{Model, Morph, MorphMode, Shape, ShapeId};
-use super::number::Moment;
+use super::number::{Moment, Number};
 use super::paint::Paint;
 use super::prepare::{Stop, box_of, sampled_frames, solid_box};
 use super::solid::{Solids, Stage};
@@ -36,6 +37,18 @@ pub(super) struct Object {
     motion: Motion,
 }
 
+impl Object {
+    /// A voxel's edge in the object's own space: it may be made larger where it stands.
+    fn voxel(&self, voxel: f64) -> f64 {
+        voxel / self.motion.at(0.0).scale()
+    }
+}
+
+/// The smallest cells that an object's distances need, from a voxel's edge in its space.
+pub(super) fn smallest_cell(voxel: f64, solid: &Aabb) -> f64 {
+    voxel.max(solid.size().max_element() / MOST_CELLS)
+}
+
 /// What both objects are, before anything depends on the voxel size.
 pub(super) struct Pair {
     from: Object,
@@ -48,7 +61,7 @@ impl Pair {
     /// About what a level set of either object takes, each where the shot begins. `voxel` is a voxel's edge.
     pub fn bands(&self, voxel: f64, half_width: f32) -> [Estimate; 2] {
         [&self.from, &self.to].map(|side| {
-            let edge = voxel / side.motion.at(0.0).scale();
+            let edge = side.voxel(voxel);
             let Some(voxel_size) = VoxelSize::new(edge) else { return Estimate::default() };
             let region = side.solid.grown((f64::from(half_width) + 2.0) * edge);
             let scope = Scope { lattice: Lattice { voxel_size }, half_width, region };
@@ -67,7 +80,7 @@ pub(super) fn pair(
     let from = side(model, solids, variation, morph.from)?;
     let to = side(model, solids, variation, morph.to)?;
     let over_shot = |side: &Object| {
-        let frames = if side.motion.is_still() { vec![0.0] } else { sampled_frames(&model.shot) };
+        let frames = if side.motion.is_still() { vec![0.0] } else { sampled_frames(model.shot.range) };
         let boxes = frames.iter().map(|frame| side.motion.at(model.shot.range.share(*frame)).box_to_world(side.solid));
         boxes.reduce(Aabb::union).unwrap_or(side.solid)
     };
@@ -92,7 +105,7 @@ fn side(model: &Arc<Model>, solids: &mut Solids, variation: &Variation, id: Shap
 /// Whether a shape is scaled alike along x, y and z; the problem where it is not, and that changes.
 fn scale_is_uniform(model: &Model, shape: &Shape) -> Result<bool, Problem> {
     let scale = &shape.modifiers.scale;
-    for frame in sampled_frames(&model.shot) {
+    for frame in sampled_frames(model.shot.range) {
         let moment = model.moment(frame);
         let [x, y, z] = [scale[0].at(&moment)?, scale[1].at(&moment)?, scale[2].at(&moment)?];
         if x != y || x != z {
@@ -110,7 +123,7 @@ fn scale_is_uniform(model: &Model, shape: &Shape) -> Result<bool, Problem> {
 fn motion(model: &Arc<Model>, shape: &Shape, scaled: bool, moves: bool) -> Result<Motion, Problem> {
     let placement = move |shape: &Shape, moment: &Moment| -> Result<Similarity, Problem> {
         let modifiers = &shape.modifiers;
-        let vector = |numbers: &[super::Number; 3]| -> Result<DVec3, Problem> {
+        let vector = |numbers: &[Number; 3]| -> Result<DVec3, Problem> {
             Ok(DVec3::new(numbers[0].at(moment)?, numbers[1].at(moment)?, numbers[2].at(moment)?))
         };
         let scale = if scaled { modifiers.scale[0].at(moment)? } else { 1.0 };
@@ -123,7 +136,7 @@ fn motion(model: &Arc<Model>, shape: &Shape, scaled: bool, moves: bool) -> Resul
         return Ok(Motion::still(placement(shape, &model.moment(range.first as f64))?));
     }
     // Every frame is tried now, so that errors come with their place; what lies between is held to the frames.
-    let placements: Vec<Similarity> = sampled_frames(&model.shot)
+    let placements: Vec<Similarity> = sampled_frames(model.shot.range)
         .iter()
         .map(|frame| placement(shape, &model.moment(*frame)))
         .collect::<Result<_, _>>()?;
@@ -137,12 +150,26 @@ fn motion(model: &Arc<Model>, shape: &Shape, scaled: bool, moves: bool) -> Resul
     }))
 }
 
+/// How one of the two objects is painted.
+pub(super) struct Brush {
+    /// The shape.
+    pub id: ShapeId,
+    /// Its stage.
+    pub stage: Stage,
+    /// A voxel's edge in its space.
+    pub voxel: f64,
+}
+
 /// A morph made ready.
 pub(super) struct Planned {
     /// The morph.
     pub morph: morph::Morph,
     /// Whether anything in it has a colour.
     pub has_colour: bool,
+    /// How the first object is painted.
+    pub from: Brush,
+    /// How the second object is painted.
+    pub to: Brush,
     /// Memory that the distances take, in bytes.
     pub bytes: u64,
 }
@@ -160,8 +187,10 @@ pub(super) fn plan(
     let from = measured(model, solids, &pair.from, voxel, memory_limit, watch)?;
     let to = measured(model, solids, &pair.to, voxel, memory_limit, watch)?;
     let has_colour = from.paint.is_some() || to.paint.is_some();
+    let brush = |side: &Object| Brush { id: side.id, stage: side.stage, voxel: side.voxel(voxel) };
+    let (from_brush, to_brush) = (brush(&pair.from), brush(&pair.to));
     let bytes = (from.distance.report().bytes + to.distance.report().bytes) as u64;
-    let settings = settings(model, morph);
+    let settings = settings(model, morph)?;
     let planned = morph::Morph::new(from.object(&pair.from), to.object(&pair.to), settings).map_err(|error| {
         let span = match error {
             morph::Error::Unbounded(Side::From) => model.shape(morph.from).span,
@@ -170,7 +199,7 @@ pub(super) fn plan(
         };
         Problem::new(span, error.to_string())
     })?;
-    Ok(Planned { morph: planned, has_colour, bytes })
+    Ok(Planned { morph: planned, has_colour, from: from_brush, to: to_brush, bytes })
 }
 
 /// An object's distance and colour.
@@ -199,11 +228,8 @@ fn measured(
     watch: &Watch<'_>,
 ) -> Result<MeasuredSide, Stop> {
     let shape = model.shape(side.id);
-    // The object may be made larger where it stands: its own space needs finer cells.
-    let scale = side.motion.at(0.0).scale();
-    let longest = side.solid.size().max_element();
-    let cell = (voxel / scale).max(longest / MOST_CELLS);
-    let paint = solids.paint(side.id, side.stage, voxel / scale)?;
+    let cell = smallest_cell(side.voxel(voxel), &side.solid);
+    let paint = solids.paint(side.id, side.stage, side.voxel(voxel))?;
     let problem = |what: String| Stop::Problem(Problem::new(shape.span, format!("`{}`: {what}", shape.name)));
     let feet = FieldFeet::new(side.field.as_ref(), &side.solid, cell, watch).map_err(|error| match error {
         band::Error::Cancelled => Stop::Cancelled,
@@ -218,19 +244,21 @@ fn measured(
     Ok(MeasuredSide { distance: Arc::new(distance), paint })
 }
 
-fn settings(model: &Model, morph: &Morph) -> morph::Settings {
+fn settings(model: &Model, morph: &Morph) -> Result<morph::Settings, Problem> {
     let FrameRange { first, last } = model.shot.range;
     // Not held: a span may begin before the shot, or end after it.
     let time = |frame: i64| (frame - first) as f64 / (last - first).max(1) as f64;
     let span = |range: FrameRange| [time(range.first), time(range.last)];
-    let mode = match morph.mode {
-        MorphMode::Volume { bridge } => {
+    let mode = match &morph.mode {
+        MorphMode::Volume { bridge, volume } => {
             let pace = if morph.even_pace { Pace::Even } else { Pace::Time };
-            Mode::Flow(Flow { bridge, pace, volume: None })
+            Mode::Flow(Flow { bridge: *bridge, pace, volume: volume_curve(model, morph, volume)? })
         }
-        MorphMode::Paper { a, s, slab } => Mode::Paper(Paper { slab, time_scale: s, a, round: None }),
+        MorphMode::Paper { a, s, slab, round } => {
+            Mode::Paper(Paper { slab: *slab, time_scale: *s, a: *a, round: *round })
+        }
     };
-    morph::Settings {
+    Ok(morph::Settings {
         mode,
         over: span(morph.over),
         ease: if morph.smooth { Ease::Smooth } else { Ease::Linear },
@@ -245,7 +273,30 @@ fn settings(model: &Model, morph: &Morph) -> morph::Settings {
             "lch" => ColourSpace::Lch,
             _ => ColourSpace::Oklab,
         },
+    })
+}
+
+/// The factor on the volume over the morph's progress, exact at every frame; `None` where it is 1 all the way.
+fn volume_curve(model: &Model, morph: &Morph, volume: &Number) -> Result<Option<Curve>, Problem> {
+    /// How far formulas may miss 1 at the ends by rounding.
+    const ROUNDING: f64 = 1e-9;
+    if volume.as_constant() == Some(1.0) {
+        return Ok(None);
     }
+    let over = morph.over;
+    let mut points = Vec::new();
+    for frame in sampled_frames(over) {
+        let at = volume.at(&model.moment(frame))?;
+        points.push([over.share(frame), if (at - 1.0).abs() < ROUNDING { 1.0 } else { at }]);
+    }
+    for ([_, at], frame) in [(points[0], over.first), (points[points.len() - 1], over.last)] {
+        if at != 1.0 {
+            let problem = format!("`morph.volume` is {at} at frame {frame}, and must be 1 there");
+            return Err(Problem::new(volume.span, problem)
+                .help("a morph begins and ends as its objects: keys such as { 1 = 1, 24 = 1.5, 48 = 1 }"));
+        }
+    }
+    Ok(Curve::through(points))
 }
 
 /// The box of F ≥ 0 over the whole shot: while the shape changes, as the morph knows it; before and after, of the
@@ -253,7 +304,7 @@ fn settings(model: &Model, morph: &Morph) -> morph::Settings {
 pub(super) fn extent_over_shot(model: &Model, morph: &Morph, planned: &morph::Morph) -> Result<Aabb, Problem> {
     let range = model.shot.range;
     let over = morph.over;
-    let frames: Vec<f64> = sampled_frames(&model.shot)
+    let frames: Vec<f64> = sampled_frames(model.shot.range)
         .into_iter()
         .filter(|&frame| {
             let at_an_end = frame == range.first as f64 || frame == range.last as f64;
@@ -271,4 +322,26 @@ pub(super) fn extent_over_shot(model: &Model, morph: &Morph, planned: &morph::Mo
         };
     }
     all.ok_or_else(|| Problem::new(morph.span, "nothing is inside in any frame of the morph"))
+}
+
+/// One warning that names the frames that hold nothing, as the papers' mode may have them next to its ends.
+pub(super) fn empty_frames(model: &Model, morph: &Morph, planned: &morph::Morph) -> Option<Diagnostic> {
+    if !matches!(morph.mode, MorphMode::Paper { .. }) {
+        return None;
+    }
+    let range = model.shot.range;
+    let frames: Vec<i64> = sampled_frames(range).into_iter().map(|frame| frame.round() as i64).collect();
+    let times: Vec<f64> = frames.iter().map(|frame| range.share(*frame as f64)).collect();
+    let report = planned.report(&times);
+    let volumes = frames.into_iter().zip(&report.frames);
+    let empty: Vec<i64> = volumes.filter(|(_, report)| report.volume == 0.0).map(|(frame, _)| frame).collect();
+    if empty.is_empty() {
+        return None;
+    }
+    let count = if empty.len() == 1 { "frame" } else { "frames" };
+    let problem = format!("the morph is empty in {count} {}", in_ranges(&empty));
+    Some(
+        Diagnostic::warning(morph.span, problem)
+            .help("a wider `slab` such as [-1, 2], a smaller s and a3, greater a1 and a2, or `mode = \"volume\"`"),
+    )
 }

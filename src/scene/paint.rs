@@ -1,19 +1,24 @@
 //! Colours of shapes at one moment.
 
 use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 
 use glam::{DAffine3, DVec3};
 
-use crate::attribute::{ByCell, CellIndex, Choice, Part, Parts, Rule};
+use crate::attribute::{Bands, ByCell, ByFormula, CellIndex, Choice, Components, CubeLattice, Part, Parts, Rule};
 use crate::attribute::{Colour, Constant, LinearRgb, VertexColours};
+use crate::distance::nearest::Watch;
+use crate::distance::octree::{self, DistanceObject};
 use crate::field::cells::Cells;
-use crate::field::facet::{Pieces, surface_points};
-use crate::field::{BATCH, Field, Points};
+use crate::field::facet::{self, surface_points};
+use crate::field::{BATCH, Expression, Field, Graph, Points, Slope};
 
 use super::colour::{GREY, css};
 use super::error::Problem;
-use super::model::{Maker, Shape, ShapeColour, ShapeId};
+use super::model::{Component, Maker, Pieces, Shape, ShapeColour, ShapeId};
+use super::morphing::smallest_cell;
 use super::placed_colour::{PlacedColour, Way};
+use super::prepare::solid_box;
 use super::solid::{Solids, Stage};
 
 /// How far outside of a part a surface point may be, in voxels, and still count as inside it: feet lie on the
@@ -71,7 +76,15 @@ impl Solids {
     fn own_paint(&mut self, id: ShapeId, shape: &Shape, voxel: f64) -> Result<Option<Paint>, Problem> {
         let paint = match &shape.colour {
             Some(ShapeColour::Solid(colour)) => return Ok(Some(Paint::solid(*colour))),
-            Some(ShapeColour::ByCell { palette, seed }) => Some(self.by_cell(id, shape, palette, *seed)?),
+            Some(ShapeColour::Formula { components, meaning, .. }) => Some(self.by_formula(components, *meaning)?),
+            Some(ShapeColour::Random { choice, by, seed }) => {
+                Some(self.at_random(id, choice.clone(), *by, *seed, voxel)?)
+            }
+            Some(ShapeColour::Bands(bands)) => Some(self.by_bands(id, bands.clone(), voxel)?),
+            Some(ShapeColour::Parts { shapes, seam }) => {
+                let paint = self.parts_paint(shapes, Rule::Union { seam: *seam }, voxel)?;
+                Some(paint.unwrap_or_else(Paint::grey))
+            }
             None => {
                 let paint = self.made_paint(id, shape, voxel)?;
                 if shape.modifiers.at.is_some() && paint.as_ref().is_some_and(|paint| paint.solid.is_none()) {
@@ -93,7 +106,7 @@ impl Solids {
         match &shape.maker {
             Maker::Mesh { .. } => Ok(VertexColours::new(Arc::clone(self.assets().mesh(id))).map(Paint::of)),
             Maker::Facet { of, .. } => self.paint(*of, Stage::Placed, voxel),
-            Maker::Union(operands) => self.parts_paint(operands, Rule::Union { seam: 0.0 }, voxel),
+            Maker::Union { operands, seam } => self.parts_paint(operands, Rule::Union { seam: *seam }, voxel),
             Maker::Blend { operands, .. } => self.parts_paint(operands, Rule::Blend, voxel),
             // What is cut shows the inside of what it is cut from.
             Maker::Difference(operands) => self.paint(operands[0], Stage::Placed, voxel),
@@ -126,26 +139,63 @@ impl Solids {
         Ok(Parts::new(parts, rule, TOLERANCE_VOXELS * voxel).map(Paint::of))
     }
 
-    fn by_cell(&mut self, id: ShapeId, shape: &Shape, palette: &[LinearRgb], seed: u64) -> Result<Paint, Problem> {
-        let choice = Choice::Palette(palette.to_vec());
-        let cells: Arc<dyn CellIndex> = match (&shape.modifiers.at, &shape.maker) {
-            (Some(copies), _) => {
+    fn by_formula(&self, components: &[Component; 3], meaning: Components) -> Result<Paint, Problem> {
+        let field = |component: &Component| -> Result<Arc<dyn Field>, Problem> {
+            let mut graph = Graph::new();
+            let node = match component {
+                Component::Number(number) => graph.constant(self.number(number)?),
+                Component::Formula(formula) => formula.node(&mut graph, self.moment()),
+            };
+            Ok(Arc::new(Expression::new(&graph, node).keeping_values()))
+        };
+        let [a, b, c] = components;
+        Ok(Paint::of(ByFormula { components: [field(a)?, field(b)?, field(c)?], meaning }))
+    }
+
+    fn at_random(&mut self, id: ShapeId, choice: Choice, by: Pieces, seed: u64, voxel: f64) -> Result<Paint, Problem> {
+        let model = self.model();
+        let shape = model.shape(id);
+        let cells: Arc<dyn CellIndex> = match (by, &shape.modifiers.at, &shape.maker) {
+            (Pieces::Cubes(edge), ..) => {
+                let solid = self.field(id, Stage::Own)?;
+                Arc::new(CubeLattice { edge, solid, tolerance: TOLERANCE_VOXELS * voxel })
+            }
+            (Pieces::Cells, Some(copies), _) => {
                 let (cells, picked) = self.picked(copies)?;
                 let host = self.host(copies.cells)?;
                 Arc::new(NearestCopy(surface_points(host.as_ref(), &cells, &picked)))
             }
-            (None, Maker::Facet { cells, .. }) => {
+            (Pieces::Cells, None, Maker::Facet { cells, .. }) => {
                 Arc::new(FacetCells { pieces: self.pieces(id)?, cells: self.cells(*cells)? })
             }
             _ => return Err(Problem::new(shape.span, format!("`{}` has no cells to take colours", shape.name))),
         };
         Ok(Paint::of(ByCell { cells, choice, seed }))
     }
+
+    /// Bands need a distance: the shape is measured where its field is none.
+    fn by_bands(&mut self, id: ShapeId, bands: Vec<(f64, LinearRgb)>, voxel: f64) -> Result<Paint, Problem> {
+        let model = self.model();
+        let shape = model.shape(id);
+        let field = self.field(id, Stage::Own)?;
+        let distance: Arc<dyn Field> = match field.slope() {
+            Slope::Exact { outside: true, inside: true } => field,
+            _ => {
+                let solid = solid_box(&model, id, field.as_ref())?;
+                let settings = octree::Settings::new(solid, smallest_cell(voxel, &solid));
+                let watch = Watch { cancel: &AtomicBool::new(false), progress: &|_| {} };
+                let measured = DistanceObject::of_field(field.as_ref(), &settings, &watch);
+                Arc::new(measured.map_err(|error| Problem::new(shape.span, format!("`{}`: {error}", shape.name)))?)
+            }
+        };
+        let colour = Bands::new(distance, bands, TOLERANCE_VOXELS * voxel);
+        colour.map(Paint::of).ok_or_else(|| Problem::new(shape.span, "bands begin one below the other"))
+    }
 }
 
 /// The cells of a faceted shape, each as far as its material reaches.
 struct FacetCells {
-    pieces: Arc<Pieces>,
+    pieces: Arc<facet::Pieces>,
     cells: Arc<Cells>,
 }
 

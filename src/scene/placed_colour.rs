@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use glam::{DAffine3, DVec3, Vec3};
 
-use crate::attribute::{Colour, ColourSampler, LinearRgb};
-use crate::field::{Aabb, BATCH, Points};
+use crate::attribute::{Colour, ColourSampler, MappedSampler, SpaceMap};
+use crate::field::{Aabb, Points};
 
 /// How positions of the world become positions of the colour's own space.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -35,12 +35,14 @@ impl Way {
             }
         }
     }
+}
 
-    fn region(self, region: &Aabb) -> Aabb {
+impl SpaceMap for Way {
+    fn region(&self, region: &Aabb) -> Aabb {
         let corners = region.corners().map(|corner| self.position(corner));
         let around = |grown: Aabb, corner: &DVec3| grown.union(Aabb::new(*corner, *corner));
         let mut moved = corners.iter().fold(Aabb::new(corners[0], corners[0]), around);
-        if let Self::Folded(axis) = self {
+        if let Self::Folded(axis) = *self {
             // A region across the plane reaches down to it.
             if region.min[axis] < 0.0 && region.max[axis] > 0.0 {
                 moved.min[axis] = 0.0;
@@ -52,7 +54,7 @@ impl Way {
     }
 
     /// A batch there: the origin in `f64`, the offsets in `f32`.
-    fn points(self, points: &Points, out: &mut Points) {
+    fn points(&self, points: &Points, out: &mut Points) {
         out.len = points.len;
         out.origin = self.position(points.origin);
         for i in 0..points.len {
@@ -68,33 +70,15 @@ impl Way {
 
 impl Colour for PlacedColour {
     fn sampler(&self) -> Box<dyn ColourSampler + '_> {
-        Box::new(Sampler { inner: self.inner.sampler(), way: self.way, there: Points::new(DVec3::ZERO) })
-    }
-}
-
-struct Sampler<'a> {
-    inner: Box<dyn ColourSampler + 'a>,
-    way: Way,
-    there: Points,
-}
-
-impl ColourSampler for Sampler<'_> {
-    fn enter(&mut self, region: &Aabb) {
-        self.inner.enter(&self.way.region(region));
-    }
-
-    fn leave(&mut self) {
-        self.inner.leave();
-    }
-
-    fn sample(&mut self, points: &Points, out: &mut [LinearRgb; BATCH]) {
-        self.way.points(points, &mut self.there);
-        self.inner.sample(&self.there, out);
+        Box::new(MappedSampler::new(self.inner.sampler(), self.way))
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use crate::attribute::LinearRgb;
+    use crate::field::BATCH;
+
     use super::*;
 
     /// The position itself as a colour.

@@ -12,13 +12,14 @@ use crate::field::{Aabb, Field};
 use crate::grid::{Lattice, VoxelSize};
 
 use super::assets::Assets;
-use super::diagnostic::{Diagnostic, Diagnostics};
+use super::diagnostic::{Diagnostic, Diagnostics, listed};
 use super::error::{Error, Problem};
-use super::frames::Shot;
-use super::model::{Content, Model, Morph, ShapeId};
-use super::morphing::{Pair, Planned, extent_over_shot, pair, plan};
+use super::frames::{FrameRange, Shot};
+use super::model::{Content, Model, Morph, Shape, ShapeColour, ShapeId};
+use super::morphing::{Brush, Pair, Planned, empty_frames, extent_over_shot, pair, plan};
 use super::paint::Scenery;
 use super::solid::{Solids, Stage};
+use super::source::Span;
 use super::variation::Variation;
 
 /// The finest voxels that OpenVDB takes, in world units.
@@ -57,6 +58,8 @@ pub struct Prepared {
     /// What was noticed, with places in the scene.
     pub warnings: Diagnostics,
     model: Arc<Model>,
+    /// All shapes that it is made from or painted by.
+    parts: Vec<ShapeId>,
     assets: Arc<Assets>,
     variation: Variation,
     content: Ready,
@@ -132,17 +135,21 @@ fn prepare(model: &Arc<Model>, options: &PrepareOptions<'_>) -> Result<Prepared,
     let variation = Variation::of(model);
     stop_if(options.cancel)?;
     let mut solids = Solids::new(model, &assets, model.moment(model.shot.range.first as f64));
-    let warnings = solids.cut_by_bounds(&parts)?;
+    let mut warnings = solids.cut_by_bounds(&parts)?;
     let (content, extent, lattice) = match &model.content {
         Content::Shape(id) => ready_shape(model, &mut solids, &variation, *id, options)?,
         Content::Morph(morph) => ready_morph(model, &mut solids, &variation, morph, options)?,
     };
+    if let (Content::Morph(morph), Ready::Morph(planned)) = (&model.content, &content) {
+        warnings.extend(empty_frames(model, morph, &planned.morph));
+    }
     Ok(Prepared {
         lattice,
         half_width: options.half_width.unwrap_or(model.output.half_width) as f32,
         extent,
         warnings: Diagnostics::new(warnings, model.sources.clone()),
         model: Arc::clone(model),
+        parts,
         assets,
         variation,
         content,
@@ -157,7 +164,7 @@ fn ready_shape(
     id: ShapeId,
     options: &PrepareOptions<'_>,
 ) -> Result<(Ready, Aabb, Lattice), Stop> {
-    if variation.placed(id) {
+    if variation.placed(id) || variation.coloured(id) {
         solids.build_still(&model.with_parts(&[id]), variation);
         let extent = box_over_shot(model, solids, variation, id, options)?;
         return Ok((Ready::Changing(id), extent, lattice(model, options, extent)?));
@@ -242,7 +249,8 @@ fn box_over_shot(
     id: ShapeId,
     options: &PrepareOptions<'_>,
 ) -> Result<Aabb, Stop> {
-    let frames = sampled_frames(&model.shot);
+    let frames =
+        if variation.placed(id) { sampled_frames(model.shot.range) } else { vec![model.shot.range.first as f64] };
     let one = |frame: &f64| -> Result<Aabb, Stop> {
         stop_if(options.cancel)?;
         let mut solids = solids.at(model.moment(*frame), variation);
@@ -253,13 +261,13 @@ fn box_over_shot(
     Ok(boxes?.into_iter().reduce(Aabb::union).expect("a shot has a frame"))
 }
 
-/// All frames of a shot, or as many as are looked at, evenly, with both ends.
-pub(super) fn sampled_frames(shot: &Shot) -> Vec<f64> {
-    let count = shot.range.count();
-    if count <= MOST_BOXES {
-        return (shot.range.first..=shot.range.last).map(|frame| frame as f64).collect();
+/// All frames of a range, or as many as are looked at, evenly, with both ends.
+pub(super) fn sampled_frames(range: FrameRange) -> Vec<f64> {
+    let FrameRange { first, last } = range;
+    if range.count() <= MOST_BOXES {
+        return (first..=last).map(|frame| frame as f64).collect();
     }
-    (0..MOST_BOXES).map(|i| shot.frame_at(i as f64 / (MOST_BOXES - 1) as f64)).collect()
+    (0..MOST_BOXES).map(|i| first as f64 + (last - first) as f64 * (i as f64 / (MOST_BOXES - 1) as f64)).collect()
 }
 
 /// Where the voxels stand: by their size, or by how many go along the longest side.
@@ -291,14 +299,14 @@ impl Model {
         let endless =
             |maker: &Maker| matches!(maker, Maker::HalfSpace { .. } | Maker::Slab { .. } | Maker::Formula { .. });
         let mut at = id;
-        while let Maker::Union(operands) = &self.shape(at).maker {
+        while let Maker::Union { operands, .. } = &self.shape(at).maker {
             let candidates = |test: &dyn Fn(&Maker) -> bool| {
                 operands
                     .iter()
                     .copied()
                     .find(|part| self.shape(*part).bounds.is_none() && test(&self.shape(*part).maker))
             };
-            let next = candidates(&endless).or_else(|| candidates(&|maker| matches!(maker, Maker::Union(_))));
+            let next = candidates(&endless).or_else(|| candidates(&|maker| matches!(maker, Maker::Union { .. })));
             match next {
                 Some(part) => at = part,
                 None => break,
@@ -321,9 +329,9 @@ impl Prepared {
             Ready::Still(scenery) => scenery.clone(),
             Ready::Changing(id) => self.changing(*id, frame).map_err(|problem| self.model.error(problem))?,
             Ready::Morph(planned) => {
-                let colour = planned.has_colour.then(|| planned.morph.colour(info.t));
                 let whole = planned.morph.field(info.t);
                 let field = self.cut(whole, frame).map_err(|problem| self.model.error(problem))?;
+                let colour = self.morph_colour(planned, &info).map_err(|problem| self.model.error(problem))?;
                 Scenery { field, colour }
             }
         };
@@ -334,8 +342,24 @@ impl Prepared {
 
     /// A morph's field without what is to be taken away.
     fn cut(&self, whole: Arc<dyn Field>, frame: i64) -> Result<Arc<dyn Field>, Problem> {
-        let Content::Morph(Morph { cut: Some(cut), .. }) = self.model.content else { return Ok(whole) };
+        let Content::Morph(morph) = &self.model.content else { return Ok(whole) };
+        let Some(cut) = morph.cut else { return Ok(whole) };
         self.base.at(self.model.moment(frame as f64), &self.variation).without(whole, cut)
+    }
+
+    /// A morph's colour; `None` where nothing in it has one. Colours that change over time are made for the frame.
+    fn morph_colour(&self, planned: &Planned, info: &FrameInfo) -> Result<Option<Arc<dyn Colour>>, Problem> {
+        if !planned.has_colour {
+            return Ok(None);
+        }
+        let now = |brush: &Brush| {
+            if !self.variation.coloured(brush.id) {
+                return Ok(None);
+            }
+            let mut solids = self.base.at(self.model.moment(info.frame as f64), &self.variation);
+            solids.paint(brush.id, brush.stage, brush.voxel).map(|paint| paint.map(|paint| paint.colour))
+        };
+        Ok(Some(planned.morph.colour_of(info.t, now(&planned.from)?, now(&planned.to)?)))
     }
 
     fn changing(&self, id: ShapeId, frame: i64) -> Result<Scenery, Problem> {
@@ -346,6 +370,26 @@ impl Prepared {
     fn info(&self, frame: i64) -> FrameInfo {
         let Shot { range, .. } = self.model.shot;
         FrameInfo { frame, t: range.share(frame as f64), outside_shot: !(range.first..=range.last).contains(&frame) }
+    }
+
+    /// A problem with a colour that came out, as an error that points to the formulas it can come from; `None` where
+    /// no colour is a formula.
+    pub fn colour_problem(&self, problem: &str) -> Option<Error> {
+        let by_formula = |shape: &Shape| match &shape.colour {
+            Some(ShapeColour::Formula { span, .. }) => Some((shape.name.clone(), *span)),
+            _ => None,
+        };
+        let found: Vec<(String, Span)> = self.parts.iter().filter_map(|id| by_formula(self.model.shape(*id))).collect();
+        let help = "keep its formulas from dividing by 0, and from roots and logarithms of negative numbers";
+        let names: Vec<&str> = found.iter().map(|(name, _)| name.as_str()).collect();
+        let problem = match found.as_slice() {
+            [] => return None,
+            [(_, span)] => Diagnostic::error(*span, problem).help(help),
+            [(_, span), ..] => {
+                Diagnostic::error(*span, problem).help(format!("it is the colour of one of {}; {help}", listed(&names)))
+            }
+        };
+        Some(self.model.error(Problem(Box::new(problem))))
     }
 
     /// About how much memory the prepared scene itself holds, in bytes: frames come on top.

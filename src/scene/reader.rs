@@ -5,7 +5,7 @@ use std::cell::RefCell;
 use super::diagnostic::{Diagnostic, clip, listed, nearest};
 use super::formula::{Formula, Names};
 use super::frames::FrameRange;
-use super::keys::{Absent, Key, Kind, LATER, Limit, MAKERS};
+use super::keys::{Absent, COLOURS, Key, Kind, LATER, Limit, MAKERS};
 use super::number::{Ease, Keys, Number, NumberValue};
 use super::source::{Sources, Span};
 use super::value::{Data, Entry, Origin, Table, Value};
@@ -189,7 +189,7 @@ impl<'a> Reader<'a> {
                 return None;
             }
         };
-        let range = FrameRange::parse(&text);
+        let range = text.parse().ok();
         if range.is_none() {
             let problem = format!("`{}` must be frames such as \"1-48\", the first not after the last", clip(name));
             self.say(Diagnostic::error(value.span, problem));
@@ -263,11 +263,16 @@ impl<'r, 'a> Fields<'r, 'a> {
             return self.reader.say(Diagnostic::error(entry.key_span, problem));
         }
         let diagnostic = Diagnostic::error(entry.key_span, format!("unknown key `{}` {here}", clip(name)));
-        let belongs = MAKERS.iter().find(|maker| maker.parameters.iter().any(|key| key.is_called(name)));
+        let makers = match family {
+            "shape" => MAKERS,
+            "color" => COLOURS,
+            _ => &[],
+        };
+        let belongs = makers.iter().find(|maker| maker.parameters.iter().any(|key| key.is_called(name)));
         let names = self.keys.iter().map(|key| key.name);
         self.reader.say(match belongs {
             _ if nearest(name, names.clone()).is_some() => diagnostic.suggest(name, names),
-            Some(maker) if family == "shape" => diagnostic.help(format!("`{name}` goes with `{}`", maker.key.name)),
+            Some(maker) => diagnostic.help(format!("`{name}` goes with `{}`", maker.key.name)),
             _ => diagnostic.suggest(name, names),
         });
     }

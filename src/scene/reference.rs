@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use super::builtin::{builtin_line, builtin_names};
-use super::keys::{self, Absent, Key, Limit, MAKERS};
+use super::keys::{self, Absent, Key, Limit, MAKERS, Maker};
 
 const BEGINNING: &str = "\
 # The scene format
@@ -37,7 +37,7 @@ to = \"heart\"
 | three numbers | `[x, y, z]`, each a number as above |
 | formula | text with `x y z t frame time pi`, `[param]` names, `+ - * / ^`, and functions; `time` is seconds since the first frame |
 | frames | `\"1-48\"`, or one frame, `7` |
-| colour | `\"#rrggbb\"`, a CSS name, or `[r, g, b]` from 0 to 1: sRGB. `{ linear = [r, g, b] }`: scene-linear Rec.709. A name of `[color]`. For shapes with cells also `{ palette = …, by = \"cell\" }` |
+| colour | `\"#rrggbb\"`, a CSS name, or `[r, g, b]` from 0 to 1: sRGB. `{ linear = [r, g, b] }`: scene-linear Rec.709. A name of `[color]`. For a shape also formulas, `[\"x\", 0.2, \"t\"]`, and tables as below |
 | shape | its name, `\"ball\"`; or one written in place, `{ sphere = 1 }`, which names others but holds no further one in place |
 | cells | their name, or `{ octree = … }` in place |
 | box | an edge length or three, around the origin; or `[[least x, y, z], [greatest x, y, z]]` |
@@ -55,6 +55,20 @@ the ends hold.
 
 **Errors** name file, line and column, mark the text and propose the nearest name; all of a scene come together.
 ";
+
+const COLOURS: &str = "
+## Colours as tables
+
+A colour written as a table has exactly one of these keys. `color = [\"0.5 + x\", 0.2, \"t\"]` is three sRGB numbers, of
+which any may be a formula of `x y z t frame time pi` and `[param]` names, or keys; formulas are held to 0 … 1. Space is
+the shape's own: after copies (`at`), before `scale`, `rotate` and `move`. A formula that is not a number where its colour
+is needed is an error that names the place. Names of `[color]` and palettes hold plain colours only.
+
+";
+
+const ROUND: &str = "\
+Each object is cut in time by a plane: the first at t = 0, the second at t = 1. This blends each with its plane before
+the two are joined.";
 
 const OVERRIDES: &str = "
 ## Parameters, variants, `--set`
@@ -83,13 +97,16 @@ const PICTURES: &str = "
 pub fn reference() -> String {
     let mut out = String::from(BEGINNING);
     section(&mut out, "The top of a scene", "", keys::SCENE);
-    makers(&mut out);
+    out.push_str("\n## `[shape.NAME]`: makers\n\nA shape has exactly one of these keys.\n\n");
+    makers(&mut out, MAKERS, "F");
     section(&mut out, "Every shape", "Beside its maker and the maker's parameters.", keys::SHAPE);
     section(&mut out, "`at`: copies", "", keys::COPIES);
     section(&mut out, "`[cells.NAME]`", "", keys::CELLS);
-    section(&mut out, "Colours as tables", "`linear`, or `palette` with the others.", keys::COLOUR);
+    out.push_str(COLOURS);
+    makers(&mut out, keys::COLOURS, "c");
     section(&mut out, "`[param]`: a parameter as a table", "", keys::PARAMETER);
     section(&mut out, "`[morph]`", "", keys::MORPH);
+    section(&mut out, "`round` of `[morph]`", ROUND, keys::ROUND);
     section(&mut out, "`[output]`", "The command line's options come before these.", keys::OUTPUT);
     out.push_str(OVERRIDES);
     out.push_str("\n## Built-in scenes\n\n");
@@ -139,12 +156,11 @@ fn left_out(key: &Key) -> String {
     }
 }
 
-fn makers(out: &mut String) {
-    out.push_str("\n## `[shape.NAME]`: makers\n\nA shape has exactly one of these keys.\n\n");
-    for maker in MAKERS {
+fn makers(out: &mut String, makers: &[Maker], symbol: &str) {
+    for maker in makers {
         let _ = write!(out, "### `{}`\n\n{} Takes: {}.\n", maker.key.name, maker.key.text, takes(&maker.key));
         if !maker.formula.is_empty() {
-            let _ = write!(out, "\nF = {}\n", maker.formula);
+            let _ = write!(out, "\n{symbol} = {}\n", maker.formula);
         }
         out.push('\n');
         if !maker.parameters.is_empty() {

@@ -108,6 +108,11 @@ impl Solids {
         Ok(Arc::new(Expression::new(&self.graph, node)))
     }
 
+    /// The moment.
+    pub fn moment(&self) -> &Moment {
+        &self.moment
+    }
+
     /// A number at the moment.
     pub fn number(&self, number: &Number) -> Result<f64, Problem> {
         Ok(number.at(&self.moment)?)
@@ -267,7 +272,7 @@ impl Solids {
                 self.pieces.insert(id, Arc::new(made.pieces));
                 made.node
             }
-            Maker::Union(operands) => {
+            Maker::Union { operands, .. } => {
                 let nodes = self.nodes(operands)?;
                 self.graph.union(SetSystem::R0, &nodes)
             }

@@ -278,7 +278,7 @@ fn variants_and_set_override() {
     assert_eq!((edges(&plain), edges(&big)), ([1.0, 2.0, 3.0], [5.0; 3]));
     assert_eq!(big.shot.fps, 25.0);
     let blue = with(Some("dotted"), &[]);
-    assert_eq!(shape(&blue, "a").colour, Some(ShapeColour::Solid([0.0, 0.0, 1.0])));
+    assert!(matches!(shape(&blue, "a").colour, Some(ShapeColour::Solid([0.0, 0.0, 1.0]))));
     let set = with(Some("big"), &["size=3", "width=2", "shape.a.box=[7, 8, 9]", "unit=cm"]);
     assert_eq!(set.moment(1.0).parameters.as_ref(), [3.0, 2.0]);
     assert_eq!(edges(&set), [7.0, 8.0, 9.0]);
@@ -352,4 +352,73 @@ fn every_built_in_scene_is_right() {
         assert!(builtin_text(name).unwrap().starts_with(&format!("# {name}.toml: ")), "{name}");
         assert!(builtin_line(name).is_some());
     }
+}
+
+#[test]
+fn colours_that_are_wrong() {
+    let colour = |colour: &str| format!("[shape.a]\nsphere = 1\ncolor = {colour}\n");
+    let makers = "`linear`, `hsv`, `palette`, `range`, `bands` and `parts`";
+    only(&colour("{}"), &format!("3:9 `shape.a.color` says no colour; give it one of {makers}"));
+    only(
+        &colour("{ bands = [[0, 'red']], linear = [0, 0, 1] }"),
+        "3:33 `bands` and `linear` both say what `shape.a.color` is",
+    );
+    only(&colour("{ bnads = [[0, 'red']] }"), "3:11 unknown key `bnads` in `shape.a.color`; did you mean `bands`?");
+    only(
+        &colour("{ bands = [[0, 'red']], seam = 1 }"),
+        "3:33 unknown key `seam` in `shape.a.color`; `seam` goes with `parts`",
+    );
+    only(
+        &colour("{ bands = [[0, 'red'], [0, 'blue']] }"),
+        "3:33 `shape.a.color.bands[1]` begins at 0, not below the band before it, 0; \
+         depths rise from one band to the next",
+    );
+    only(&colour("{ bands = ['red'] }"), "3:21 `shape.a.color.bands[0]` must be [depth, colour]");
+    only(&colour("{ bands = [[0, 'rde']] }"), "3:25 `rde` is not a colour; did you mean `red`?");
+    only(
+        &colour("['x', 'y', 'q']"),
+        "3:21 nothing here is called `q`; known are `frame`, `t`, `time`, `x`, `y`, `z`, `pi`",
+    );
+    only(&colour("['x', 2, 0]"), "3:15 `shape.a.color[1]` must be from 0 to 1");
+    only(&colour("['x', 'y']"), "3:9 `shape.a.color` must be three numbers");
+    only(&colour("{ hsv = [400, 2, 0] }"), "3:23 `shape.a.color.hsv` must be from 0 to 1");
+    only(&colour("{ palette = ['red'], by = 'voxel' }"), "3:21 `shape.a.color` has no `voxel_size`; the cubes' edge");
+    only(
+        &colour("{ palette = ['red'], by = 'voxel', voxel_size = 0 }"),
+        "3:57 `shape.a.color.voxel_size` must be greater than 0",
+    );
+    only(
+        &colour("{ range = ['red', 'blue'] }"),
+        "3:19 only a shape with `facet` or `at` has cells to take colours; \
+         by = \"voxel\" with a `voxel_size` gives them to the cubes of a lattice",
+    );
+    only(
+        &colour("{ range = ['red'], by = 'voxel', voxel_size = 1 }"),
+        "3:19 `shape.a.color.range` must be a list of two colours",
+    );
+    only(&colour("{ parts = ['b'] }"), "3:21 there is no `shape.b`; did you mean `a`?");
+    only(&colour("{ parts = ['a'] }"), "3:21 `a` is made from itself; the way is a → a");
+    only(
+        &format!("{}[color]\nx = {{ bands = [[0, 'red']] }}\n", colour("'x'")),
+        "5:7 `bands` is for the `color` of a shape only",
+    );
+}
+
+#[test]
+fn what_a_morphs_mode_does_not_use() {
+    let morph = |keys: &str| {
+        format!("frames='1-9'\n[shape.a]\nsphere=1\n[shape.b]\nbox=1\n[morph]\nfrom='a'\nto='b'\n{keys}\n")
+    };
+    only(&morph("round = { a0 = -0.2 }"), "9:1 `round` is for `mode = \"paper\"` only");
+    only(&morph("mode = 'paper'\nvolume = 2"), "10:1 `volume` is not for `mode = \"paper\"`");
+    only(
+        &morph("mode = 'paper'\nround = { reach = 1 }"),
+        "10:9 `morph.round` has no `a0`; How much is added at the cut; a negative number takes away.",
+    );
+    only(
+        &morph("mode = 'paper'\nround = { a0 = 1, depht = 1 }"),
+        "10:19 unknown key `depht` in `morph.round`; did you mean `depth`?",
+    );
+    only(&morph("mode = 'paper'\na1 = -1"), "10:6 `morph.a1` must be greater than 0");
+    only(&morph("volume = { 1 = 1, 5 = 0, 9 = 1 }"), "9:23 `morph.volume.5` must be from 0.001 to 100");
 }

@@ -1,28 +1,30 @@
 //! What of a scene changes over the shot, and what does not.
 
-use super::model::{Maker, Model, ShapeId};
+use super::model::{Component, Maker, Model, ShapeColour, ShapeId};
 use super::number::{Number, NumberValue};
 
 /// Which shapes change over time.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub(super) struct Variation {
     own: Vec<bool>,
     placed: Vec<bool>,
+    coloured: Vec<bool>,
 }
 
 impl Variation {
     /// Looks through all shapes.
     pub fn of(model: &Model) -> Self {
         let count = model.shapes.len();
-        let mut variation = Self { own: vec![false; count], placed: vec![false; count] };
+        let mut variation = Self { own: vec![false; count], placed: vec![false; count], coloured: vec![false; count] };
         // Shapes stand in any order, without cycles: each round settles one more level.
         for _ in 0..=count {
             let before = variation.clone();
             for i in 0..count {
                 variation.own[i] = variation.own_varies(model, ShapeId(i));
                 variation.placed[i] = variation.own[i] || placement_varies(model, ShapeId(i));
+                variation.coloured[i] = variation.colour_varies(model, ShapeId(i));
             }
-            if before.own == variation.own && before.placed == variation.placed {
+            if before == variation {
                 break;
             }
         }
@@ -37,6 +39,27 @@ impl Variation {
     /// Whether it changes or moves.
     pub fn placed(&self, id: ShapeId) -> bool {
         self.placed[id.0]
+    }
+
+    /// Whether its colour changes in its own space.
+    pub fn coloured(&self, id: ShapeId) -> bool {
+        self.coloured[id.0]
+    }
+
+    fn colour_varies(&self, model: &Model, id: ShapeId) -> bool {
+        let shape = model.shape(id);
+        match &shape.colour {
+            Some(ShapeColour::Formula { components, .. }) => components.iter().any(|component| match component {
+                Component::Number(number) => model.varies(number),
+                Component::Formula(formula) => model.formula_varies(formula),
+            }),
+            Some(ShapeColour::Parts { shapes, .. }) => {
+                shapes.iter().any(|part| self.placed[part.0] || self.coloured[part.0])
+            }
+            Some(_) => false,
+            // Parts that move change the shape itself.
+            None => model.needs(id).into_iter().any(|part| self.coloured[part.0]),
+        }
     }
 
     fn own_varies(&self, model: &Model, id: ShapeId) -> bool {
@@ -71,7 +94,7 @@ fn numbers(maker: &Maker) -> Vec<&Number> {
         Maker::Blend { radius, .. } => vec![radius],
         Maker::Formula { .. }
         | Maker::Mesh { .. }
-        | Maker::Union(_)
+        | Maker::Union { .. }
         | Maker::Intersection(_)
         | Maker::Difference(_)
         | Maker::Facet { .. } => Vec::new(),
@@ -83,7 +106,9 @@ impl Model {
     pub fn needs(&self, id: ShapeId) -> Vec<ShapeId> {
         let shape = self.shape(id);
         let mut needs = match &shape.maker {
-            Maker::Union(operands) | Maker::Intersection(operands) | Maker::Difference(operands) => operands.clone(),
+            Maker::Union { operands, .. } | Maker::Intersection(operands) | Maker::Difference(operands) => {
+                operands.clone()
+            }
             Maker::Blend { operands, within, .. } => operands.iter().chain(within).copied().collect(),
             Maker::Facet { of, cells, .. } => vec![*of, self.cells[cells.0].around],
             _ => Vec::new(),
@@ -92,12 +117,21 @@ impl Model {
         needs
     }
 
-    /// Some shapes and all that they are made from, each once, parts first.
+    /// The shapes whose colours a shape takes without being made from them.
+    fn colour_parts(&self, id: ShapeId) -> &[ShapeId] {
+        match &self.shape(id).colour {
+            Some(ShapeColour::Parts { shapes, .. }) => shapes,
+            _ => &[],
+        }
+    }
+
+    /// Some shapes and all that they are made from or painted by, each once, parts first.
     pub fn with_parts(&self, shapes: &[ShapeId]) -> Vec<ShapeId> {
         let mut found: Vec<ShapeId> = shapes.to_vec();
         let mut next = 0;
         while next < found.len() {
-            for need in self.needs(found[next]) {
+            let painted_by = self.colour_parts(found[next]).iter().copied();
+            for need in self.needs(found[next]).into_iter().chain(painted_by) {
                 if !found.contains(&need) {
                     found.push(need);
                 }

@@ -2,11 +2,11 @@
 
 use std::path::Path;
 
-use glam::{DVec3, IVec3};
+use glam::DVec3;
 use serde::Serialize;
 
 use super::read::{Opened, SparseBlocks, StoredClass, Voxels};
-use super::walk::{CompressionFlags, GridLayout, Transform, TreeLayout};
+use super::walk::{CompressionFlags, GridLayout, TreeLayout, walk};
 use super::{Error, Metadata, MetadataValue};
 
 /// A file.
@@ -89,6 +89,22 @@ pub fn inspect(path: impl AsRef<Path>) -> Result<FileInfo, Error> {
     })
 }
 
+/// The box of the active voxels' centres of all grids of a file, in world units; `None` where there are none. From the
+/// structure alone: no voxel is decompressed.
+///
+/// # Errors
+/// Those of [`super::walk::walk`].
+pub fn active_box(path: impl AsRef<Path>) -> Result<Option<[[f64; 3]; 2]>, Error> {
+    let boxes = walk(path)?.grids.into_iter().filter_map(|grid| {
+        let (low, high) = grid.tree.as_ref()?.active_box?;
+        grid.transform.world_box(low, high)
+    });
+    let union = |[a, b]: [[f64; 3]; 2], [c, d]: [[f64; 3]; 2]| {
+        [std::array::from_fn(|axis| a[axis].min(c[axis])), std::array::from_fn(|axis| b[axis].max(d[axis]))]
+    };
+    Ok(boxes.reduce(union))
+}
+
 fn describe(opened: &Opened, grid: &GridLayout) -> Result<GridInfo, Error> {
     let class = StoredClass::of(&grid.metadata);
     let owner = grid.shares_tree_of.as_ref();
@@ -121,7 +137,7 @@ fn describe(opened: &Opened, grid: &GridLayout) -> Result<GridInfo, Error> {
         active_voxels: tree.map(|tree| tree.active_voxels),
         leaves: tree.map(|tree| tree.leaves),
         index_box: index_box.map(|(low, high)| [low.to_array(), high.to_array()]),
-        world_box: index_box.and_then(|(low, high)| world_box(&grid.transform, low, high)),
+        world_box: index_box.and_then(|(low, high)| grid.transform.world_box(low, high)),
         range,
         metadata: grid.metadata.clone(),
     })
@@ -132,18 +148,6 @@ fn spelled(flags: CompressionFlags) -> String {
     let parts = [(flags.zip, "zip"), (flags.blosc, "blosc"), (flags.active_mask, "active values")];
     let on: Vec<&str> = parts.iter().filter(|(on, _)| *on).map(|(_, name)| *name).collect();
     if on.is_empty() { "none".into() } else { on.join(" + ") }
-}
-
-/// The box around a box of voxels that may be turned.
-fn world_box(transform: &Transform, low: IVec3, high: IVec3) -> Option<[[f64; 3]; 2]> {
-    let mut bounds: Option<(DVec3, DVec3)> = None;
-    for corner in 0..8 {
-        let pick = |axis: usize| f64::from(if corner >> axis & 1 == 0 { low[axis] } else { high[axis] });
-        let world = transform.world(DVec3::new(pick(0), pick(1), pick(2)))?;
-        let (least, greatest) = bounds.unwrap_or((world, world));
-        bounds = Some((least.min(world), greatest.max(world)));
-    }
-    bounds.map(|(least, greatest)| [least.to_array(), greatest.to_array()])
 }
 
 /// The range of the active values, in leaves and tiles; `None` when there are none.

@@ -7,7 +7,7 @@
 //!   checked, synced to the disk and renamed, so that a file with a final name is always whole.
 //! * [`prepare`] and [`Prepared::write`] are its two halves, for whoever computes the next frame meanwhile.
 //! * [`walk::walk`] parses a whole file in safe Rust and checks every length in it; it stands before every reading.
-//! * [`inspect()`] says what is in a file, [`read()`] gives its blocks.
+//! * [`inspect()`] says what is in a file, [`lint()`] what is wrong with it, [`read()`] gives its blocks.
 //!
 //! Files written here are of format 224, with OpenVDB's statistics. Two writes of one frame differ only in bytes 21 to 56, where
 //! OpenVDB keeps a random identifier.
@@ -18,6 +18,7 @@ mod bridge;
 mod error;
 mod frame;
 mod inspect;
+mod lint;
 mod metadata;
 mod read;
 #[cfg(feature = "rivals")]
@@ -28,7 +29,8 @@ mod write;
 
 pub use error::Error;
 pub use frame::{Blocks, Class, Content, Frame, Grid, Values, VectorType};
-pub use inspect::{FileInfo, GridInfo, Range, inspect};
+pub use inspect::{FileInfo, GridInfo, Range, active_box, inspect};
+pub use lint::{Finding, Lint, Severity, lint};
 pub use metadata::{Metadata, MetadataValue};
 pub use read::{Contents, SparseBlocks, StoredClass, StoredGrid, Tile, Voxels, read};
 pub use temporary::remove_temporaries;

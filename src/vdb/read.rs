@@ -270,19 +270,24 @@ impl StoredGrid {
             let outside = -blocks.background;
             return Err(format!("the background of grid '{}' is {outside}, not the half-width of a band", self.name));
         }
-        let inside = blocks.tiles.iter().filter(|tile| tile.value > 0.0);
-        let inside_tiles = inside.map(|tile| InsideTile { origin: tile.origin + shift, edge: tile.edge }).collect();
-        let mut band = Band {
-            lattice: Lattice { voxel_size },
-            half_width: half_width as f32,
-            origins: blocks.origins.iter().map(|origin| *origin + shift).collect(),
-            distances: blocks.values.clone(),
-            active: blocks.active.clone(),
-            inside_tiles,
-        };
-        sort_blocks(&mut band);
-        Ok(band)
+        Ok(band_of(blocks, shift, voxel_size, half_width as f32))
     }
+}
+
+/// A level set's blocks, shifted by voxels, as a band.
+pub(super) fn band_of(blocks: &SparseBlocks<f32>, shift: IVec3, voxel_size: VoxelSize, half_width: f32) -> Band {
+    let inside = blocks.tiles.iter().filter(|tile| tile.value > 0.0);
+    let inside_tiles = inside.map(|tile| InsideTile { origin: tile.origin + shift, edge: tile.edge }).collect();
+    let mut band = Band {
+        lattice: Lattice { voxel_size },
+        half_width,
+        origins: blocks.origins.iter().map(|origin| *origin + shift).collect(),
+        distances: blocks.values.clone(),
+        active: blocks.active.clone(),
+        inside_tiles,
+    };
+    sort_blocks(&mut band);
+    band
 }
 
 /// Sorts a band's blocks and tiles: a shift can carry them across the borders of the tree's nodes.

@@ -9,7 +9,7 @@ mod pieces;
 mod soundness;
 
 pub use pieces::{pieces, voxels_of_pieces};
-pub use soundness::{SlopeError, Tears, slope_error, tears};
+pub use soundness::{Pairs, SlopeError, slope_error, steep_steps, tears};
 
 use glam::{DVec3, IVec3};
 use rayon::prelude::*;
@@ -180,7 +180,7 @@ mod tests {
         }
         assert_eq!(change(&small, &large), Some(0.0));
         assert_eq!(pieces(&large), pieces(&small));
-        assert_eq!((tears(&large), tears(&small)), (Tears::default(), Tears::default()));
+        assert_eq!((tears(&large), tears(&small)), (Pairs::default(), Pairs::default()));
         assert_eq!(solid_extent(&large), solid_extent(&small));
     }
 

@@ -4,7 +4,7 @@ use glam::IVec3;
 use rayon::prelude::*;
 
 use super::lookup::{Lookup, Place, local_of, voxel_of};
-use crate::grid::{BLOCK_EDGE, BLOCK_VOXELS, Band};
+use crate::grid::{BLOCK_EDGE, BLOCK_VOXELS, Band, BlockMask, is_active};
 
 /// How far the slope of the values is from 1. Creases and the medial axis count too: there the slope of the true
 /// distance has a jump, and a difference quotient is less than 1.
@@ -16,6 +16,8 @@ pub struct SlopeError {
     pub max: f64,
     /// How many voxels were measured.
     pub voxels: u64,
+    /// How many of them have | |∇F| − 1 | above 0.1.
+    pub off: u64,
 }
 
 /// The slope by central differences at all voxels that lie at least a voxel and a half within the band, so that no
@@ -35,7 +37,12 @@ pub fn slope_error(band: &Band) -> SlopeError {
                     (f64::from(around.value(local + axis)) - f64::from(around.value(local - axis))) / (2.0 * size)
                 });
                 let error = (slope.iter().map(|slope| slope * slope).sum::<f64>().sqrt() - 1.0).abs();
-                sum = SlopeError { mean: sum.mean + error, max: sum.max.max(error), voxels: sum.voxels + 1 };
+                sum = SlopeError {
+                    mean: sum.mean + error,
+                    max: sum.max.max(error),
+                    voxels: sum.voxels + 1,
+                    off: sum.off + u64::from(error > 0.1),
+                };
             }
             sum
         })
@@ -45,36 +52,67 @@ pub fn slope_error(band: &Band) -> SlopeError {
         total.mean += block.mean;
         total.max = total.max.max(block.max);
         total.voxels += block.voxels;
+        total.off += block.off;
     }
     total.mean /= total.voxels.max(1) as f64;
     total
 }
 
-/// Places where the sign changes between neighbours that are both too far from any surface: a second surface that
-/// no distance has, such as the inner shell of a solid that was not filled.
+/// Pairs of neighbouring voxels (for tiles: of blocks) with something wrong between them.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Tears {
-    /// How many pairs of neighbouring voxels (for tiles: of blocks) are torn.
+pub struct Pairs {
+    /// How many there are.
     pub pairs: u64,
     /// One voxel of the first pair, in the band's order.
     pub first: Option<IVec3>,
 }
 
-/// Finds tears: neighbours of opposite sign whose distances add up to more than two voxels. Across a true surface
+impl Pairs {
+    /// All of several, in order.
+    fn sum(found: &[Self]) -> Self {
+        let pairs = found.iter().map(|pairs| pairs.pairs).sum();
+        Self { pairs, first: found.iter().find_map(|pairs| pairs.first) }
+    }
+}
+
+/// Finds neighbours in one block, both within the band, whose values differ by more than 1.2 times the voxel between
+/// them: a distance differs by 1 at most, one with the errors of a sound one by a little more.
+pub fn steep_steps(band: &Band) -> Pairs {
+    let most = (1.2 * band.lattice.voxel_size.get()) as f32;
+    let of_block = |(origin, (values, mask)): (&IVec3, (&[f32; BLOCK_VOXELS], &BlockMask))| {
+        let mut steep = Pairs::default();
+        for offset in (0..BLOCK_VOXELS).filter(|&offset| is_active(mask, offset)) {
+            for (axis, stride) in [64, 8, 1].into_iter().enumerate() {
+                let next = offset + stride;
+                let ahead = local_of(offset)[axis] + 1 < BLOCK_EDGE && is_active(mask, next);
+                if ahead && (values[offset] - values[next]).abs() > most {
+                    steep.pairs += 1;
+                    steep.first = steep.first.or(Some(voxel_of(*origin, offset)));
+                }
+            }
+        }
+        steep
+    };
+    let blocks = band.origins.par_iter().zip(band.distances.par_iter().zip(&band.active));
+    Pairs::sum(&blocks.map(of_block).collect::<Vec<_>>())
+}
+
+/// Finds tears, places where the sign changes between neighbours that are both too far from any surface: a second
+/// surface that no distance has, such as the inner shell of a solid that was not filled. Those are
+/// neighbours of opposite sign whose distances add up to more than two voxels. Across a true surface
 /// they add up to one at most.
-pub fn tears(band: &Band) -> Tears {
+pub fn tears(band: &Band) -> Pairs {
     let lookup = Lookup::new(band);
     let of_blocks = (0..band.origins.len()).into_par_iter().map(|block| block_tears(band, &lookup, block));
     let of_tiles = (0..band.inside_tiles.len()).into_par_iter().map(|tile| tile_tears(band, &lookup, tile));
-    let found: Vec<Tears> = of_blocks.chain(of_tiles).collect();
-    let pairs = found.iter().map(|tears| tears.pairs).sum();
-    Tears { pairs, first: found.iter().find_map(|tears| tears.first) }
+    let found: Vec<Pairs> = of_blocks.chain(of_tiles).collect();
+    Pairs::sum(&found)
 }
 
-fn block_tears(band: &Band, lookup: &Lookup<'_>, block: usize) -> Tears {
+fn block_tears(band: &Band, lookup: &Lookup<'_>, block: usize) -> Pairs {
     let around = lookup.around(block);
     let gap = 2.0 * band.lattice.voxel_size.get();
-    let mut tears = Tears::default();
+    let mut tears = Pairs::default();
     for (offset, &value) in band.distances[block].iter().enumerate() {
         let local = local_of(offset);
         for (step, ahead) in IVec3::AXES.into_iter().flat_map(|axis| [(axis, true), (-axis, false)]) {
@@ -94,9 +132,9 @@ fn block_tears(band: &Band, lookup: &Lookup<'_>, block: usize) -> Tears {
 }
 
 /// Where a tile's faces look on nothing: neither on a block nor on another tile.
-fn tile_tears(band: &Band, lookup: &Lookup<'_>, tile: usize) -> Tears {
+fn tile_tears(band: &Band, lookup: &Lookup<'_>, tile: usize) -> Pairs {
     let tile = band.inside_tiles[tile];
-    let mut tears = Tears::default();
+    let mut tears = Pairs::default();
     for axis in 0..3 {
         let (across, along) = (IVec3::AXES[(axis + 1) % 3] * BLOCK_EDGE, IVec3::AXES[(axis + 2) % 3] * BLOCK_EDGE);
         for beyond in [-1, tile.edge] {
@@ -127,10 +165,13 @@ mod tests {
         let band = sphere(DVec3::new(0.1, 0.2, 0.3), 1.0, 0.04);
         let slope = slope_error(&band);
         assert!(slope.voxels > 10_000 && slope.mean < 1e-3 && slope.max < 2e-3, "{slope:?}");
-        assert_eq!(tears(&band), Tears::default());
+        assert_eq!(tears(&band), Pairs::default());
+        assert_eq!(steep_steps(&band), Pairs::default());
+        let steep = steep_steps(&band_of(|p| 1.5 * (1.0 - p.length()), 1.3, 0.04));
+        assert!(steep.pairs > 1000 && steep.first.is_some(), "{steep:?}");
         // Half as steep: half of the slope is missing.
         let flat = slope_error(&band_of(|p| 0.5 * (1.0 - p.length()), 1.3, 0.04));
-        assert!((flat.mean - 0.5).abs() < 1e-3, "{flat:?}");
+        assert!((flat.mean - 0.5).abs() < 1e-3 && flat.off == flat.voxels && slope.off == 0, "{flat:?}");
     }
 
     #[test]

@@ -1,13 +1,15 @@
 //! Colours, palettes and names of both.
 
-use crate::attribute::LinearRgb;
+use crate::attribute::{Choice, ColourSpace, Components, LinearRgb};
 
-use super::super::colour::{css, linear_list, not_a_colour, srgb_list};
-use super::super::diagnostic::{Diagnostic, clip};
-use super::super::keys;
-use super::super::model::ShapeColour;
-use super::super::reader::Fields;
-use super::super::value::{Data, Value};
+use super::super::colour::{constant, css, limits, not_a_colour};
+use super::super::diagnostic::{Diagnostic, clip, listed};
+use super::super::formula::Formula;
+use super::super::keys::{self, Limit};
+use super::super::model::{Component, Pieces, ShapeColour, ShapeId};
+use super::super::reader::{Fields, Reader};
+use super::super::source::Span;
+use super::super::value::{Data, Entry, Table, Value};
 use super::{Building, family};
 
 impl<'r, 'a> Building<'r, 'a> {
@@ -24,7 +26,7 @@ impl<'r, 'a> Building<'r, 'a> {
         }
     }
 
-    fn named_colours(&self) -> impl Iterator<Item = &'r super::Entry> + use<'r, 'a> {
+    fn named_colours(&self) -> impl Iterator<Item = &'r Entry> + use<'r, 'a> {
         family(self.root, "color").chain(family(self.root, "colour"))
     }
 
@@ -59,15 +61,34 @@ impl<'r, 'a> Building<'r, 'a> {
                 }
                 colour
             }
-            Data::List(_) => srgb_list(self.reader, path, value),
+            Data::List(_) => constant(self.reader, path, value, Components::Srgb),
             Data::Table(table) => {
-                let keys = keys::COLOUR.iter().filter(|key| key.name == "linear").collect();
-                let fields = Fields::new(self.reader, path, "color", value.span, table, keys);
-                let linear = fields.value("linear");
-                if linear.is_none() && table.0.is_empty() {
-                    self.reader.say(not_a_colour("{}", value, &[]));
+                let elsewhere = |entry: &&Entry| !PLAIN.iter().any(|(name, _)| *name == entry.key);
+                let known = |entry: &&Entry| keys::COLOURS.iter().any(|maker| maker.key.is_called(&entry.key));
+                if let Some(entry) = table.0.iter().filter(elsewhere).find(known) {
+                    let problem = format!("`{}` is for the `color` of a shape only", entry.key);
+                    self.reader.say(Diagnostic::error(entry.key_span, problem));
+                    return None;
                 }
-                linear_list(self.reader, path, linear?)
+                let keys = keys::COLOURS.iter().map(|maker| &maker.key);
+                let plain = keys.filter(|key| PLAIN.iter().any(|(name, _)| *name == key.name)).collect();
+                let fields = Fields::new(self.reader, path, "color", value.span, table, plain);
+                let mut given = PLAIN.iter().filter(|(name, _)| fields.entry(name).is_some());
+                match (given.next(), given.next()) {
+                    (Some((name, meaning)), None) => {
+                        constant(self.reader, &fields.full(name), fields.value(name)?, *meaning)
+                    }
+                    (Some(_), Some(_)) => {
+                        self.reader.say(two_makers(path, table));
+                        None
+                    }
+                    (None, _) => {
+                        if table.0.is_empty() {
+                            self.reader.say(not_a_colour("{}", value, &[]));
+                        }
+                        None
+                    }
+                }
             }
             _ => {
                 self.reader.wrong_kind(path, "a colour", value);
@@ -76,36 +97,174 @@ impl<'r, 'a> Building<'r, 'a> {
         }
     }
 
-    /// A shape's colour. `has_cells`: whether the shape has cells that can take colours of a palette.
-    pub(super) fn shape_colour(&self, path: &str, value: &'r Value, has_cells: bool) -> Option<ShapeColour> {
-        let Some(table) = value.table().filter(|table| table.get("linear").is_none()) else {
-            return self.solid(path, value).map(ShapeColour::Solid);
+    /// A shape's colour. `has_cells`: whether the shape has cells that can take colours; `may_nest`: whether shapes
+    /// may be written in place in it.
+    pub(super) fn shape_colour(
+        &mut self,
+        path: &str,
+        value: &'r Value,
+        id: ShapeId,
+        has_cells: bool,
+        may_nest: bool,
+    ) -> Option<ShapeColour> {
+        let Some(table) = value.table() else {
+            return self.numbers(path, value, Components::Srgb);
         };
-        let fields = Fields::new(self.reader, path, "color", value.span, table, keys::COLOUR.iter().collect());
-        let Some(palette) = fields.value("palette") else {
-            if table.0.iter().all(|entry| keys::COLOUR.iter().any(|key| key.is_called(&entry.key))) {
-                let problem = format!("`{}` says no colour", clip(path));
-                self.reader.say(Diagnostic::error(value.span, problem).help("give it `linear` or `palette`"));
+        let maker = self.colour_maker(path, value, table)?;
+        let keys = std::iter::once(&maker.key).chain(maker.parameters).collect();
+        let fields = Fields::new(self.reader, path, "color", value.span, table, keys);
+        let main = fields.value(maker.key.name)?;
+        let full = fields.full(maker.key.name);
+        if let Some((_, meaning)) = PLAIN.iter().find(|(name, _)| *name == maker.key.name) {
+            return self.numbers(&full, main, *meaning);
+        }
+        match maker.key.name {
+            "bands" => self.bands(&full, main).map(ShapeColour::Bands),
+            "parts" => {
+                let shapes = self.operands("parts", 1, &fields, id, may_nest);
+                let seam = fields.constant("seam").unwrap_or(0.0);
+                Some(ShapeColour::Parts { shapes: shapes?, seam })
             }
+            name => {
+                let by = self.pieces(&fields, main.span, has_cells);
+                let seed = self.seed_of(fields.whole("seed"), path);
+                let choice =
+                    if name == "palette" { self.named_palette(&full, main) } else { self.range(&fields, main) };
+                Some(ShapeColour::Random { choice: choice?, by: by?, seed })
+            }
+        }
+    }
+
+    /// The one maker of a colour's table, or the error that names them all.
+    fn colour_maker(&self, path: &str, value: &Value, table: &'r Table) -> Option<&'static keys::Maker> {
+        let mut found =
+            keys::COLOURS.iter().filter(|maker| table.0.iter().any(|entry| maker.key.is_called(&entry.key)));
+        match (found.next(), found.next()) {
+            (Some(maker), None) => return Some(maker),
+            (Some(_), Some(_)) => self.reader.say(two_makers(path, table)),
+            _ => {
+                let makers = keys::COLOURS.iter();
+                let known: Vec<_> =
+                    makers.flat_map(|maker| std::iter::once(&maker.key).chain(maker.parameters)).collect();
+                let unknown = table.0.iter().any(|entry| !known.iter().any(|key| key.is_called(&entry.key)));
+                Fields::new(self.reader, path, "color", value.span, table, known);
+                if !unknown {
+                    let names: Vec<&str> = keys::COLOURS.iter().map(|maker| maker.key.name).collect();
+                    let problem = format!("`{}` says no colour", clip(path));
+                    let problem = Diagnostic::error(value.span, problem);
+                    self.reader.say(problem.help(format!("give it one of {}", listed(&names))));
+                }
+            }
+        }
+        None
+    }
+
+    /// A colour of three numbers, each of which may be a formula or keys; or one that is written otherwise.
+    fn numbers(&self, path: &str, value: &'r Value, meaning: Components) -> Option<ShapeColour> {
+        let varies = |list: &[Value]| list.iter().any(|part| matches!(part.data, Data::Text(_) | Data::Table(_)));
+        if !value.list().is_some_and(varies) {
+            return match meaning {
+                Components::Srgb => self.solid(path, value),
+                _ => constant(self.reader, path, value, meaning),
+            }
+            .map(ShapeColour::Solid);
+        }
+        let three = self.reader.three(path, value)?;
+        let limits = limits(meaning);
+        let component = |i: usize| match three[i].text() {
+            None => Some(Component::Number(self.reader.number(&format!("{path}[{i}]"), limits[i], &three[i]))),
+            Some(text) => match Formula::of_space(text, self.reader.names.clone()) {
+                Ok(formula) => Some(Component::Formula(formula)),
+                Err(problem) => {
+                    self.reader.say(problem.into_diagnostic(self.reader.sources, three[i].span, text));
+                    None
+                }
+            },
+        };
+        let [a, b, c] = [component(0), component(1), component(2)];
+        Some(ShapeColour::Formula { components: Box::new([a?, b?, c?]), meaning, span: value.span })
+    }
+
+    /// What takes the colours that are chosen at random.
+    fn pieces(&self, fields: &Fields<'r, 'a>, span: Span, has_cells: bool) -> Option<Pieces> {
+        let by_voxel = fields.choice("by") == Some("voxel");
+        let edge = fields.constant("voxel_size");
+        let problem = match (by_voxel, fields.entry("voxel_size")) {
+            (true, Some(_)) => return edge.map(Pieces::Cubes),
+            (true, None) => {
+                Diagnostic::error(span, format!("`{}` has no `voxel_size`", clip(&fields.path))).help("the cubes' edge")
+            }
+            (false, Some(entry)) => Diagnostic::error(entry.key_span, "`voxel_size` is for `by = \"voxel\"` only"),
+            (false, None) if has_cells => return Some(Pieces::Cells),
+            (false, None) => Diagnostic::error(span, "only a shape with `facet` or `at` has cells to take colours")
+                .help("by = \"voxel\" with a `voxel_size` gives them to the cubes of a lattice"),
+        };
+        self.reader.say(problem);
+        None
+    }
+
+    /// A palette's name, or colours.
+    fn named_palette(&self, path: &str, value: &'r Value) -> Option<Choice> {
+        let Some(name) = value.text() else { return self.palette(path, value).map(Choice::Palette) };
+        let palettes = family(self.root, "palette").map(|entry| (entry.key.as_str(), &entry.value)).collect();
+        let value = self.resolve("palette", &palettes, value, path)?;
+        // Its problems were said where it stands.
+        let quiet = Reader::new(self.reader.sources, self.reader.names.clone());
+        let silent = Building::new(&quiet, self.surroundings, self.root, self.seed);
+        silent.palette(name, value).map(Choice::Palette)
+    }
+
+    /// Two colours.
+    fn range(&self, fields: &Fields<'r, 'a>, value: &'r Value) -> Option<Choice> {
+        let path = fields.full("range");
+        let space = fields.choice("color_space").and_then(ColourSpace::named);
+        match value.list() {
+            Some([from, to]) => {
+                let (from, to) = (self.solid(&format!("{path}[0]"), from), self.solid(&format!("{path}[1]"), to));
+                Some(Choice::Range { from: from?, to: to?, space: space? })
+            }
+            _ => {
+                self.reader.wrong_kind(&path, "a list of two colours", value);
+                None
+            }
+        }
+    }
+
+    /// `[[0.0, "red"], [0.1, "#ffffff"]]`.
+    fn bands(&self, path: &str, value: &'r Value) -> Option<Vec<(f64, LinearRgb)>> {
+        let Some(list) = value.list().filter(|list| !list.is_empty()) else {
+            self.reader.wrong_kind(path, "a list of [depth, colour]", value);
             return None;
         };
-        fields.choice("by");
-        let seed = self.seed_of(fields.whole("seed"), path);
-        if !has_cells {
-            let problem = "only a shape with `facet` or `at` has cells to take colours";
-            self.reader.say(Diagnostic::error(palette.span, problem));
-        }
-        let colours = match palette.text() {
-            None => self.palette(&fields.full("palette"), palette),
-            Some(name) => {
-                let palettes = family(self.root, "palette").map(|entry| (entry.key.as_str(), &entry.value)).collect();
-                let value = self.resolve("palette", &palettes, palette, &fields.full("palette"))?;
-                // Its problems were said where it stands.
-                let quiet = super::Reader::new(self.reader.sources, self.reader.names.clone());
-                let silent = Building::new(&quiet, self.surroundings, self.root, self.seed);
-                silent.palette(name, value)
+        let mut bands: Vec<(f64, LinearRgb)> = Vec::with_capacity(list.len());
+        for (i, band) in list.iter().enumerate() {
+            let path = format!("{path}[{i}]");
+            let Some([depth, colour]) = band.list() else {
+                self.reader.wrong_kind(&path, "[depth, colour]", band);
+                return None;
+            };
+            let begin = self.reader.constant(&path, Limit::Any, depth);
+            if let Some(last) = bands.last().filter(|last| last.0 >= begin) {
+                let problem = format!("`{}` begins at {begin}, not below the band before it, {}", clip(&path), last.0);
+                self.reader.say(Diagnostic::error(depth.span, problem).help("depths rise from one band to the next"));
+                return None;
             }
-        };
-        colours.map(|palette| ShapeColour::ByCell { palette, seed })
+            bands.push((begin, self.solid(&path, colour)?));
+        }
+        Some(bands)
     }
+}
+
+/// Colours of three numbers, as tables.
+const PLAIN: [(&str, Components); 2] = [("linear", Components::Linear), ("hsv", Components::Hsv)];
+
+/// The error about a table with two makers.
+fn two_makers(path: &str, table: &Table) -> Diagnostic {
+    let is_maker = |entry: &&Entry| keys::COLOURS.iter().any(|maker| maker.key.is_called(&entry.key));
+    let mut found = table.0.iter().filter(is_maker);
+    let (first, second) = (found.next(), found.next());
+    let name = |entry: Option<&Entry>| entry.map_or_else(String::new, |entry| entry.key.clone());
+    let span = second.map_or_else(Span::default, |entry| entry.key_span);
+    let problem = format!("`{}` and `{}` both say what `{}` is", name(first), name(second), clip(path));
+    Diagnostic::error(span, problem)
 }

@@ -1,12 +1,14 @@
 //! The morph and the output.
 
+use crate::morph::Round;
+
 use super::super::diagnostic::{Diagnostic, clip};
 use super::super::frames::{FrameRange, Shot};
 use super::super::keys;
 use super::super::model::{Content, Morph, MorphMode, Output, ShapeId};
 use super::super::reader::Fields;
 use super::super::source::Span;
-use super::super::value::Table;
+use super::super::value::{Table, Value};
 use super::links::Node;
 use super::{Building, pair};
 
@@ -28,8 +30,8 @@ impl<'r, 'a> Building<'r, 'a> {
         }
         Some(Morph {
             cut,
+            even_pace: matches!(mode, MorphMode::Volume { .. }) && fields.choice("pace") == Some("even"),
             mode,
-            even_pace: fields.choice("pace") == Some("even") && !matches!(mode, MorphMode::Paper { .. }),
             smooth: fields.choice("ease") == Some("smooth"),
             octopus: fields.flag("octopus"),
             colour_space: fields.choice("color_space").unwrap_or("oklab"),
@@ -52,9 +54,10 @@ impl<'r, 'a> Building<'r, 'a> {
                     self.reader.say(Diagnostic::error(entry.key_span, problem));
                 }
             }
-            return MorphMode::Volume { bridge: fields.constant("bridge").unwrap_or(0.5) };
+            let bridge = fields.constant("bridge").unwrap_or(0.5);
+            return MorphMode::Volume { bridge, volume: fields.required_number("volume") };
         }
-        for name in ["bridge", "pace"] {
+        for name in keys::VOLUME_ONLY {
             if let Some(entry) = fields.entry(name) {
                 let problem = format!("`{name}` is not for `mode = \"paper\"`");
                 self.reader.say(Diagnostic::error(entry.key_span, problem));
@@ -65,7 +68,15 @@ impl<'r, 'a> Building<'r, 'a> {
             a: [number("a0"), number("a1"), number("a2"), number("a3")],
             s: number("s"),
             slab: fields.value("slab").and_then(|value| pair(self.reader, "morph.slab", value)).unwrap_or([0.0, 1.0]),
+            round: fields.value("round").and_then(|value| self.round(value)),
         }
+    }
+
+    fn round(&self, value: &'r Value) -> Option<Round> {
+        let keys = keys::ROUND.iter().collect();
+        let fields = Fields::of_value(self.reader, "morph.round", "round", value.span, value, keys)?;
+        let number = |name| fields.constant(name).unwrap_or(1.0);
+        Some(Round { a0: number("a0"), reach: number("reach"), a3: number("a3"), depth: number("depth") })
     }
 
     fn within_shot(&self, fields: &Fields<'r, 'a>, name: &str, shot: &Shot) -> Option<FrameRange> {
@@ -122,7 +133,7 @@ impl<'r, 'a> Building<'r, 'a> {
             if let Some((_, span)) = chosen {
                 self.reader.say(Diagnostic::warning(span, "`output.shape` is not used: the morph is what is baked"));
             }
-            return Some(Content::Morph(morph));
+            return Some(Content::Morph(Box::new(morph)));
         }
         if self.root.get("morph").is_some() {
             return None;

@@ -66,7 +66,9 @@ impl<'r, 'a> Building<'r, 'a> {
         let modifiers = self.modifiers(&fields, id);
         let bounds = fields.value("bounds").and_then(|value| self.bounds(&fields.full("bounds"), value));
         let has_cells = spec.key.name == "facet" || modifiers.at.is_some();
-        let colour = fields.value("color").and_then(|value| self.shape_colour(&fields.full("color"), value, has_cells));
+        let colour = fields
+            .value("color")
+            .and_then(|value| self.shape_colour(&fields.full("color"), value, id, has_cells, may_nest));
         let name = path.trim_start_matches("shape.").into();
         Some(Shape { name, span, maker: maker?, modifiers, bounds, colour })
     }
@@ -106,7 +108,10 @@ impl<'r, 'a> Building<'r, 'a> {
                     }
                 }
             }
-            "union" => Maker::Union(self.operands("union", 1, fields, id, may_nest)?),
+            "union" => Maker::Union {
+                operands: self.operands("union", 1, fields, id, may_nest)?,
+                seam: fields.constant("seam").unwrap_or(0.0),
+            },
             "intersection" => Maker::Intersection(self.operands("intersection", 1, fields, id, may_nest)?),
             "difference" => Maker::Difference(self.operands("difference", 2, fields, id, may_nest)?),
             "blend" => Maker::Blend {
@@ -145,7 +150,7 @@ impl<'r, 'a> Building<'r, 'a> {
     }
 
     /// The shapes of a list.
-    fn operands(
+    pub(super) fn operands(
         &mut self,
         key: &str,
         least: usize,

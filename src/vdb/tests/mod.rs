@@ -1,5 +1,6 @@
 //! Tests of the border. The judges are Debian's Python OpenVDB and a reader in pure Rust, not the code under test.
 
+mod lint;
 mod read;
 mod support;
 mod walk;

@@ -1,6 +1,6 @@
 //! Where a grid's voxels stand in the world.
 
-use glam::{DMat4, DVec3, DVec4};
+use glam::{DMat4, DVec3, DVec4, IVec3};
 
 use super::cursor::{Cursor, Failure, damage};
 
@@ -43,6 +43,18 @@ impl Transform {
             Self::Affine(matrix) => Some(matrix.transform_point3(voxel)),
             Self::Frustum => None,
         }
+    }
+
+    /// The box in the world around the centres of a box of voxels, the least and the greatest given; `None` in a frustum.
+    pub fn world_box(&self, low: IVec3, high: IVec3) -> Option<[[f64; 3]; 2]> {
+        let mut bounds: Option<(DVec3, DVec3)> = None;
+        for corner in 0..8 {
+            let pick = |axis: usize| f64::from(if corner >> axis & 1 == 0 { low[axis] } else { high[axis] });
+            let world = self.world(DVec3::new(pick(0), pick(1), pick(2)))?;
+            let (least, greatest) = bounds.unwrap_or((world, world));
+            bounds = Some((least.min(world), greatest.max(world)));
+        }
+        bounds.map(|(least, greatest)| [least.to_array(), greatest.to_array()])
     }
 }
 

@@ -1,0 +1,104 @@
+//! The keys of `[morph]`.
+
+use super::Absent::{Nothing, Number, Required, Text, Words};
+use super::{COLOUR_SPACES, Key, Kind, Limit};
+
+/// The morph.
+pub const MORPH: &[Key] = &[
+    Key::new("from", Kind::Shape, Required, "What it is at the first frame."),
+    Key::new("to", Kind::Shape, Required, "What it is at the last frame."),
+    Key::new(
+        "mode",
+        Kind::Choice(&["volume", "paper"]),
+        Text("volume"),
+        "`volume`: the volume runs evenly from the one's to the other's. `paper`: a0 … a3 and s as given.",
+    ),
+    Key::new(
+        "bridge",
+        Kind::Constant,
+        Number(0.5),
+        "How much separate shapes flow through one body: 0.05 is the shortest way.",
+    )
+    .limit(Limit::Within(0.05, 100.0)),
+    Key::new(
+        "volume",
+        Kind::Number,
+        Number(1.0),
+        "How many times the volume of the straight way between the two; 1 at the first and at the last frame of `over`.",
+    )
+    .limit(Limit::Within(0.001, 100.0)),
+    Key::new(
+        "pace",
+        Kind::Choice(&["even", "t"]),
+        Text("even"),
+        "`even`: every frame changes as much as the others. `t`: the papers' way.",
+    ),
+    Key::new("color_space", Kind::Choice(COLOUR_SPACES), Text("oklab"), "The space that colours are mixed in.")
+        .also(&["colour_space"]),
+    Key::new("alpha", Kind::Constant, Number(0.3), "How colours come: 0.1 sweep over the shape, 3 everywhere at once.")
+        .limit(Limit::NotNegative),
+    Key::new(
+        "beta",
+        Kind::Constant,
+        Number(0.5),
+        "Which object's distance counts more for colours; 0.5 is both alike.",
+    )
+    .limit(Limit::Within(0.0, 1.0)),
+    Key::new(
+        "over",
+        Kind::Frames,
+        Words("`frames`"),
+        "The frames in which the shape changes; before and after it stands.",
+    ),
+    Key::new("color_over", Kind::Frames, Words("`over`"), "The frames in which the colours change.")
+        .also(&["colour_over"]),
+    Key::new(
+        "ease",
+        Kind::Choice(&["linear", "smooth"]),
+        Text("linear"),
+        "Whether the shape's change starts and ends at rest.",
+    ),
+    Key::new(
+        "octopus",
+        Kind::Flag,
+        Text("false"),
+        "Colours run on past their end: the last one's creeps outward (STTI).",
+    ),
+    Key::new("cut", Kind::Shape, Nothing, "Taken away from every frame, to look inside. Stands in the world."),
+    Key::new("a0", Kind::Constant, Number(1.0), "`mode = \"paper\"`: how much is added between them.")
+        .limit(Limit::NotZero),
+    Key::new("a1", Kind::Constant, Number(1.0), "`mode = \"paper\"`: how far the first reaches.")
+        .limit(Limit::Positive),
+    Key::new("a2", Kind::Constant, Number(1.0), "`mode = \"paper\"`: how far the second reaches.")
+        .limit(Limit::Positive),
+    Key::new("a3", Kind::Constant, Number(1.0), "`mode = \"paper\"`: how far the slab of time reaches.")
+        .limit(Limit::Positive),
+    Key::new("s", Kind::Constant, Number(1.0), "`mode = \"paper\"`: the scale of time against space.")
+        .limit(Limit::Positive)
+        .also(&["time_scale"]),
+    Key::new("slab", Kind::Table, Words("`[0, 1]`"), "`mode = \"paper\"`: the slab of time that bounds the blend."),
+    Key::new(
+        "round",
+        Kind::Table,
+        Nothing,
+        "`mode = \"paper\"`: rounds both objects against the planes that cut them in time (eq. 6).",
+    ),
+];
+
+/// The table of `round`, in the units of a0 … a3.
+pub const ROUND: &[Key] = &[
+    Key::new("a0", Kind::Constant, Required, "How much is added at the cut; a negative number takes away.")
+        .limit(Limit::NotZero),
+    Key::new("reach", Kind::Constant, Number(1.0), "How far it reaches, in distance and in time (a1 and a2).")
+        .limit(Limit::Positive),
+    Key::new("a3", Kind::Constant, Number(1.0), "How far the bound reaches.").limit(Limit::Positive),
+    Key::new("depth", Kind::Constant, Number(1.0), "How far behind the cut, in t, the bound stands.")
+        .limit(Limit::NotNegative)
+        .also(&["P_c"]),
+];
+
+/// Keys of `[morph]` that only `mode = "paper"` uses.
+pub const PAPER_ONLY: &[&str] = &["a0", "a1", "a2", "a3", "s", "slab", "round"];
+
+/// Keys of `[morph]` that only `mode = "volume"` uses.
+pub const VOLUME_ONLY: &[&str] = &["bridge", "volume", "pace"];
