@@ -3,7 +3,8 @@
 use std::fmt;
 
 use crate::attribute::{Colour, ColourSampler, LinearRgb};
-use crate::distance::band::{self, MeasuredBlock, Report, Settings, measure};
+use crate::distance::band::{self, MeasuredBlock, Report, Settings};
+use crate::distance::without::{Keep, measure_kept};
 use crate::field::{BATCH, Field};
 use crate::grid::{BLOCK_VOXELS, Band, Channel, is_active};
 
@@ -56,21 +57,23 @@ struct BlockColours {
     wrong: Option<ComputeError>,
 }
 
-/// Measures a field and samples a colour at the feet.
+/// Measures what is kept of a field and samples a colour at the feet.
 pub fn compute(
     field: &dyn Field,
     colour: Option<(&dyn Colour, &str)>,
     settings: &Settings,
+    keep: Keep,
 ) -> Result<Computed, ComputeError> {
     let Some((colour, name)) = colour else {
-        let measured = measure(field, settings, || |_: &MeasuredBlock| ()).map_err(ComputeError::Distance)?;
+        let measured =
+            measure_kept(field, settings, keep, || |_: &MeasuredBlock| ()).map_err(ComputeError::Distance)?;
         return Ok(Computed { band: measured.band, colour: None, report: measured.report, bright_voxels: 0 });
     };
     let new_visitor = || {
         let mut sampler = colour.sampler();
         move |block: &MeasuredBlock| sample(&mut *sampler, block)
     };
-    let measured = measure(field, settings, new_visitor).map_err(ComputeError::Distance)?;
+    let measured = measure_kept(field, settings, keep, new_visitor).map_err(ComputeError::Distance)?;
     if let Some(wrong) = measured.visits.iter().find_map(|block| block.wrong.clone()) {
         return Err(wrong);
     }

@@ -165,7 +165,7 @@ pub fn compute_frame(
     };
     let name = prepared.model().output.colour_name.as_str();
     let colour = content.colour.as_deref().map(|colour| (colour, name));
-    compute(&*content.field, colour, &settings).map_err(|error| match error {
+    compute(&*content.field, colour, &settings, content.keep).map_err(|error| match error {
         ComputeError::Distance(band::Error::Cancelled) => Error::Interrupted,
         ComputeError::Colour { .. } => {
             let problem = format!("frame {frame}: {error}");

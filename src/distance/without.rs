@@ -10,8 +10,10 @@ use glam::{DVec3, IVec3};
 
 use crate::{
     field::{Aabb, BATCH, Evaluator, Field, Gradients, Interval, Points, Slope},
-    grid::{BlockMask, Lattice, block_origin, is_active, voxel_offset},
+    grid::{BlockMask, Lattice, block_origin, is_active, measure::voxels_of_pieces, voxel_offset},
 };
+
+use super::band::{Error, Measured, MeasuredBlock, Settings, measure};
 
 /// How far around the centres of its voxels a piece is taken away, in voxels. Smaller leaves slivers of it in corners
 /// between voxels; larger takes more of a piece beside it, of which no voxel is nearer than √2.
@@ -20,6 +22,48 @@ const ROOM: f64 = 1.2;
 /// From where on G says nothing, in voxels from the nearest centre: centres are looked for among the voxels around a
 /// point, which hold all up to here.
 const FAR: f64 = 1.5;
+
+/// Which of a solid's connected pieces stay. The largest always does.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Keep {
+    /// No other piece does.
+    pub largest_only: bool,
+    /// The least volume of those that do, cubic world units.
+    pub least_volume: f64,
+}
+
+impl Keep {
+    /// All pieces.
+    pub const ALL: Self = Self { largest_only: false, least_volume: 0.0 };
+
+    fn drops(self, rank: usize, volume: f64) -> bool {
+        rank > 0 && (self.largest_only || volume < self.least_volume)
+    }
+}
+
+/// Measures the band of what is kept of a field, as [`measure`] does. Where nothing is dropped that is all it does;
+/// else the field is measured once more.
+pub fn measure_kept<T, V>(
+    field: &dyn Field,
+    settings: &Settings,
+    keep: Keep,
+    visitor: impl Fn() -> V + Sync,
+) -> Result<Measured<T>, Error>
+where
+    T: Send,
+    V: FnMut(&MeasuredBlock) -> T,
+{
+    let measured = measure(field, settings, &visitor)?;
+    if keep == Keep::ALL {
+        return Ok(measured);
+    }
+    let dropped = voxels_of_pieces(&measured.band, |rank, volume| keep.drops(rank, volume));
+    if dropped.is_empty() {
+        return Ok(measured);
+    }
+    drop(measured);
+    measure(&Without::new(field, settings.lattice, &dropped), settings, &visitor)
+}
 
 /// F without the pieces that some voxels belong to.
 pub struct Without<'a> {
@@ -185,10 +229,9 @@ mod tests {
     use crate::{
         distance::{
             accuracy::exact,
-            band::{MeasuredBlock, Settings, measure},
             testing::{Joined, Leaf},
         },
-        grid::{BLOCK_VOXELS, VoxelSize, measure::voxels_of_pieces},
+        grid::{BLOCK_VOXELS, VoxelSize, measure::pieces},
     };
 
     /// Two balls and a crumb of three voxels beside them: without the small ones the band is that of the large ball.
@@ -204,11 +247,14 @@ mod tests {
         let cancel = AtomicBool::new(false);
         let region = field.bounding_box().unwrap().grown(4.0);
         let settings = Settings { lattice, half_width: 3.0, region, cancel: &cancel, progress: &|_| {} };
-        let whole = measure(&field, &settings, || |_: &MeasuredBlock| ()).unwrap().band;
-        let dropped = voxels_of_pieces(&whole, |rank, _| rank > 0);
-        let without = Without::new(&field, lattice, &dropped);
-        let band = measure(&without, &settings, || |_: &MeasuredBlock| ()).unwrap().band;
-        assert_eq!(crate::grid::measure::pieces(&band).len(), 1);
+        let kept = |largest_only: bool, least_volume: f64| {
+            let keep = Keep { largest_only, least_volume };
+            measure_kept(&field, &settings, keep, || |_: &MeasuredBlock| ()).unwrap().band
+        };
+        assert_eq!(pieces(&kept(false, 0.0)).len(), 3);
+        assert_eq!(pieces(&kept(false, 100.0)).len(), 2);
+        let band = kept(true, 0.0);
+        assert_eq!(pieces(&band).len(), 1);
         for (origin, distances) in band.origins.iter().zip(&band.distances) {
             let points = Points::of_block(*origin, &lattice);
             for i in 0..BLOCK_VOXELS {

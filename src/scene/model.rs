@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use crate::attribute::{Choice, Components, LinearRgb};
+use crate::distance::without::Keep;
 use crate::morph::Round;
 
 use super::diagnostic::Diagnostics;
@@ -256,6 +257,8 @@ pub struct Morph {
     pub to: ShapeId,
     /// What is taken away from every frame.
     pub cut: Option<ShapeId>,
+    /// Which pieces of each frame stay.
+    pub keep: Keep,
     /// How the shape's way is found.
     pub mode: MorphMode,
     /// Whether t is re-timed so that every frame changes as much as the others.

@@ -8,6 +8,7 @@ use rayon::prelude::*;
 use crate::attribute::Colour;
 use crate::distance::extent::{self, extent};
 use crate::distance::nearest::Watch;
+use crate::distance::without::Keep;
 use crate::field::{Aabb, Field};
 use crate::grid::{Lattice, VoxelSize};
 
@@ -86,6 +87,8 @@ pub struct FrameContent {
     pub colour: Option<Arc<dyn Colour>>,
     /// Where to look for the band: the solid's box grown by the band.
     pub region: Aabb,
+    /// Which pieces of the solid stay.
+    pub keep: Keep,
     /// The frame's place in time.
     pub info: FrameInfo,
 }
@@ -337,7 +340,11 @@ impl Prepared {
         };
         let margin = (f64::from(self.half_width) + 2.0) * self.lattice.voxel_size.get();
         let region = scenery.field.bounding_box().unwrap_or(self.extent).grown(margin);
-        Ok(FrameContent { field: scenery.field, colour: scenery.colour, region, info })
+        let keep = match &self.model.content {
+            Content::Morph(morph) => morph.keep,
+            Content::Shape(_) => Keep::ALL,
+        };
+        Ok(FrameContent { field: scenery.field, colour: scenery.colour, region, keep, info })
     }
 
     /// A morph's field without what is to be taken away.

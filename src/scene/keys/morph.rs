@@ -65,6 +65,14 @@ pub const MORPH: &[Key] = &[
         "Colours run on past their end: the last one's creeps outward (STTI).",
     ),
     Key::new("cut", Kind::Shape, Nothing, "Taken away from every frame, to look inside. Stands in the world."),
+    Key::new(
+        "keep",
+        Kind::Choice(&["all", "largest"]),
+        Text("all"),
+        "Which pieces of a frame stay. `largest`: none but the one of most volume, so no crumbs.",
+    ),
+    Key::new("min_piece", Kind::Constant, Number(0.0), "Pieces of less volume, in cubic units, are left out.")
+        .limit(Limit::NotNegative),
     Key::new("a0", Kind::Constant, Number(1.0), "`mode = \"paper\"`: how much is added between them.")
         .limit(Limit::NotZero),
     Key::new("a1", Kind::Constant, Number(1.0), "`mode = \"paper\"`: how far the first reaches.")

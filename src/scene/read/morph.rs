@@ -1,5 +1,6 @@
 //! The morph and the output.
 
+use crate::distance::without::Keep;
 use crate::morph::Round;
 
 use super::super::diagnostic::{Diagnostic, clip};
@@ -30,6 +31,10 @@ impl<'r, 'a> Building<'r, 'a> {
         }
         Some(Morph {
             cut,
+            keep: Keep {
+                largest_only: fields.choice("keep") == Some("largest"),
+                least_volume: fields.constant("min_piece").unwrap_or(0.0),
+            },
             even_pace: matches!(mode, MorphMode::Volume { .. }) && fields.choice("pace") == Some("even"),
             mode,
             smooth: fields.choice("ease") == Some("smooth"),
