@@ -17,10 +17,7 @@ for file in scenes/*.toml; do
     mkdir "$folder/$scene"
     target/release/hfvdb bake "$scene" --resolution 256 --output "$folder/$scene/$scene.####.vdb" >/dev/null </dev/null
     frames=("$folder/$scene"/*.vdb)
-    # The steps between the facets of the cubist scenes are thinner than a voxel in places.
-    thin=()
-    [[ $scene != cubism* ]] || thin=(--thin)
-    /usr/bin/python3 tests/check_frames.py "${thin[@]}" "${frames[@]}"
+    /usr/bin/python3 tests/check_frames.py "${frames[@]}"
     sequence=()
     [ ${#frames[@]} -eq 1 ] || sequence=(--sequence)
     "$blender_python" scripts/check_blender.py "${frames[@]}" "${sequence[@]}"

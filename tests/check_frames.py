@@ -6,13 +6,9 @@ background; and over the dense box around the band that the values are those of 
 
 * neighbouring voxels never differ by more than a voxel (true of every distance field, clamped or not), within what is
   promised of their exactness. A wrong sign, an unfilled inside or a second surface breaks this;
-* |grad| is 1 in the mean where all neighbours are in the band;
+* |grad| is 1 to 0.01, by central differences, for a quarter of the voxels with all neighbours in the band: where facets
+  are four voxels wide, the others have a crease of the distance between those neighbours;
 * colours are finite and inside [0, 1], and the colour's background is their mean.
-
---thin is for shapes with features thinner than a voxel (hfvdb warns of them). Beside those distances are known to be
-off by up to a voxel, which is not as it should be: at most 2 in 10,000 pairs of neighbours may differ by more than a
-voxel then, and none by more than 2.5 (a second surface would be a step of twice the half width). And |grad| is not
-judged, since central differences across creases that are two voxels apart are below 1 for exact distances too.
 """
 import sys
 
@@ -39,7 +35,7 @@ def active_mask(grid, low, high):
     return mask
 
 
-def check(path, thin):
+def check(path):
     problems = []
 
     def must(condition, text):
@@ -69,15 +65,9 @@ def check(path, thin):
     must(abs(values).max() <= background * (1 + 1e-6), "values beyond the background")
     must((values[0] > 0).all() and (values[-1] > 0).all(), "solid at the border of the box")
     must(values.min() < 0, "nothing inside")
-    far_apart = pairs = 0
     for axis in range(3):
-        steps = abs(np.diff(values, axis=axis)) / voxel
-        step = steps.max()
-        far_apart += int((steps > STEP).sum())
-        pairs += int((steps > 0).sum())
-        must(step <= (2.5 if thin else STEP), "neighbours along %s differ by %.3f voxels" % ("xyz"[axis], step))
-
-    must(far_apart <= 2e-4 * pairs, "%d of %d pairs of neighbours differ by more than a voxel" % (far_apart, pairs))
+        step = (abs(np.diff(values, axis=axis)) / voxel).max()
+        must(step <= STEP, "neighbours along %s differ by %.3f voxels" % ("xyz"[axis], step))
 
     inner = values[1:-1, 1:-1, 1:-1]
     neighbours = [(values[2:, 1:-1, 1:-1], values[:-2, 1:-1, 1:-1]), (values[1:-1, 2:, 1:-1], values[1:-1, :-2, 1:-1]),
@@ -89,8 +79,8 @@ def check(path, thin):
         squares += ((a - b) / (2 * voxel)) ** 2
     slope = np.sqrt(squares[band])
     must(band.any(), "no voxel has its neighbours in the band")
-    error = float(abs(slope - 1).mean()) if band.any() else float("nan")
-    must(thin or error < 0.03, "|grad| is off by %.4f in the mean" % error)
+    error = float(np.quantile(abs(slope - 1), 0.25)) if band.any() else float("nan")
+    must(error < 0.01, "|grad| is off by %.4f for most voxels" % error)
 
     colour = by_name.get("Cd")
     if colour is not None:
@@ -113,6 +103,5 @@ def check(path, thin):
 
 
 if __name__ == "__main__":
-    thin = "--thin" in sys.argv
-    results = [check(path, thin) for path in sys.argv[1:] if not path.startswith("--")]
+    results = [check(path) for path in sys.argv[1:]]
     sys.exit(0 if results and all(results) else 1)
