@@ -236,11 +236,17 @@ impl Cells {
 
     /// The leaf on the surface that holds a position, or the nearest one.
     pub fn surface_leaf_at(&self, position: DVec3) -> CellId {
+        self.surface_leaf_from(position, self.surface[0])
+    }
+
+    /// The same, found sooner where `near` is a leaf on the surface not far away.
+    pub fn surface_leaf_from(&self, position: DVec3, near: CellId) -> CellId {
         let leaf = self.leaf_at(position);
         if self.cell(leaf).place == Place::Surface && self.cell(leaf).bounds.contains(position) {
             return leaf;
         }
-        let mut best = (f64::INFINITY, self.surface[0]);
+        let bounds = self.cell(near).bounds;
+        let mut best = (position.distance_squared(position.clamp(bounds.min, bounds.max)), near);
         self.nearest_surface(self.nodes[0], self.root, position, &mut best);
         best.1
     }

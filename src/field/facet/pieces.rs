@@ -28,12 +28,23 @@ impl Pieces {
     /// that its own cell's piece does not.
     pub fn cells_at(&self, cells: &Cells, points: &Points, out: &mut [u32; BATCH]) {
         let mut values = None;
+        let mut own = None;
         for i in 0..points.len {
             let position = points.position(i);
-            let own = cells.surface_leaf_at(position);
+            let found = own.map_or_else(
+                || cells.surface_leaf_at(position),
+                |last| cells.surface_leaf_from(position, last),
+            );
+            own = Some(found);
+            let own = found;
+            out[i] = own.0;
+            // No piece but its own reaches as far as this, or none at all.
+            let bounds = cells.cell(own).bounds;
+            if bounds.grown(-self.reach).contains(position) || !bounds.grown(2.0 * self.reach).contains(position) {
+                continue;
+            }
             let corners = Aabb::new(position, position).grown(self.reach).corners();
             let beside = corners.map(|corner| cells.surface_leaf_at(corner.clamp(cells.root().min, cells.root().max)));
-            out[i] = own.0;
             if beside.iter().all(|&cell| cell == own) {
                 continue;
             }
