@@ -13,7 +13,7 @@ use glam::IVec3;
 use rayon::prelude::*;
 
 use crate::{
-    field::Field,
+    field::{Field, Slope},
     grid::{BLOCK_EDGE, BLOCK_VOXELS, Band, BlockMask, InsideTile, block_order},
 };
 
@@ -106,9 +106,12 @@ where
     pub fn chunk(&mut self, chunk: &[IVec3]) -> Result<(), Error> {
         let blocks = by_task(chunk);
         self.stage(&blocks)?;
-        let places: HashMap<IVec3, usize> = blocks.iter().enumerate().map(|(place, &origin)| (origin, place)).collect();
-        self.improve(&places)?;
-        self.keep_borders(&places);
+        // Blocks that know their distances by themselves have nothing to offer.
+        if !matches!(self.field.slope(), Slope::Exact { inside: true, outside: true }) {
+            let places = blocks.iter().enumerate().map(|(place, &origin)| (origin, place)).collect();
+            self.improve(&places)?;
+            self.keep_borders(&places);
+        }
         let outcomes = self.finish();
         let mut in_order: Vec<_> = self.staged.iter().map(|block| block.origin).zip(outcomes).collect();
         in_order.sort_by_key(|&(origin, _)| block_order(origin));
@@ -189,24 +192,40 @@ where
     /// Keeps the layers that face later chunks, and offers those that face earlier ones.
     fn keep_borders(&mut self, places: &HashMap<IVec3, usize>) {
         let (voxel, reach) = (self.voxel(), self.scope.background());
-        for block in &self.staged {
+        let (all, borders) = (self.all, &self.borders);
+        let at_border = |block: &Staged| {
             let order = block_order(block.origin);
+            let mut kept = Vec::new();
+            let mut offered = Vec::new();
             for face in Face::ALL {
                 let neighbour = block.origin + face.step();
+                let order_there = block_order(neighbour);
                 if places.contains_key(&neighbour) {
                     continue;
                 }
-                let earlier = block_order(neighbour) < order;
-                if earlier {
-                    let Some(layer) = self.borders.remove(&(neighbour, face.facing())) else { continue };
+                if order_there > order {
+                    if all.binary_search_by_key(&order_there, |&other| block_order(other)).is_ok() {
+                        kept.push((face, Layer::new(block, face, voxel)));
+                    }
+                } else if let Some(layer) = borders.get(&(neighbour, face.facing())) {
                     let mut seeds = Vec::new();
                     layer.offers(&Layer::new(block, face, voxel), reach, &mut seeds);
-                    if !seeds.is_empty() {
-                        let late = self.late.entry(block_order(neighbour)).or_insert((neighbour, Vec::new()));
-                        late.1.append(&mut seeds);
-                    }
-                } else if self.all.binary_search_by_key(&block_order(neighbour), |&other| block_order(other)).is_ok() {
-                    self.borders.insert((block.origin, face), Layer::new(block, face, voxel));
+                    offered.push((face, seeds));
+                }
+            }
+            (kept, offered)
+        };
+        let found: Vec<_> = self.staged.par_iter().map(at_border).collect();
+        for (block, (kept, offered)) in self.staged.iter().zip(found) {
+            for (face, layer) in kept {
+                self.borders.insert((block.origin, face), layer);
+            }
+            for (face, mut seeds) in offered {
+                let neighbour = block.origin + face.step();
+                self.borders.remove(&(neighbour, face.facing()));
+                if !seeds.is_empty() {
+                    let late = self.late.entry(block_order(neighbour)).or_insert((neighbour, Vec::new()));
+                    late.1.append(&mut seeds);
                 }
             }
         }

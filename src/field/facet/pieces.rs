@@ -31,10 +31,8 @@ impl Pieces {
         let mut own = None;
         for i in 0..points.len {
             let position = points.position(i);
-            let found = own.map_or_else(
-                || cells.surface_leaf_at(position),
-                |last| cells.surface_leaf_from(position, last),
-            );
+            let found =
+                own.map_or_else(|| cells.surface_leaf_at(position), |last| cells.surface_leaf_from(position, last));
             own = Some(found);
             let own = found;
             out[i] = own.0;
