@@ -120,7 +120,7 @@ pub fn measure<T, V>(
     visitor: impl Fn() -> V + Sync,
 ) -> Result<Measured<T>, Error>
 where
-    T: Send,
+    T: Send + Sync,
     V: FnMut(&MeasuredBlock) -> T,
 {
     measure_by_chunks(field, settings, &visitor, CHUNK)
@@ -133,7 +133,7 @@ fn measure_by_chunks<T, V>(
     chunk: usize,
 ) -> Result<Measured<T>, Error>
 where
-    T: Send,
+    T: Send + Sync,
     V: FnMut(&MeasuredBlock) -> T,
 {
     let Settings { lattice, half_width, region, cancel, progress } = *settings;

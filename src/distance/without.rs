@@ -50,7 +50,7 @@ pub fn measure_kept<T, V>(
     visitor: impl Fn() -> V + Sync,
 ) -> Result<Measured<T>, Error>
 where
-    T: Send,
+    T: Send + Sync,
     V: FnMut(&MeasuredBlock) -> T,
 {
     let measured = measure(field, settings, &visitor)?;

@@ -67,7 +67,7 @@ pub(super) struct Pass<'a, T, M> {
 
 impl<'a, T, V, M> Pass<'a, T, M>
 where
-    T: Send,
+    T: Send + Sync,
     V: FnMut(&MeasuredBlock) -> T,
     M: Fn() -> V + Sync,
 {
@@ -115,9 +115,7 @@ where
         let outcomes = self.finish();
         let mut in_order: Vec<_> = self.staged.iter().map(|block| block.origin).zip(outcomes).collect();
         in_order.sort_by_key(|&(origin, _)| block_order(origin));
-        for (origin, outcome) in in_order {
-            self.push(origin, outcome);
-        }
+        self.push(in_order);
         Ok(())
     }
 
@@ -244,17 +242,22 @@ where
             .collect()
     }
 
-    fn push(&mut self, origin: IVec3, outcome: Outcome<T>) {
-        match outcome {
-            Outcome::Band(entry) => {
-                self.band.origins.push(origin);
-                self.band.distances.push(entry.distances);
-                self.band.active.push(entry.active);
-                self.visits.push(entry.visit);
+    /// Takes finished blocks, in order, into the band. Memory that is touched first is the dear part, so all threads do.
+    fn push(&mut self, finished: Vec<(IVec3, Outcome<T>)>) {
+        let mut entries = Vec::with_capacity(finished.len());
+        for (origin, outcome) in finished {
+            match outcome {
+                Outcome::Band(entry) => {
+                    self.band.origins.push(origin);
+                    entries.push(entry);
+                }
+                Outcome::Inside => self.band.inside_tiles.push(InsideTile { origin, edge: BLOCK_EDGE }),
+                Outcome::Outside => {}
             }
-            Outcome::Inside => self.band.inside_tiles.push(InsideTile { origin, edge: BLOCK_EDGE }),
-            Outcome::Outside => {}
         }
+        self.band.distances.par_extend(entries.par_iter().map(|entry| entry.distances));
+        self.band.active.extend(entries.iter().map(|entry| entry.active));
+        self.visits.par_extend(entries.into_par_iter().map(|entry| entry.visit));
     }
 
     /// Measures the blocks again to which later ones offered nearer feet, and then those to which these do.
