@@ -197,12 +197,11 @@ where
             let mut offered = Vec::new();
             for face in Face::ALL {
                 let neighbour = block.origin + face.step();
-                let order_there = block_order(neighbour);
                 if places.contains_key(&neighbour) {
                     continue;
                 }
-                if order_there > order {
-                    if all.binary_search_by_key(&order_there, |&other| block_order(other)).is_ok() {
+                if block_order(neighbour) > order {
+                    if place_of(all, neighbour).is_ok() {
                         kept.push((face, Layer::new(block, face, voxel)));
                     }
                 } else if let Some(layer) = borders.get(&(neighbour, face.facing())) {
@@ -293,19 +292,18 @@ where
         let (voxel, reach) = (self.voxel(), self.scope.background());
         for face in Face::ALL {
             let neighbour = block.origin + face.step();
-            let order = block_order(neighbour);
-            if self.all.binary_search_by_key(&order, |&other| block_order(other)).is_err() {
+            if place_of(self.all, neighbour).is_err() {
                 continue;
             }
             // A finished block that is not in the band has no foot.
-            let distances = match self.band.origins.binary_search_by_key(&order, |&other| block_order(other)) {
+            let distances = match place_of(&self.band.origins, neighbour) {
                 Ok(place) => face.facing().layer(&self.band.distances[place]),
                 Err(_) => [reach; 64],
             };
             let mut seeds = Vec::new();
             Layer::new(block, face, voxel).offer_feet(&distances, reach, &mut seeds);
             if !seeds.is_empty() {
-                self.late.entry(order).or_insert((neighbour, Vec::new())).1.append(&mut seeds);
+                self.late.entry(block_order(neighbour)).or_insert((neighbour, Vec::new())).1.append(&mut seeds);
             }
         }
     }
@@ -313,7 +311,7 @@ where
     /// Puts a block measured again in its place. It can only have gained: nearer feet, active voxels.
     fn replace(&mut self, origin: IVec3, outcome: Outcome<T>) {
         let Outcome::Band(entry) = outcome else { return };
-        match self.band.origins.binary_search_by_key(&block_order(origin), |&other| block_order(other)) {
+        match place_of(&self.band.origins, origin) {
             Ok(place) => {
                 self.band.distances[place] = entry.distances;
                 self.band.active[place] = entry.active;
@@ -334,6 +332,11 @@ where
         self.report.band_blocks = self.band.origins.len() as u64;
         (self.band, self.visits, self.report)
     }
+}
+
+/// Where a block is in a list in the order of blocks, or would be.
+fn place_of(blocks: &[IVec3], origin: IVec3) -> Result<usize, usize> {
+    blocks.binary_search_by_key(&block_order(origin), |&other| block_order(other))
 }
 
 /// What a block's neighbours have that is nearer than its own.

@@ -97,25 +97,11 @@ impl Meter<'_> {
     }
 
     fn find_feet_of_cube(&mut self, corner: [usize; 3], edge: usize, request: &Request) {
-        let Self { evaluator, polisher, some_queries, some_feet, some_distances, some_inside, .. } = self;
-        (some_queries.origin, some_queries.len) = (self.points.origin, 0);
-        let mut voxels = [0u16; BLOCK_VOXELS];
-        for i in (0..BLOCK_VOXELS).filter(|&i| self.changed[i]) {
+        let in_cube = |i: usize| {
             let at = [i >> 6, (i >> 3) & 7, i & 7];
-            if (0..3).all(|axis| (corner[axis]..corner[axis] + edge).contains(&at[axis])) {
-                voxels[some_queries.len] = i as u16;
-                some_inside[some_queries.len] = self.at_voxels.value[i] >= 0.0;
-                some_queries.push(self.points.offset(i));
-            }
-        }
-        if some_queries.len == 0 {
-            return;
-        }
-        some_feet.clone_from(some_queries);
-        polisher.closest(&mut **evaluator, request, some_queries, some_inside, some_feet, some_distances);
-        for lane in 0..self.some_queries.len {
-            self.take_nearer(usize::from(voxels[lane]), self.some_feet.offset(lane), self.some_distances[lane]);
-        }
+            (0..3).all(|axis| (corner[axis]..corner[axis] + edge).contains(&at[axis]))
+        };
+        self.polish(request, in_cube, false);
     }
 
     fn take_nearer(&mut self, i: usize, foot: Vec3, distance: f32) {
@@ -167,23 +153,26 @@ impl Meter<'_> {
             self.polish_around_feet();
             return;
         }
-        let Self { some_queries, some_feet, some_inside, .. } = self;
+        self.polish(&self.request(), |_| true, true);
+    }
+
+    /// Polishes in one batch those voxels marked in `changed` that `picked` picks: from their feet, or from themselves.
+    fn polish(&mut self, request: &Request, picked: impl Fn(usize) -> bool, from_feet: bool) {
+        let Self { evaluator, polisher, some_queries, some_inside, some_feet, some_distances, .. } = self;
         (some_queries.origin, some_queries.len) = (self.points.origin, 0);
         (some_feet.origin, some_feet.len) = (self.points.origin, 0);
-        for i in (0..BLOCK_VOXELS).filter(|&i| self.changed[i]) {
+        for i in (0..BLOCK_VOXELS).filter(|&i| self.changed[i] && picked(i)) {
             some_inside[some_queries.len] = self.at_voxels.value[i] >= 0.0;
             some_queries.push(self.points.offset(i));
-            some_feet.push(self.feet.offset(i));
+            some_feet.push(if from_feet { self.feet.offset(i) } else { self.points.offset(i) });
         }
         if some_queries.len == 0 {
             return;
         }
-        let request = self.request();
-        let Self { evaluator, polisher, some_queries, some_inside, some_feet, some_distances, .. } = self;
-        polisher.closest(&mut **evaluator, &request, some_queries, some_inside, some_feet, some_distances);
+        polisher.closest(&mut **evaluator, request, some_queries, some_inside, some_feet, some_distances);
         let mut lane = 0;
         for i in 0..BLOCK_VOXELS {
-            if self.changed[i] {
+            if self.changed[i] && picked(i) {
                 self.take_nearer(i, self.some_feet.offset(lane), self.some_distances[lane]);
                 lane += 1;
             }

@@ -235,19 +235,9 @@ impl Polisher {
             return;
         }
         evaluator.gradients(points, &mut self.gradients);
-        let mut kept = 0;
-        for lane in 0..group.len() {
-            let slope = parts[0].gradient(lane).length();
-            if on_surface(&self.gradients, lane, slope, request) {
-                group[kept] = group[lane];
-                (points.x[kept], points.y[kept], points.z[kept]) = points.offset(lane).into();
-                kept += 1;
-            } else {
-                rejected(group[lane]);
-            }
-        }
-        group.truncate(kept);
-        points.len = kept;
+        let gradients = &self.gradients;
+        let lies_on = |lane| on_surface(gradients, lane, parts[0].gradient(lane).length(), request);
+        keep_lanes(points, group, lies_on, &mut rejected);
         walls.leave_out(evaluator, request, queries, branches, parts, points, group, values, rejected);
     }
 
@@ -469,6 +459,27 @@ fn keep_near_surface(
         (points.x[kept], points.y[kept], points.z[kept]) = (points.x[lane], points.y[lane], points.z[lane]);
         (part.dx[kept], part.dy[kept], part.dz[kept]) = (part.dx[lane], part.dy[lane], part.dz[lane]);
         kept += 1;
+    }
+    group.truncate(kept);
+    points.len = kept;
+}
+
+/// Leaves out the candidates whose lanes fail a test. `points` and `group` go lane by lane.
+pub(super) fn keep_lanes(
+    points: &mut Points,
+    group: &mut Vec<u16>,
+    passes: impl Fn(usize) -> bool,
+    mut rejected: impl FnMut(u16),
+) {
+    let mut kept = 0;
+    for lane in 0..group.len() {
+        if passes(lane) {
+            group[kept] = group[lane];
+            (points.x[kept], points.y[kept], points.z[kept]) = points.offset(lane).into();
+            kept += 1;
+        } else {
+            rejected(group[lane]);
+        }
     }
     group.truncate(kept);
     points.len = kept;

@@ -8,7 +8,11 @@ use glam::{Mat3, Vec3};
 
 use crate::field::{BATCH, Evaluator, Gradients, Points};
 
-use super::{Request, crease::Queries, lanes::Lane};
+use super::{
+    Request,
+    crease::{Queries, keep_lanes},
+    lanes::Lane,
+};
 
 /// How far from a candidate the other side is looked for, in units. Smaller would meet the error of the candidate
 /// itself, larger would take gaps and sheets for walls that are thicker than they need be.
@@ -49,7 +53,7 @@ impl Scratch {
         points: &mut Points,
         group: &mut Vec<u16>,
         values: &mut Lane,
-        mut rejected: impl FnMut(u16),
+        rejected: impl FnMut(u16),
     ) {
         let beside = BESIDE * request.unit;
         self.confirmed[..group.len()].fill(false);
@@ -73,18 +77,7 @@ impl Scratch {
                 });
             }
         }
-        let mut kept = 0;
-        for lane in 0..group.len() {
-            if self.confirmed[lane] {
-                group[kept] = group[lane];
-                (points.x[kept], points.y[kept], points.z[kept]) = points.offset(lane).into();
-                kept += 1;
-            } else {
-                rejected(group[lane]);
-            }
-        }
-        group.truncate(kept);
-        points.len = kept;
+        keep_lanes(points, group, |lane| self.confirmed[lane], rejected);
     }
 
     /// Confirms those of the candidates in doubt that have the other side a step away.

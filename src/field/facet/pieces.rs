@@ -28,13 +28,10 @@ impl Pieces {
     /// that its own cell's piece does not.
     pub fn cells_at(&self, cells: &Cells, points: &Points, out: &mut [u32; BATCH]) {
         let mut values = None;
-        let mut own = None;
+        let mut own = cells.surface()[0];
         for i in 0..points.len {
             let position = points.position(i);
-            let found =
-                own.map_or_else(|| cells.surface_leaf_at(position), |last| cells.surface_leaf_from(position, last));
-            own = Some(found);
-            let own = found;
+            own = cells.surface_leaf_from(position, own);
             out[i] = own.0;
             // No piece but its own reaches as far as this, or none at all.
             let bounds = cells.cell(own).bounds;
