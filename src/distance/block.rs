@@ -1,12 +1,13 @@
 //! One leaf block: values, feet and distances of its 512 voxels.
 
 mod feet;
+mod lanes;
 
 use glam::{DVec3, IVec3, Vec3};
 
 use crate::{
     field::{Aabb, BATCH, Evaluator, Field, Gradients, Points, Slope},
-    grid::{BLOCK_EDGE, BLOCK_VOXELS},
+    grid::{BLOCK_EDGE, BLOCK_VOXELS, mask},
 };
 
 use super::{
@@ -144,6 +145,9 @@ impl<'a> Meter<'a> {
 
     /// Takes the seeds that are nearer than what was found, and polishes them.
     fn take_seeds(&mut self, seeds: &[Seed]) {
+        if seeds.is_empty() {
+            return;
+        }
         self.changed.fill(false);
         for seed in seeds {
             let i = usize::from(seed.voxel);
@@ -165,6 +169,10 @@ impl<'a> Meter<'a> {
     /// has no gradient to follow, or jumps, or another sheet is nearly as near) bisection finds the surface.
     fn find_crossings(&mut self) {
         let voxel = self.voxel();
+        let signed = lanes::signed(&self.at_voxels.value, &self.distances);
+        if !exchange::any_crossing_missed(voxel, &signed) {
+            return;
+        }
         let mut found = false;
         for (stride, axis) in [(64, 0), (8, 1), (1, 2)] {
             for i in (0..BLOCK_VOXELS - stride).filter(|&i| (i / stride) % 8 < 7) {
@@ -215,22 +223,8 @@ impl<'a> Meter<'a> {
     /// Signs and normals.
     fn finish(&self, origin: IVec3, out: &mut Staged) {
         out.origin = origin;
-        for i in 0..BLOCK_VOXELS {
-            let sign = if self.at_voxels.value[i] >= 0.0 { 1.0 } else { -1.0 };
-            let distance = self.distances[i];
-            let normal = if distance < f32::INFINITY { self.normal(i, sign, distance) } else { Vec3::ZERO };
-            out.distances[i] = sign * distance;
-            (out.normals[0][i], out.normals[1][i], out.normals[2][i]) = normal.into();
-        }
-    }
-
-    /// The gradient of the distance: along the way to the foot, or where that is too short to have a direction, F's.
-    fn normal(&self, i: usize, sign: f32, distance: f32) -> Vec3 {
-        if distance > 0.05 * self.voxel() {
-            ((self.points.offset(i) - self.feet.offset(i)) * sign).normalize_or_zero()
-        } else {
-            self.at_voxels.gradient(i).normalize_or_zero()
-        }
+        out.distances = lanes::signed(&self.at_voxels.value, &self.distances);
+        lanes::normals(&self.points, &self.feet, &self.at_voxels, &out.distances, self.voxel(), &mut out.normals);
     }
 
     /// Counts voxels beside a surface with the same sign again a voxel behind it: a feature thinner than a voxel.
@@ -241,37 +235,24 @@ impl<'a> Meter<'a> {
         out.thin = 0;
         out.thin_at = None;
         let voxel = self.voxel();
-        let inside = |value: f32| value >= 0.0;
+        let beside = lanes::beside_surface(&self.at_voxels.value, &self.distances, voxel);
         let probes = &mut self.some_queries;
         probes.origin = self.points.origin;
         probes.len = 0;
-        self.changed.fill(false);
-        for i in 0..BLOCK_VOXELS {
-            let distance = self.distances[i];
-            if distance > 0.87 * voxel || distance < 0.05 * voxel || beside_other_sign(&self.at_voxels.value, i) {
-                continue;
-            }
+        for i in mask::places(&beside) {
             let (point, foot) = (self.points.offset(i), self.feet.offset(i));
-            probes.push(foot + (foot - point) * (voxel / distance));
-            self.changed[i] = true;
+            probes.push(foot + (foot - point) * (voxel / self.distances[i]));
         }
         if probes.len == 0 {
             return;
         }
         self.evaluator.values(probes, &mut self.some_distances);
-        for (lane, i) in (0..BLOCK_VOXELS).filter(|&i| self.changed[i]).enumerate() {
+        let inside = |value: f32| value >= 0.0;
+        for (lane, i) in mask::places(&beside).enumerate() {
             if inside(self.some_distances[lane]) == inside(self.at_voxels.value[i]) {
                 out.thin += 1;
                 out.thin_at.get_or_insert(self.points.position(i));
             }
         }
     }
-}
-
-/// Whether one of a voxel's neighbours in its block lies on the other side.
-fn beside_other_sign(values: &[f32; BLOCK_VOXELS], i: usize) -> bool {
-    let at = [i >> 6, (i >> 3) & 7, i & 7];
-    let near = |c: usize| c.saturating_sub(1)..=(c + 1).min(7);
-    near(at[0])
-        .any(|x| near(at[1]).any(|y| near(at[2]).any(|z| (values[x << 6 | y << 3 | z] >= 0.0) != (values[i] >= 0.0))))
 }

@@ -60,7 +60,7 @@ fn limit_of(voxel: f32, reach: f32, distance: f32) -> f32 {
 }
 
 /// Whether a sweep would find anything: the usual answer is no, and a plain loop finds that out fast.
-#[multiversion(targets("x86_64+avx+avx2", "x86_64+avx+avx2+avx512f+avx512bw+avx512dq+avx512vl"))]
+#[multiversion(targets = "simd")]
 fn any_nearer(limits: &[f32; BLOCK_VOXELS], points: &Points, feet: &Points, distances: &[f32; BLOCK_VOXELS]) -> bool {
     let square = |from: usize, to: usize| {
         let (dx, dy, dz) = (feet.x[from] - points.x[to], feet.y[from] - points.y[to], feet.z[from] - points.z[to]);
@@ -163,8 +163,23 @@ const CROSSED: f32 = 1.0 + 2.0 * NEARER;
 
 /// Whether two neighbouring voxels with these signed distances are of different sign, and both farther from the surface
 /// than they can be: it passes between them.
+#[inline(always)]
 pub fn miss_a_crossing(voxel: f32, here: f32, there: f32) -> bool {
-    (here >= 0.0) != (there >= 0.0) && here.abs() + there.abs() > CROSSED * voxel
+    ((here >= 0.0) != (there >= 0.0)) & (here.abs() + there.abs() > CROSSED * voxel)
+}
+
+/// Whether any two neighbours in a block miss a crossing. The usual answer is no, and a plain loop finds that out fast.
+#[multiversion(targets = "simd")]
+pub fn any_crossing_missed(voxel: f32, signed: &[f32; BLOCK_VOXELS]) -> bool {
+    let mut any = false;
+    for stride in [64, 8, 1] {
+        for start in (0..BLOCK_VOXELS).step_by(8 * stride) {
+            for low in start..start + 7 * stride {
+                any |= miss_a_crossing(voxel, signed[low], signed[low + stride]);
+            }
+        }
+    }
+    any
 }
 
 /// The voxels at one face of a block: their signed distances and their feet.

@@ -1,10 +1,11 @@
 //! What is known of a block: while its neighbours may still offer nearer feet, and when it is finished.
 
 use glam::{DVec3, IVec3, Vec3};
+use multiversion::multiversion;
 
 use crate::{
     field::{Aabb, Points},
-    grid::{BLOCK_EDGE, BLOCK_VOXELS, BlockMask, Lattice},
+    grid::{BLOCK_EDGE, BLOCK_VOXELS, BlockMask, Lattice, mask},
 };
 
 use super::descent::Scope;
@@ -107,12 +108,7 @@ impl Finisher {
     /// Clamps the distances and sets the mask; the result is then [`Finisher::block`].
     pub fn finish(&mut self, staged: &Staged) -> Kind {
         self.origin = staged.origin;
-        self.active = [0; 8];
-        for i in 0..BLOCK_VOXELS {
-            let active = staged.distances[i].abs() < self.background;
-            self.active[i >> 6] |= u64::from(active) << (i & 63);
-            self.distances[i] = staged.distances[i].clamp(-self.background, self.background);
-        }
+        self.active = clamp(&staged.distances, self.background, &mut self.distances);
         if self.active == [0; 8] {
             return if staged.distances[0] >= 0.0 { Kind::Inside } else { Kind::Outside };
         }
@@ -123,12 +119,8 @@ impl Finisher {
             (&self.points.y, &mut self.feet.y, 1),
             (&self.points.z, &mut self.feet.z, 2),
         ] {
-            for i in 0..BLOCK_VOXELS {
-                let active = staged.distances[i].abs() < self.background;
-                let normal = if active { staged.normals[axis][i] } else { 0.0 };
-                self.normals[axis][i] = normal;
-                of_feet[i] = of_points[i] - self.distances[i] * normal;
-            }
+            let normals = &mut self.normals[axis];
+            walk_to_feet(&self.distances, self.background, &staged.normals[axis], of_points, normals, of_feet);
         }
         Kind::Band
     }
@@ -145,5 +137,33 @@ impl Finisher {
             feet: &self.feet,
             normals: &self.normals,
         }
+    }
+}
+
+/// Clamps signed distances to ± the background; the mask is of those that are nearer.
+#[multiversion(targets = "simd")]
+fn clamp(distances: &[f32; BLOCK_VOXELS], background: f32, clamped: &mut [f32; BLOCK_VOXELS]) -> BlockMask {
+    let mut active = [0; BLOCK_VOXELS];
+    for i in 0..BLOCK_VOXELS {
+        active[i] = u8::from(distances[i].abs() < background);
+        clamped[i] = distances[i].clamp(-background, background);
+    }
+    mask::pack(&active)
+}
+
+/// One axis of the normals and feet of active voxels; inactive ones have none.
+#[multiversion(targets = "simd")]
+fn walk_to_feet(
+    distances: &[f32; BLOCK_VOXELS],
+    background: f32,
+    staged: &[f32; BLOCK_VOXELS],
+    points: &[f32; BLOCK_VOXELS],
+    normals: &mut [f32; BLOCK_VOXELS],
+    feet: &mut [f32; BLOCK_VOXELS],
+) {
+    for i in 0..BLOCK_VOXELS {
+        let normal = if distances[i].abs() < background { staged[i] } else { 0.0 };
+        normals[i] = normal;
+        feet[i] = points[i] - distances[i] * normal;
     }
 }

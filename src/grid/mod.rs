@@ -4,6 +4,7 @@
 
 mod band;
 mod lattice;
+pub mod mask;
 pub mod measure;
 #[cfg(test)]
 pub(crate) mod testing;

@@ -39,7 +39,7 @@ fn store(wide: Wide, to: &mut [f32; BATCH], first: usize) {
 ///
 /// With n the unit gradient and e = F/|∇F| at q, the zero set is near q the plane that p + s·n meets at
 /// s = −(e + (p − q)·n): a full step goes there.
-#[multiversion(targets("x86_64+avx+avx2", "x86_64+avx+avx2+avx512f+avx512bw+avx512dq+avx512vl"))]
+#[multiversion(targets = "simd")]
 pub(super) fn judge(lanes: &mut Lanes, gradients: &Gradients, unit: f32) {
     let near = LAST_STEP * unit;
     let [least, greatest] = lanes.bounds;

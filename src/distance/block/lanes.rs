@@ -1,0 +1,60 @@
+//! Plain loops over a block's voxels, compiled for several vector widths; the widths agree bit for bit.
+
+use multiversion::multiversion;
+
+use crate::{
+    field::{Gradients, Points},
+    grid::{BLOCK_VOXELS, BlockMask, mask},
+};
+
+/// Distances with the sign of F, world units.
+#[multiversion(targets = "simd")]
+pub fn signed(values: &[f32; BLOCK_VOXELS], distances: &[f32; BLOCK_VOXELS]) -> [f32; BLOCK_VOXELS] {
+    std::array::from_fn(|i| if values[i] >= 0.0 { distances[i] } else { -distances[i] })
+}
+
+/// The gradients of the distance: along the way to the foot, or where that is too short to have a direction, F's;
+/// zero where there is no foot.
+#[multiversion(targets = "simd")]
+pub fn normals(
+    points: &Points,
+    feet: &Points,
+    at_voxels: &Gradients,
+    signed: &[f32; BLOCK_VOXELS],
+    voxel: f32,
+    normals: &mut [[f32; BLOCK_VOXELS]; 3],
+) {
+    let [nx, ny, nz] = normals;
+    for i in 0..BLOCK_VOXELS {
+        let sign = if at_voxels.value[i] >= 0.0 { 1.0 } else { -1.0 };
+        let far = signed[i].abs() > 0.05 * voxel;
+        let x = if far { (points.x[i] - feet.x[i]) * sign } else { at_voxels.dx[i] };
+        let y = if far { (points.y[i] - feet.y[i]) * sign } else { at_voxels.dy[i] };
+        let z = if far { (points.z[i] - feet.z[i]) * sign } else { at_voxels.dz[i] };
+        let inverse = 1.0 / (x * x + y * y + z * z).sqrt();
+        let has = (inverse < f32::INFINITY) & (inverse > 0.0) & (signed[i].abs() < f32::INFINITY);
+        nx[i] = if has { x * inverse } else { 0.0 };
+        ny[i] = if has { y * inverse } else { 0.0 };
+        nz[i] = if has { z * inverse } else { 0.0 };
+    }
+}
+
+/// Voxels within half a voxel's diagonal of the surface (and not on it) that have no neighbour in the block on the
+/// other side of it.
+#[multiversion(targets = "simd")]
+pub fn beside_surface(values: &[f32; BLOCK_VOXELS], distances: &[f32; BLOCK_VOXELS], voxel: f32) -> BlockMask {
+    let (mut near, mut inside) = ([0; BLOCK_VOXELS], [0; BLOCK_VOXELS]);
+    for i in 0..BLOCK_VOXELS {
+        near[i] = u8::from((distances[i] <= 0.87 * voxel) & (distances[i] >= 0.05 * voxel));
+        inside[i] = u8::from(values[i] >= 0.0);
+    }
+    let (near, inside) = (mask::pack(&near), mask::pack(&inside));
+    let (by_inside, by_outside) = (mask::dilated(&inside), mask::dilated(&inside.map(|word| !word)));
+    std::array::from_fn(|x| near[x] & !(if_inside(inside[x], by_outside[x], by_inside[x])))
+}
+
+/// Bit by bit, `yes` where `mask` is set and `no` elsewhere.
+#[inline(always)]
+fn if_inside(mask: u64, yes: u64, no: u64) -> u64 {
+    mask & yes | !mask & no
+}

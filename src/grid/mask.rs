@@ -1,0 +1,77 @@
+//! Flags of a block's voxels as bits, 64 at a time.
+
+use super::{BLOCK_VOXELS, BlockMask};
+
+/// No z at either end of a row: what a shift by a voxel may not carry into the next row.
+const NOT_FIRST: u64 = 0xfefe_fefe_fefe_fefe;
+const NOT_LAST: u64 = !0x8080_8080_8080_8080;
+
+/// Packs flags of 0 or 1. Inlined, so that it is compiled for its caller's vector width.
+#[inline(always)]
+pub fn pack(flags: &[u8; BLOCK_VOXELS]) -> BlockMask {
+    let mut mask = [0; 8];
+    for (word, flags) in mask.iter_mut().zip(flags.as_chunks::<64>().0) {
+        for (row, flags) in flags.as_chunks::<8>().0.iter().enumerate() {
+            // Flag j, at bit 8j, goes to bit 56 + j by the factor's bit 7(8 − j).
+            let bits = u64::from_le_bytes(*flags).wrapping_mul(0x0102_0408_1020_4080) >> 56;
+            *word |= bits << (8 * row);
+        }
+    }
+    mask
+}
+
+/// The flagged voxels with their 26 neighbours in the block.
+pub fn dilated(mask: &BlockMask) -> BlockMask {
+    let rows = mask.map(|word| word | (word & NOT_LAST) << 1 | (word & NOT_FIRST) >> 1);
+    let layers = rows.map(|word| word | word << 8 | word >> 8);
+    std::array::from_fn(|x| {
+        let at = |x: usize| layers.get(x).copied().unwrap_or(0);
+        layers[x] | at(x.wrapping_sub(1)) | at(x + 1)
+    })
+}
+
+/// The places of the flagged voxels, in order.
+pub fn places(mask: &BlockMask) -> impl Iterator<Item = usize> + use<> {
+    mask.map(|word| word).into_iter().enumerate().flat_map(|(x, mut word)| {
+        std::iter::from_fn(move || {
+            (word != 0).then(|| {
+                let bit = word.trailing_zeros() as usize;
+                word &= word - 1;
+                x << 6 | bit
+            })
+        })
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Voxels of a few blocks' worth of patterns, by a multiplicative hash.
+    fn patterns() -> impl Iterator<Item = [u8; BLOCK_VOXELS]> {
+        (1..40u32).map(|seed| {
+            std::array::from_fn(|i| u8::from((i as u32 + 1).wrapping_mul(seed * 0x9e37_79b1).is_multiple_of(1 + seed / 4)))
+        })
+    }
+
+    #[test]
+    fn packed_flags_are_the_flags() {
+        for flags in patterns() {
+            let mask = pack(&flags);
+            let expected: Vec<usize> = (0..BLOCK_VOXELS).filter(|&i| flags[i] == 1).collect();
+            assert!(expected.iter().all(|&i| super::super::is_active(&mask, i)));
+            assert_eq!(places(&mask).collect::<Vec<_>>(), expected);
+        }
+    }
+
+    #[test]
+    fn dilation_reaches_the_neighbours_in_the_block_and_no_others() {
+        for flags in patterns() {
+            let at = |i: usize| [i >> 6, i >> 3 & 7, i & 7];
+            let near = |a: usize, b: usize| (0..3).all(|axis| at(a)[axis].abs_diff(at(b)[axis]) <= 1);
+            let expected = |i: usize| (0..BLOCK_VOXELS).any(|j| flags[j] == 1 && near(i, j));
+            let grown = dilated(&pack(&flags));
+            assert!((0..BLOCK_VOXELS).all(|i| super::super::is_active(&grown, i) == expected(i)));
+        }
+    }
+}
