@@ -1,5 +1,6 @@
 //! The narrow band of a field: exact signed distances, with closest points handed to a visitor on the way.
 
+mod neighbours;
 mod pass;
 
 use std::{fmt, sync::atomic::AtomicBool};

@@ -13,7 +13,8 @@ use crate::{
 use super::{
     band::Error,
     descent::Scope,
-    exchange::{self, Offer, Seed},
+    exchange,
+    facing::{Offer, Seed},
     polish::{
         Polisher, Request,
         around::{Approach, Around},

@@ -1,18 +1,12 @@
 //! Feet handed from voxel to voxel: the vector distance transform (Danielsson) inside a block.
 //!
 //! A voxel's own Newton iteration finds *a* foot; a neighbour's may be nearer. Sweeps along each axis and back carry
-//! the nearest foot seen so far through the block, as the transform does, with sub-voxel feet on F = 0. Between blocks
-//! the feet of facing layers are compared.
+//! the nearest foot seen so far through the block, as the transform does, with sub-voxel feet on F = 0. What blocks have
+//! for each other is in [`super::facing`].
 
-use glam::{IVec3, Vec3};
 use multiversion::multiversion;
 
-use crate::{
-    field::Points,
-    grid::{BLOCK_EDGE, BLOCK_VOXELS},
-};
-
-use super::staged::Staged;
+use crate::{field::Points, grid::BLOCK_VOXELS};
 
 /// How much nearer a neighbour's foot must be to be taken, in voxels: feet are right to about a hundredth, and
 /// smaller would polish again what is already right.
@@ -54,7 +48,8 @@ pub fn sweep(
 const BEYOND: f32 = 0.25;
 
 /// The square of the distance that an offered foot must undercut.
-fn limit_of(voxel: f32, reach: f32, distance: f32) -> f32 {
+#[inline(always)]
+pub fn limit_of(voxel: f32, reach: f32, distance: f32) -> f32 {
     let limit = (distance - NEARER * voxel).min(reach + BEYOND * voxel).max(0.0);
     limit * limit
 }
@@ -102,61 +97,6 @@ fn offer(
     nearer
 }
 
-/// A face of a block: towards less (even) or more (odd) x, y or z.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub struct Face(u8);
-
-impl Face {
-    /// All six.
-    pub const ALL: [Self; 6] = [Self(0), Self(1), Self(2), Self(3), Self(4), Self(5)];
-
-    /// The face of the neighbour that touches this one.
-    pub fn facing(self) -> Self {
-        Self(self.0 ^ 1)
-    }
-
-    /// From a block's corner or middle to its neighbour's, in voxels.
-    pub fn step(self) -> IVec3 {
-        let mut step = IVec3::ZERO;
-        step[usize::from(self.0 / 2)] = if self.0 & 1 == 0 { -BLOCK_EDGE } else { BLOCK_EDGE };
-        step
-    }
-
-    /// A block's values in the layer at this face; facing layers are in the same order.
-    pub fn layer(self, values: &[f32; BLOCK_VOXELS]) -> [f32; 64] {
-        std::array::from_fn(|k| values[self.voxel(k)])
-    }
-
-    /// The k-th voxel of the layer at this face; facing layers agree on k.
-    fn voxel(self, k: usize) -> usize {
-        let depth = if self.0 & 1 == 0 { 0 } else { 7 };
-        let (u, v) = (k >> 3, k & 7);
-        match self.0 / 2 {
-            0 => depth << 6 | u << 3 | v,
-            1 => u << 6 | depth << 3 | v,
-            _ => u << 6 | v << 3 | depth,
-        }
-    }
-}
-
-/// What a neighbouring block offers to one voxel.
-#[derive(Clone, Copy)]
-pub struct Seed {
-    /// The voxel's number in its block.
-    pub voxel: u16,
-    /// What it is offered.
-    pub offer: Offer,
-}
-
-/// A point of the surface that may be nearer than a voxel's own foot.
-#[derive(Clone, Copy)]
-pub enum Offer {
-    /// A neighbour's foot, as an offset from the block's middle.
-    Foot(Vec3),
-    /// The surface passes between the voxel and its neighbour this far away.
-    Crossing(Vec3),
-}
-
 /// How much more than a voxel the distances of two neighbours of different sign may add up to, in voxels: feet are
 /// right to a hundredth each.
 const CROSSED: f32 = 1.0 + 2.0 * NEARER;
@@ -180,57 +120,4 @@ pub fn any_crossing_missed(voxel: f32, signed: &[f32; BLOCK_VOXELS]) -> bool {
         }
     }
     any
-}
-
-/// The voxels at one face of a block: their signed distances and their feet.
-#[derive(Clone)]
-pub struct Layer {
-    face: Face,
-    voxel: f32,
-    distances: [f32; 64],
-    /// Offsets from the block's middle; not a number where a voxel has none.
-    feet: [Vec3; 64],
-}
-
-impl Layer {
-    /// The layer of a block at a face, for voxels of an edge.
-    pub fn new(block: &Staged, face: Face, voxel: f32) -> Self {
-        let foot = |k| {
-            let i = face.voxel(k);
-            block.to_foot(i).map_or(Vec3::NAN, |to_foot| centre(i, voxel) + to_foot)
-        };
-        Self { face, voxel, distances: face.layer(&block.distances), feet: std::array::from_fn(foot) }
-    }
-
-    /// Lists what `other`, the facing layer of the neighbour, has that is within reach and nearer than this block's
-    /// own.
-    pub fn offers(&self, other: &Self, reach: f32, seeds: &mut Vec<Seed>) {
-        other.offer_feet(&self.distances, reach, seeds);
-        for (k, (&here, &there)) in self.distances.iter().zip(&other.distances).enumerate() {
-            if miss_a_crossing(self.voxel, here, there) {
-                let step = self.face.step().as_vec3() * (self.voxel / BLOCK_EDGE as f32);
-                seeds.push(Seed { voxel: self.face.voxel(k) as u16, offer: Offer::Crossing(step) });
-            }
-        }
-    }
-
-    /// Lists the feet that are within reach and nearer than those of the facing layer of the neighbour, of which the
-    /// distances are given.
-    pub fn offer_feet(&self, distances: &[f32; 64], reach: f32, seeds: &mut Vec<Seed>) {
-        let facing = self.face.facing();
-        let shift = facing.step().as_vec3() * self.voxel;
-        for (k, (foot, distance)) in self.feet.iter().zip(distances).enumerate() {
-            let i = facing.voxel(k);
-            let foot = *foot + shift;
-            let square = (foot - centre(i, self.voxel)).length_squared();
-            if square < limit_of(self.voxel, reach, distance.abs()) {
-                seeds.push(Seed { voxel: i as u16, offer: Offer::Foot(foot) });
-            }
-        }
-    }
-}
-
-/// A voxel's offset from its block's middle.
-fn centre(i: usize, voxel: f32) -> Vec3 {
-    (Vec3::new((i >> 6) as f32, (i >> 3 & 7) as f32, (i & 7) as f32) - 3.5) * voxel
 }

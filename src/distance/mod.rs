@@ -7,6 +7,7 @@ mod block;
 pub mod descent;
 mod exchange;
 pub mod extent;
+mod facing;
 pub mod nearest;
 pub mod octree;
 pub mod polish;

@@ -17,11 +17,11 @@ use crate::{
     grid::{BLOCK_EDGE, BLOCK_VOXELS, Band, BlockMask, InsideTile, block_order},
 };
 
-use super::{Error, MeasuredBlock, Report};
+use super::{Error, MeasuredBlock, Report, neighbours::Neighbours};
 use crate::distance::{
     block::Meter,
     descent::Scope,
-    exchange::{Face, Layer, Seed},
+    facing::{Face, Layer, Seed},
     staged::{Finisher, Kind, Staged},
 };
 
@@ -148,37 +148,31 @@ where
 
     /// Measures again those blocks whose neighbours have nearer feet for some of their voxels, until there are none.
     fn improve(&mut self, places: &HashMap<IVec3, usize>) -> Result<(), Error> {
-        let mut asking: Vec<usize> = (0..self.staged.len()).collect();
+        let mut improved: Option<Vec<usize>> = None;
         for _ in 0..ROUNDS {
-            let (staged, borders, scope) = (&self.staged[..], &self.borders, self.scope);
-            let offers: Vec<Vec<Seed>> =
-                asking.par_iter().map(|&place| offers_to(&staged[place], staged, places, borders, scope)).collect();
-            let mut improved = Vec::new();
-            for (place, offers) in asking.into_iter().zip(offers).filter(|(_, offers)| !offers.is_empty()) {
-                self.imports.entry(self.staged[place].origin).or_default().extend(&offers);
-                improved.push((place, offers));
-            }
+            let (voxel, reach) = (self.voxel(), self.scope.background());
+            let neighbours = Neighbours { staged: &self.staged, places, borders: &self.borders, voxel, reach };
+            let offers = improved.map_or_else(|| neighbours.compare(), |improved| neighbours.offers_of(&improved));
             if self.cancel.load(Ordering::Relaxed) {
                 return Err(Error::Cancelled);
             }
-            let again: Vec<Staged> = improved
+            let staged = &self.staged;
+            let again: Vec<Staged> = offers
                 .par_iter()
                 .map_init(
                     || Meter::new(self.field, self.scope),
-                    |meter, (place, offers)| {
+                    |meter, (place, seeds)| {
                         let mut block = staged[*place].clone();
-                        meter.improve(offers, &mut block);
+                        meter.improve(seeds, &mut block);
                         block
                     },
                 )
                 .collect();
-            asking = Vec::new();
-            for ((place, _), block) in improved.into_iter().zip(again) {
-                asking.extend(Face::ALL.iter().filter_map(|face| places.get(&(block.origin + face.step()))));
+            improved = Some(offers.iter().map(|(place, _)| *place).collect());
+            for ((place, seeds), block) in offers.into_iter().zip(again) {
+                self.imports.entry(block.origin).or_default().extend(seeds);
                 self.staged[place] = block;
             }
-            asking.sort_unstable();
-            asking.dedup();
         }
         Ok(())
     }
@@ -337,28 +331,6 @@ where
 /// Where a block is in a list in the order of blocks, or would be.
 fn place_of(blocks: &[IVec3], origin: IVec3) -> Result<usize, usize> {
     blocks.binary_search_by_key(&block_order(origin), |&other| block_order(other))
-}
-
-/// What a block's neighbours have that is nearer than its own.
-fn offers_to(
-    block: &Staged,
-    staged: &[Staged],
-    places: &HashMap<IVec3, usize>,
-    borders: &HashMap<(IVec3, Face), Layer>,
-    scope: &Scope,
-) -> Vec<Seed> {
-    let (voxel, reach) = (scope.lattice.voxel_size.get() as f32, scope.background());
-    let mut seeds = Vec::new();
-    for face in Face::ALL {
-        let neighbour = block.origin + face.step();
-        let own = || Layer::new(block, face, voxel);
-        if let Some(&place) = places.get(&neighbour) {
-            own().offers(&Layer::new(&staged[place], face.facing(), voxel), reach, &mut seeds);
-        } else if let Some(layer) = borders.get(&(neighbour, face.facing())) {
-            own().offers(layer, reach, &mut seeds);
-        }
-    }
-    seeds
 }
 
 fn outcome<T>(finisher: &mut Finisher, visitor: &mut impl FnMut(&MeasuredBlock) -> T, block: &Staged) -> Outcome<T> {
