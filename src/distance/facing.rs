@@ -71,7 +71,8 @@ impl Face {
     /// The voxels' offsets from their block's middle, by axis.
     fn centres(self, voxel: f32) -> [[f32; LAYER]; 3] {
         let at = |i: usize| (i as f32 - 3.5) * voxel;
-        let (depth, u, v) = ([at(self.depth()); LAYER], std::array::from_fn(|k| at(k >> 3)), std::array::from_fn(|k| at(k & 7)));
+        let (depth, u, v) =
+            ([at(self.depth()); LAYER], std::array::from_fn(|k| at(k >> 3)), std::array::from_fn(|k| at(k & 7)));
         match self.0 / 2 {
             0 => [depth, u, v],
             1 => [u, depth, v],

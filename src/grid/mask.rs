@@ -50,7 +50,9 @@ mod tests {
     /// Voxels of a few blocks' worth of patterns, by a multiplicative hash.
     fn patterns() -> impl Iterator<Item = [u8; BLOCK_VOXELS]> {
         (1..40u32).map(|seed| {
-            std::array::from_fn(|i| u8::from((i as u32 + 1).wrapping_mul(seed.wrapping_mul(0x9e37_79b1)).is_multiple_of(1 + seed / 4)))
+            std::array::from_fn(|i| {
+                u8::from((i as u32 + 1).wrapping_mul(seed.wrapping_mul(0x9e37_79b1)).is_multiple_of(1 + seed / 4))
+            })
         })
     }
 

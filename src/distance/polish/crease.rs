@@ -6,10 +6,13 @@
 
 use glam::Vec3;
 
-use crate::field::{BATCH, Evaluator, Gradients, Points};
+use crate::{
+    field::{BATCH, Evaluator, Gradients, Points},
+    grid::mask,
+};
 
 use super::{
-    FAR, Polisher, Request,
+    FAR, Polisher, Request, kernel,
     lanes::{Lane, Lanes},
     smooth::LAST_STEP,
     wall,
@@ -131,6 +134,9 @@ impl Polisher {
         }
         for branch in 0..branches {
             self.find_single(evaluator, request, queries, branch);
+            let nearer = kernel::nearer(&self.crease.singles[branch].distance, distances);
+            self.crease.group.clear();
+            self.crease.group.extend(mask::places(&nearer).take_while(|&i| i < queries.points.len).map(|i| i as u16));
             self.judge_single(evaluator, request, queries, branch, &mut Best { feet, distances });
         }
         let mut best = Best { feet, distances };
@@ -168,28 +174,16 @@ impl Polisher {
 
     /// The foot of each query on one branch's own zero set.
     fn find_single(&mut self, evaluator: &mut dyn Evaluator, request: &Request, queries: &Queries, branch: usize) {
-        let Scratch { singles, group, parts, .. } = &mut self.crease;
+        let Scratch { singles, parts, .. } = &mut self.crease;
         evaluator.branch(branch, queries.points, &mut parts[0]);
-        group.clear();
+        let evaluate = |points: &Points, out: &mut Gradients| evaluator.branch(branch, points, out);
         let far = FAR * request.reach;
-        for i in 0..queries.points.len {
-            let estimate = quotient(&parts[0], i);
-            // Where the gradient vanishes nothing is known: the branch may be anywhere.
-            if estimate <= far || estimate.is_nan() {
-                group.push(i as u16);
-            }
-        }
-        let single = &mut singles[branch];
-        single.distance[..queries.points.len].fill(f32::INFINITY);
-        if group.is_empty() {
-            return;
-        }
-        self.lanes.load(request, queries.points, queries.points, group.iter().map(|&i| usize::from(i)));
-        self.lanes.solve(request, &mut self.gradients, |points, out| evaluator.branch(branch, points, out));
-        copy_single(&self.lanes, group, single);
+        self.lanes.solve_known(request, queries.points, &parts[0], far, &mut self.gradients, evaluate);
+        singles[branch].foot = self.lanes.foot;
+        singles[branch].distance = self.lanes.distance;
     }
 
-    /// Takes the feet on one branch that lie on F = 0.
+    /// Takes the feet of the group on one branch that lie on F = 0; they are nearer than the best.
     fn judge_single(
         &mut self,
         evaluator: &mut dyn Evaluator,
@@ -200,7 +194,6 @@ impl Polisher {
     ) {
         let Scratch { singles, group, .. } = &mut self.crease;
         let single = &singles[branch];
-        group.retain(|&query| single.distance[usize::from(query)] < best.distances[usize::from(query)]);
         if group.is_empty() {
             return;
         }
@@ -430,6 +423,7 @@ impl Polisher {
             self.lanes.load(request, queries.points, best.feet, group.iter().map(|&i| usize::from(i)));
             self.lanes.solve(request, &mut self.gradients, |points, out| evaluator.branch(branch, points, out));
             copy_single(&self.lanes, group, &mut singles[branch]);
+            group.retain(|&query| singles[branch].distance[usize::from(query)] < best.distances[usize::from(query)]);
             self.judge_single(evaluator, request, queries, branch, best);
         }
     }

@@ -3,15 +3,21 @@
 
 use multiversion::multiversion;
 
-use crate::field::{BATCH, Gradients};
+use crate::{
+    field::{BATCH, Gradients},
+    grid::{BlockMask, mask},
+};
 
 use super::{
     lanes::Lanes,
-    smooth::{GREATEST_SHARE, LAST_STEP},
+    smooth::{GREATEST_SHARE, LAST_SLIDE, LAST_STEP, LAST_STRIDE},
 };
 
 /// Lanes in one pass: a few vector registers of any width.
 const WIDTH: usize = 16;
+
+/// The greatest square of the share of a residual that one step left, for its bend to be told from it.
+const MOST_LEFT: f32 = 0.04;
 
 type Wide = [f32; WIDTH];
 
@@ -35,13 +41,69 @@ fn store(wide: Wide, to: &mut [f32; BATCH], first: usize) {
     to[first..first + WIDTH].copy_from_slice(&wide);
 }
 
+/// The queries that |F|/|∇F| puts no farther than `far`; where F has no gradient nothing is known, and they count.
+#[multiversion(targets = "simd")]
+pub(super) fn near(at: &Gradients, far: f32) -> BlockMask {
+    let mut near = [0; BATCH];
+    for i in 0..BATCH {
+        let square = at.dx[i] * at.dx[i] + at.dy[i] * at.dy[i] + at.dz[i] * at.dz[i];
+        let is_far = at.value[i] * at.value[i] > far * far * square;
+        near[i] = u8::from(!is_far);
+    }
+    mask::pack(&near)
+}
+
+/// Where `distances` are less than `others`.
+#[multiversion(targets = "simd")]
+pub(super) fn nearer(distances: &[f32; BATCH], others: &[f32; BATCH]) -> BlockMask {
+    let mut nearer = [0; BATCH];
+    for i in 0..BATCH {
+        nearer[i] = u8::from(distances[i] < others[i]);
+    }
+    mask::pack(&nearer)
+}
+
+/// Bases all lanes at their queries p, where `gradients` holds F, and sets their trial points across the surface.
+#[multiversion(targets = "simd")]
+pub(super) fn begin(lanes: &mut Lanes, gradients: &Gradients) {
+    let [least, greatest] = lanes.bounds;
+    let slope = [&gradients.dx, &gradients.dy, &gradients.dz];
+    for first in (0..lanes.points.len).step_by(WIDTH) {
+        let trial = [&mut lanes.points.x, &mut lanes.points.y, &mut lanes.points.z];
+        let mut square = [0.0; WIDTH];
+        for slope in slope {
+            for l in 0..WIDTH {
+                square[l] += slope[first + l] * slope[first + l];
+            }
+        }
+        for l in 0..WIDTH {
+            let residual = gradients.value[first + l].abs() * (1.0 / square[l].sqrt());
+            lanes.residual[first + l] = residual;
+            lanes.merit[first + l] = 1.3 * residual;
+            lanes.along[first + l] = 1.0;
+            lanes.across[first + l] = 1.0;
+        }
+        for (axis, trial) in trial.into_iter().enumerate() {
+            for l in 0..WIDTH {
+                let i = first + l;
+                let step = -slope[axis][i] * (gradients.value[i] / square[l]);
+                let p = lanes.p[axis][i];
+                lanes.base[axis][i] = p;
+                lanes.normal_step[axis][i] = step;
+                lanes.tangent_step[axis][i] = 0.0;
+                trial[i] = (p + step).max(least[axis]).min(greatest[axis]);
+            }
+        }
+    }
+}
+
 /// Judges all lanes' trial points by what was evaluated there, and sets the next ones.
 ///
 /// With n the unit gradient and e = F/|∇F| at q, the zero set is near q the plane that p + s·n meets at
 /// s = −(e + (p − q)·n): a full step goes there.
 #[multiversion(targets = "simd")]
 pub(super) fn judge(lanes: &mut Lanes, gradients: &Gradients, unit: f32) {
-    let near = LAST_STEP * unit;
+    let (near, slide) = (LAST_STEP * unit, LAST_SLIDE * unit);
     let [least, greatest] = lanes.bounds;
     for first in (0..lanes.points.len).step_by(WIDTH) {
         let p = [0, 1, 2].map(|axis| load(&lanes.p[axis], first));
@@ -78,7 +140,17 @@ pub(super) fn judge(lanes: &mut Lanes, gradients: &Gradients, unit: f32) {
             let improves = (new_merit <= merit[l] * 1.0001) & !strayed;
             let approaches = (residual[l] > near) & (e.abs() < 0.8 * residual[l]);
             let taken = (new_merit < f32::INFINITY) & (improves | approaches);
-            let lands = taken & (e.abs() <= near) & (dot(tangent, tangent) <= near * near);
+
+            // What a full step across the surface left of the residual tells how F bends along it, and so what the
+            // next step will leave: e³ to the residual's square, which that step takes along.
+            let straight = (merit[l] < f32::INFINITY) & (across[l] == 1.0) & (length <= slide);
+            let share_left = e * e / (residual[l] * residual[l]);
+            let bends_little = straight & (share_left <= MOST_LEFT);
+            let bend = if bends_little { share_left } else { 0.0 };
+            let last_stride = bends_little & (e.abs() * share_left <= LAST_STRIDE * unit);
+            let at_last = (e.abs() <= near) | last_stride;
+            let lands = taken & at_last & (dot(tangent, tangent) <= slide * slide);
+            let e_ahead = e + e * bend;
 
             // The share of the tangential step that would have brought it to zero, were its change linear in the
             // step (the secant of Barzilai and Borwein); the greatest where the steps grow, as on the far side of
@@ -98,13 +170,13 @@ pub(super) fn judge(lanes: &mut Lanes, gradients: &Gradients, unit: f32) {
                 q[axis][l] = if taken { trial } else { q[axis][l] };
                 normal_step[axis][l] = if taken { -n[axis] * e } else { normal_step[axis][l] };
                 tangent_step[axis][l] = if taken { tangent[axis] } else { tangent_step[axis][l] };
-                landing[axis][l] = p[axis][l] - n[axis] * (e + up);
+                landing[axis][l] = p[axis][l] - n[axis] * (e_ahead + up);
             }
             merit[l] = if taken { new_merit } else { merit[l] };
             residual[l] = if taken { e.abs() } else { residual[l] };
             along[l] = if taken { share } else { along[l] };
             across[l] = if taken { 1.0 } else { across[l] };
-            height[l] = (e + up).abs();
+            height[l] = (e_ahead + up).abs();
             verdict[l] = if lands { 1 } else { 2 - 2 * u32::from(taken) };
         }
         for axis in 0..3 {

@@ -82,10 +82,7 @@ impl Lanes {
         seeds: &Points,
         chosen: impl IntoIterator<Item = usize>,
     ) {
-        let least = (request.region.min - queries.origin).as_vec3().to_array();
-        let greatest = (request.region.max - queries.origin).as_vec3().to_array();
-        self.bounds = [least, greatest];
-        self.points.origin = queries.origin;
+        self.set_bounds(request, queries);
         let mut n = 0;
         for i in chosen {
             self.query[n] = i as u16;
@@ -101,6 +98,14 @@ impl Lanes {
         }
         self.points.len = n;
         self.asked_len = n;
+    }
+
+    /// Keeps trial points, as offsets from the queries' origin, in the request's region.
+    pub fn set_bounds(&mut self, request: &Request, queries: &Points) {
+        let least = (request.region.min - queries.origin).as_vec3().to_array();
+        let greatest = (request.region.max - queries.origin).as_vec3().to_array();
+        self.bounds = [least, greatest];
+        self.points.origin = queries.origin;
     }
 
     /// Copies the results of the queries that were loaded to their places.
@@ -130,15 +135,16 @@ impl Lanes {
             if !keep[from] {
                 continue;
             }
-            if to != from {
-                self.move_lane(from, to);
-            }
+            self.move_lane(from, to);
             to += 1;
         }
         self.points.len = to;
     }
 
-    fn move_lane(&mut self, from: usize, to: usize) {
+    pub fn move_lane(&mut self, from: usize, to: usize) {
+        if to == from {
+            return;
+        }
         self.query[to] = self.query[from];
         let points = &mut self.points;
         (points.x[to], points.y[to], points.z[to]) = (points.x[from], points.y[from], points.z[from]);

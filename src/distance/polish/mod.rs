@@ -13,6 +13,7 @@ pub mod around;
 mod crease;
 mod kernel;
 mod lanes;
+mod rows;
 mod smooth;
 mod wall;
 
@@ -60,28 +61,20 @@ impl Polisher {
         feet: &mut Points,
         distances: &mut [f32; BATCH],
     ) {
-        feet.clone_from(queries);
+        (feet.origin, feet.len) = (queries.origin, queries.len);
         if evaluator.branches() > 1 {
+            feet.clone_from(queries);
             let inside = std::array::from_fn(|i| at_queries.value[i] >= 0.0);
             self.crease_closest(evaluator, request, queries, &inside, feet, distances);
             return;
         }
-        distances[..queries.len].fill(f32::INFINITY);
+        let Self { lanes, gradients, .. } = self;
         let far = FAR * request.reach;
-        let near = (0..queries.len).filter(|&i| {
-            let gradient = at_queries.gradient(i);
-            at_queries.value[i] * at_queries.value[i] <= far * far * gradient.length_squared()
-        });
-        self.lanes.load(request, queries, queries, near);
-        let known = &mut *self.gradients;
-        for (lane, &i) in self.lanes.query[..self.lanes.points.len].iter().enumerate() {
-            let i = usize::from(i);
-            known.value[lane] = at_queries.value[i];
-            (known.dx[lane], known.dy[lane], known.dz[lane]) = (at_queries.dx[i], at_queries.dy[i], at_queries.dz[i]);
-        }
-        self.lanes.step(request, known);
-        self.lanes.solve(request, &mut self.gradients, |points, out| evaluator.gradients(points, out));
-        self.lanes.store(feet, distances);
+        let evaluate = |points: &Points, out: &mut Gradients| evaluator.gradients(points, out);
+        lanes.solve_known(request, queries, at_queries, far, gradients, evaluate);
+        *distances = lanes.distance;
+        let [x, y, z] = lanes.foot;
+        (feet.x, feet.y, feet.z) = (x, y, z);
     }
 
     /// Finds the closest surface point of each query; `inside` tells where F ≥ 0.

@@ -14,10 +14,17 @@ use super::{
 /// time on points that no iteration brings to the surface. Ordinary points take two or three.
 const EVALUATIONS: usize = 24;
 
-/// A point this near to its foot (in units, across and along the surface) takes its last step unseen. The error left
-/// is its square times half the curvature: larger than 0.05 loses the thousandth of a voxel at strong curvature,
+/// A point this near to its foot (in units, across the surface) takes its last step unseen. The error left is its square times half the curvature: larger than 0.05 loses the thousandth of a voxel at strong curvature,
 /// smaller costs an evaluation of every point.
 pub(super) const LAST_STEP: f32 = 0.04;
+
+/// A point this near to its foot along the surface (in units) takes its last step as if the surface were flat. The error
+/// left is its square times half the curvature: 0.0003 units where the surface bends as a ball of 10.
+pub(super) const LAST_SLIDE: f32 = 0.08;
+
+/// A point takes its last step unseen where the steps before tell that it will miss by no more than this (in units), and
+/// it makes up for that.
+pub(super) const LAST_STRIDE: f32 = 0.004;
 
 /// The least share of a step that is still tried; below it the point is taken where it stands.
 const LEAST_SHARE: f32 = 1e-3;
@@ -72,7 +79,7 @@ impl Lanes {
     }
 
     /// The trial was worse than the base: a shorter step from there, or the base itself when nothing is gained.
-    fn retreat(&mut self, request: &Request, lane: usize) -> bool {
+    pub(super) fn retreat(&mut self, request: &Request, lane: usize) -> bool {
         if self.merit[lane] == f32::INFINITY {
             return false;
         }
@@ -84,6 +91,12 @@ impl Lanes {
         }
         self.try_step(lane);
         true
+    }
+
+    /// Whether the foot of an accepted lane is sure to be out of reach.
+    pub(super) fn is_beyond(&self, request: &Request, lane: usize) -> bool {
+        let doubt = 2.0 * (self.residual[lane] + vector(&self.tangent_step, lane).length());
+        vector(&self.base, lane).distance(vector(&self.p, lane)) - doubt > request.reach
     }
 
     fn try_step(&mut self, lane: usize) {
