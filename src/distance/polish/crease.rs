@@ -117,6 +117,7 @@ impl Best<'_> {
 }
 
 impl Polisher {
+    /// Finds closest points from scratch; [`Self::take_seeds`] may have found some already.
     pub(super) fn crease_closest(
         &mut self,
         evaluator: &mut dyn Evaluator,
@@ -126,7 +127,6 @@ impl Polisher {
         feet: &mut Points,
         distances: &mut Lane,
     ) {
-        self.take_seeds(evaluator, request, queries, feet, distances);
         let queries = &Queries { points: queries, inside };
         let branches = evaluator.branches();
         while self.crease.singles.len() < branches {
@@ -148,8 +148,14 @@ impl Polisher {
         self.follow_seeds(evaluator, request, queries, branches, &mut best);
     }
 
+    /// Starts without seeds.
+    pub(super) fn forget_seeds(&mut self, distances: &mut Lane) {
+        distances.fill(f32::INFINITY);
+        self.crease.seeded.clear();
+    }
+
     /// Seeds that lie on F = 0 are the first candidates; a query is no seed of its own.
-    fn take_seeds(
+    pub(super) fn take_seeds(
         &mut self,
         evaluator: &mut dyn Evaluator,
         request: &Request,
@@ -157,10 +163,9 @@ impl Polisher {
         feet: &Points,
         distances: &mut Lane,
     ) {
+        self.forget_seeds(distances);
         evaluator.gradients(feet, &mut self.gradients);
-        self.crease.seeded.clear();
         for i in 0..queries.len {
-            distances[i] = f32::INFINITY;
             let given = feet.offset(i) != queries.offset(i);
             if given && on_surface(&self.gradients, i, f32::NAN, request) {
                 distances[i] = (queries.offset(i) - feet.offset(i)).length();
@@ -203,7 +208,8 @@ impl Polisher {
             points.push(offset(&single.foot, usize::from(query)));
         }
         debug_assert_eq!(points.origin, queries.points.origin);
-        self.keep_feet(evaluator, request, queries, &[branch as u16], |_| {});
+        let Scratch { group, parts, values, walls, .. } = &mut self.crease;
+        walls.keep_crossings(evaluator, request, queries, branch, &mut parts[0], points, group, values);
         for (lane, &query) in self.crease.group.iter().enumerate() {
             let query = usize::from(query);
             best.take(query, self.lanes.points.offset(lane), self.crease.singles[branch].distance[query]);
@@ -238,11 +244,14 @@ impl Polisher {
     fn demand_pairs(&mut self, request: &Request, branches: usize, len: usize, best: &Lane) {
         let Scratch { singles, pairs, .. } = &mut self.crease;
         pairs.clear();
-        for query in 0..len {
+        // Beyond reach a crease does not matter, whether or not there is a nearer foot.
+        let limit_of = |query: usize| best[query].min(request.reach * 1.5) - 1e-3 * request.unit;
+        let limits = std::array::from_fn(limit_of);
+        let several = kernel::several(singles[..branches].iter().map(|single| &single.distance), &limits);
+        for query in mask::places(&several).take_while(|&query| query < len) {
             let mut near = [0u16; COMBINED];
             let mut count = 0;
-            // Beyond reach a crease does not matter, whether or not there is a nearer foot.
-            let limit = best[query].min(request.reach * 1.5) - 1e-3 * request.unit;
+            let limit = limits[query];
             let distance = |b: u16| singles[usize::from(b)].distance[query];
             for b in 0..branches as u16 {
                 if distance(b) >= limit {

@@ -63,6 +63,19 @@ pub(super) fn nearer(distances: &[f32; BATCH], others: &[f32; BATCH]) -> BlockMa
     mask::pack(&nearer)
 }
 
+/// Where at least two of the lists of distances are less than the limits.
+pub(super) fn several<'a>(lists: impl Iterator<Item = &'a [f32; BATCH]>, limits: &[f32; BATCH]) -> BlockMask {
+    let (mut one, mut two) = ([0; 8], [0; 8]);
+    for distances in lists {
+        let less = nearer(distances, limits);
+        for x in 0..8 {
+            two[x] |= one[x] & less[x];
+            one[x] |= less[x];
+        }
+    }
+    two
+}
+
 /// Bases all lanes at their queries p, where `gradients` holds F, and sets their trial points across the surface.
 #[multiversion(targets = "simd")]
 pub(super) fn begin(lanes: &mut Lanes, gradients: &Gradients) {

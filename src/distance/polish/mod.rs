@@ -65,6 +65,7 @@ impl Polisher {
         if evaluator.branches() > 1 {
             feet.clone_from(queries);
             let inside = std::array::from_fn(|i| at_queries.value[i] >= 0.0);
+            self.forget_seeds(distances);
             self.crease_closest(evaluator, request, queries, &inside, feet, distances);
             return;
         }
@@ -93,6 +94,7 @@ impl Polisher {
     ) {
         debug_assert_eq!((queries.len, queries.origin), (feet.len, feet.origin));
         if evaluator.branches() > 1 {
+            self.take_seeds(evaluator, request, queries, feet, distances);
             self.crease_closest(evaluator, request, queries, inside, feet, distances);
         } else {
             self.lanes.load(request, queries, feet, 0..queries.len);

@@ -18,6 +18,10 @@ use super::{
 /// itself, larger would take gaps and sheets for walls that are thicker than they need be.
 const BESIDE: f32 = 0.04;
 
+/// The same on both sides of a candidate on one branch alone. More than its error; gaps and sheets thinner than twice
+/// this are taken for walls.
+const ACROSS: f32 = 0.01;
+
 /// Sign patterns of up to three planes: the sectors into which they divide the neighbourhood of a common zero.
 const SECTORS: usize = 8;
 
@@ -27,6 +31,8 @@ pub(super) struct Scratch {
     doubtful: Vec<u16>,
     confirmed: Box<[bool; BATCH]>,
     probes: Points,
+    /// Steps across the surface, by lane.
+    ways: Vec<Vec3>,
 }
 
 impl Default for Scratch {
@@ -35,11 +41,65 @@ impl Default for Scratch {
             doubtful: Vec::with_capacity(BATCH),
             confirmed: Box::new([false; BATCH]),
             probes: Points::new(glam::DVec3::ZERO),
+            ways: Vec::with_capacity(BATCH),
         }
     }
 }
 
 impl Scratch {
+    /// Keeps of the candidates on one branch those where the surface is crossed: the query's side is right before them,
+    /// the other right behind. `points` are the candidates of the queries in `group`, `part` and `values` scratch memory.
+    #[expect(clippy::too_many_arguments, reason = "the parts of one scratch memory")]
+    pub fn keep_crossings(
+        &mut self,
+        evaluator: &mut dyn Evaluator,
+        request: &Request,
+        queries: &Queries,
+        branch: usize,
+        part: &mut Gradients,
+        points: &mut Points,
+        group: &mut Vec<u16>,
+        values: &mut Lane,
+    ) {
+        let across = ACROSS * request.unit;
+        let [least, greatest] = corners(request, points);
+        let onward =
+            |points: &Points, lane: usize, query: u16| points.offset(lane) - queries.points.offset(usize::from(query));
+        // A query on the surface has no way to its foot, but a normal.
+        let on_surface = |(lane, &query): (usize, &u16)| onward(points, lane, query) == Vec3::ZERO;
+        let any_on_surface = group.iter().enumerate().any(on_surface);
+        if any_on_surface {
+            evaluator.branch(branch, points, part);
+        }
+        self.ways.clear();
+        for (lane, &query) in group.iter().enumerate() {
+            let inside = queries.inside[usize::from(query)];
+            let mut way = onward(points, lane, query);
+            if way == Vec3::ZERO {
+                way = part.gradient(lane) * if inside { -1.0 } else { 1.0 };
+            }
+            self.ways.push(way.normalize_or_zero() * across);
+        }
+        for (side, step) in [(Side::Other, 1.0), (Side::Own, -1.0)] {
+            (self.probes.origin, self.probes.len) = (points.origin, 0);
+            for (lane, &way) in self.ways[..group.len()].iter().enumerate() {
+                self.probes.push((points.offset(lane) + way * step).clamp(least, greatest));
+            }
+            evaluator.values(&self.probes, values);
+            let mut kept = 0;
+            for lane in 0..group.len() {
+                let own = (values[lane] >= 0.0) == queries.inside[usize::from(group[lane])];
+                if own == (side == Side::Own) {
+                    (group[kept], self.ways[kept]) = (group[lane], self.ways[lane]);
+                    (points.x[kept], points.y[kept], points.z[kept]) = points.offset(lane).into();
+                    kept += 1;
+                }
+            }
+            group.truncate(kept);
+            points.len = kept;
+        }
+    }
+
     /// Leaves out the candidates on walls. `points` are candidates on the common zeros of `branches`, of the queries in
     /// `group`; `parts` and `values` are scratch memory.
     #[expect(clippy::too_many_arguments, reason = "the parts of one scratch memory")]
@@ -95,8 +155,7 @@ impl Scratch {
         if self.doubtful.is_empty() {
             return;
         }
-        let least = (request.region.min - points.origin).as_vec3();
-        let greatest = (request.region.max - points.origin).as_vec3();
+        let [least, greatest] = corners(request, points);
         (self.probes.origin, self.probes.len) = (points.origin, 0);
         for &lane in &self.doubtful {
             let lane = usize::from(lane);
@@ -112,6 +171,18 @@ impl Scratch {
             !confirmed[lane]
         });
     }
+}
+
+/// Which side of the surface something is on, for a query.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Side {
+    Own,
+    Other,
+}
+
+/// The least and greatest offsets at which F may be evaluated.
+fn corners(request: &Request, points: &Points) -> [Vec3; 2] {
+    [request.region.min, request.region.max].map(|corner| (corner - points.origin).as_vec3())
 }
 
 /// The unit vector into one of the sectors that two or three planes make, equally far from all of them.
