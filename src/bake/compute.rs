@@ -95,8 +95,9 @@ pub fn compute(
 /// them trilinearly meets the surface's own colour.
 fn sample(sampler: &mut dyn ColourSampler, block: &MeasuredBlock) -> BlockColours {
     let mut colours = BlockColours { values: [[0.0; 3]; BATCH], sum: [0.0; 3], bright_voxels: 0, wrong: None };
+    let feet = block.feet();
     sampler.enter(&block.region);
-    sampler.sample(block.feet, &mut colours.values);
+    sampler.sample(&feet, &mut colours.values);
     sampler.leave();
     for (at, value) in colours.values.iter().enumerate() {
         if !is_active(block.active, at) {
@@ -104,7 +105,7 @@ fn sample(sampler: &mut dyn ColourSampler, block: &MeasuredBlock) -> BlockColour
         }
         // A NaN fails this comparison too.
         if !value.iter().all(|&channel| channel >= 0.0 && channel.is_finite()) && colours.wrong.is_none() {
-            let position = block.feet.position(at).to_array();
+            let position = feet.position(at).to_array();
             colours.wrong = Some(ComputeError::Colour { position, value: *value });
         }
         colours.bright_voxels += u64::from(value.iter().any(|&channel| channel > 1.0));

@@ -59,7 +59,7 @@ impl<'a> Meter<'a> {
             around: Around::new(),
             open: Vec::new(),
             at_voxels: Box::default(),
-            points: empty(),
+            points: Points::of_block(IVec3::ZERO, &scope.lattice),
             feet: empty(),
             distances: Box::new([0.0; BLOCK_VOXELS]),
             changed: Box::new([false; BLOCK_VOXELS]),
@@ -118,7 +118,7 @@ impl<'a> Meter<'a> {
     fn enter_block(&mut self, origin: IVec3) {
         let margin = f64::from(self.scope.half_width) + ROOM;
         self.region = self.scope.centres(origin, BLOCK_EDGE, margin);
-        self.points = Points::of_block(origin, &self.scope.lattice);
+        self.points.origin = Points::middle_of_block(origin, &self.scope.lattice);
         self.evaluator.enter(&self.region);
         self.evaluator.gradients(&self.points, &mut self.at_voxels);
     }

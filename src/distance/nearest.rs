@@ -20,7 +20,7 @@ use super::band;
 use super::polish::around::{Approach, Around, box_of};
 use super::{Distance, Foot};
 use crate::field::{Aabb, BATCH, Evaluator, Field, Gradients, Points, Slope};
-use crate::grid::{Lattice, VoxelSize, is_active};
+use crate::grid::{Lattice, VoxelSize, mask};
 
 /// Answers closest points, in batches, from any thread.
 pub trait ClosestPoint: Sync {
@@ -93,7 +93,8 @@ impl<'a> FieldFeet<'a> {
             };
             let measured = band::measure(field, &settings, || {
                 |block: &band::MeasuredBlock| -> Vec<DVec3> {
-                    (0..BATCH).filter(|&i| is_active(block.active, i)).map(|i| block.feet.position(i)).collect()
+                    let feet = block.feet();
+                    mask::places(block.active).map(|i| feet.position(i)).collect()
                 }
             })?;
             points = measured.visits.concat();

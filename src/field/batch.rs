@@ -34,7 +34,7 @@ impl Points {
     pub fn of_block(origin: glam::IVec3, lattice: &crate::grid::Lattice) -> Self {
         let edge = lattice.voxel_size.get();
         let half = f64::from(BLOCK_EDGE - 1) / 2.0;
-        let mut points = Self::new((origin.as_dvec3() + half) * edge);
+        let mut points = Self::new(Self::middle_of_block(origin, lattice));
         let offset = |i: usize| ((i as f64 - half) * edge) as f32;
         for i in 0..BLOCK_VOXELS {
             points.x[i] = offset(i >> 6);
@@ -43,6 +43,12 @@ impl Points {
         }
         points.len = BLOCK_VOXELS;
         points
+    }
+
+    /// The middle of a block's voxel centres, world units: where [`Self::of_block`] has its origin. The offsets from
+    /// there are those of any block.
+    pub fn middle_of_block(origin: glam::IVec3, lattice: &crate::grid::Lattice) -> DVec3 {
+        (origin.as_dvec3() + f64::from(BLOCK_EDGE - 1) / 2.0) * lattice.voxel_size.get()
     }
 
     /// Appends a point given by its offset from the origin. Panics when full.

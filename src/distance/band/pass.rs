@@ -22,7 +22,7 @@ use crate::distance::{
     block::Meter,
     descent::Scope,
     facing::{Face, Layer, Seed},
-    staged::{Finisher, Kind, Staged},
+    staged::Staged,
 };
 
 /// Edge in voxels of the nodes whose blocks one task measures, cut from one shortened tape.
@@ -228,11 +228,7 @@ where
             self.report.thin_voxels += u64::from(block.thin);
             self.report.thin_at = self.report.thin_at.or(block.thin_at);
         }
-        let worker = || (Finisher::new(self.scope), (self.visitor)());
-        self.staged
-            .par_iter()
-            .map_init(worker, |(finisher, visitor), block| outcome(finisher, visitor, block))
-            .collect()
+        self.staged.par_iter().map_init(self.visitor, |visitor, block| outcome(self.scope, visitor, block)).collect()
     }
 
     /// Takes finished blocks, in order, into the band. Memory that is touched first is the dear part, so all threads do.
@@ -260,13 +256,13 @@ where
             for (origin, seeds) in &late {
                 self.imports.entry(*origin).or_default().extend(seeds);
             }
-            let worker = || (Meter::new(self.field, self.scope), Finisher::new(self.scope), (self.visitor)());
+            let worker = || (Meter::new(self.field, self.scope), (self.visitor)());
             let again = late
                 .into_par_iter()
-                .map_init(worker, |(meter, finisher, visitor), (origin, _)| {
+                .map_init(worker, |(meter, visitor), (origin, _)| {
                     let mut block = Staged::new();
                     meter.measure(origin, &self.imports[&origin], &mut block)?;
-                    Ok((outcome(finisher, visitor, &block), block))
+                    Ok((outcome(self.scope, visitor, &block), block))
                 })
                 .collect::<Result<Vec<_>, Error>>()?;
             let mut redone = Vec::with_capacity(again.len());
@@ -333,16 +329,16 @@ fn place_of(blocks: &[IVec3], origin: IVec3) -> Result<usize, usize> {
     blocks.binary_search_by_key(&block_order(origin), |&other| block_order(other))
 }
 
-fn outcome<T>(finisher: &mut Finisher, visitor: &mut impl FnMut(&MeasuredBlock) -> T, block: &Staged) -> Outcome<T> {
-    match finisher.finish(block) {
-        Kind::Outside => Outcome::Outside,
-        Kind::Inside => Outcome::Inside,
-        Kind::Band => {
-            let block = finisher.block();
-            let visit = visitor(&block);
-            Outcome::Band(Box::new(Entry { distances: *block.distances, active: *block.active, visit }))
-        }
+fn outcome<T>(scope: &Scope, visitor: &mut impl FnMut(&MeasuredBlock) -> T, block: &Staged) -> Outcome<T> {
+    let background = scope.background();
+    let active = block.active(background);
+    if active == [0; 8] {
+        return if block.distances[0] >= 0.0 { Outcome::Inside } else { Outcome::Outside };
     }
+    let mut distances = [0.0; BLOCK_VOXELS];
+    block.clamped(background, &mut distances);
+    let visit = visitor(&MeasuredBlock::new(scope, block, &distances, &active));
+    Outcome::Band(Box::new(Entry { distances, active, visit }))
 }
 
 fn task_node(origin: IVec3) -> IVec3 {

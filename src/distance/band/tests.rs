@@ -22,7 +22,7 @@ fn measure_at(field: &dyn Field, size: f64, chunk: usize) -> Measured<Vec<f32>> 
     let visitor = || {
         |block: &MeasuredBlock| {
             check_feet(block, size);
-            block.feet.x.to_vec()
+            block.feet().x.to_vec()
         }
     };
     let start = std::time::Instant::now();
@@ -33,15 +33,16 @@ fn measure_at(field: &dyn Field, size: f64, chunk: usize) -> Measured<Vec<f32>> 
 
 /// Feet and normals agree with the distances.
 fn check_feet(block: &MeasuredBlock, size: f64) {
+    let (points, feet) = (crate::field::Points::of_block(block.origin, &block.lattice), block.feet());
     for i in 0..BLOCK_VOXELS {
         if block.active[i >> 6] >> (i & 63) & 1 == 0 {
-            assert_eq!(block.feet.offset(i), block.points.offset(i));
+            assert_eq!(feet.offset(i), points.offset(i));
             continue;
         }
         let normal = Vec3::from(std::array::from_fn::<f32, 3, _>(|axis| block.normals[axis][i]));
-        let foot = block.feet.offset(i) - (block.points.offset(i) - normal * block.distances[i]);
+        let foot = feet.offset(i) - (points.offset(i) - normal * block.distances[i]);
         assert!((normal.length() - 1.0).abs() < 1e-5 && f64::from(foot.length()) < 1e-5 * size);
-        assert!(block.region.contains(block.feet.position(i)));
+        assert!(block.region.contains(feet.position(i)));
     }
 }
 

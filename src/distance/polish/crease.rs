@@ -202,14 +202,18 @@ impl Polisher {
         if group.is_empty() {
             return;
         }
-        let points = &mut self.lanes.points;
-        points.len = 0;
-        for &query in group.iter() {
-            points.push(offset(&single.foot, usize::from(query)));
+        let lanes = &mut *self.lanes;
+        (lanes.points.origin, lanes.points.len) = (queries.points.origin, group.len());
+        lanes.set_bounds(request, queries.points);
+        let feet = [&mut lanes.points.x, &mut lanes.points.y, &mut lanes.points.z];
+        for (to, from) in feet.into_iter().zip(&single.foot) {
+            gather(group, from, to);
         }
-        debug_assert_eq!(points.origin, queries.points.origin);
+        for (to, from) in lanes.p.iter_mut().zip([&queries.points.x, &queries.points.y, &queries.points.z]) {
+            gather(group, from, to);
+        }
         let Scratch { group, parts, values, walls, .. } = &mut self.crease;
-        walls.keep_crossings(evaluator, request, queries, branch, &mut parts[0], points, group, values);
+        walls.keep_crossings(evaluator, request, queries.inside, branch, &mut parts[0], lanes, group, values);
         for (lane, &query) in self.crease.group.iter().enumerate() {
             let query = usize::from(query);
             best.take(query, self.lanes.points.offset(lane), self.crease.singles[branch].distance[query]);
@@ -486,6 +490,12 @@ pub(super) fn keep_lanes(
     }
     group.truncate(kept);
     points.len = kept;
+}
+
+fn gather(group: &[u16], from: &Lane, to: &mut Lane) {
+    for (to, &query) in to.iter_mut().zip(group) {
+        *to = from[usize::from(query)];
+    }
 }
 
 fn copy_single(lanes: &Lanes, group: &[u16], single: &mut Single) {

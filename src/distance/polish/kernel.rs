@@ -4,7 +4,7 @@
 use multiversion::multiversion;
 
 use crate::{
-    field::{BATCH, Gradients},
+    field::{BATCH, Gradients, Points},
     grid::{BlockMask, mask},
 };
 
@@ -76,6 +76,30 @@ pub(super) fn several<'a>(lists: impl Iterator<Item = &'a [f32; BATCH]>, limits:
     two
 }
 
+/// The steps of `length` along the ways to the lanes' points from their queries p; none where there is no way.
+#[multiversion(targets = "simd")]
+pub(super) fn steps_onward(lanes: &mut Lanes, length: f32) {
+    let Lanes { points, p: [px, py, pz], normal_step: [sx, sy, sz], .. } = lanes;
+    for i in 0..BATCH {
+        let (x, y, z) = (points.x[i] - px[i], points.y[i] - py[i], points.z[i] - pz[i]);
+        let square = x * x + y * y + z * z;
+        let scale = if square > 0.0 { length / square.sqrt() } else { 0.0 };
+        (sx[i], sy[i], sz[i]) = (x * scale, y * scale, z * scale);
+    }
+}
+
+/// The lanes' points moved by so many of their steps, within the bounds.
+#[multiversion(targets = "simd")]
+pub(super) fn stepped(lanes: &Lanes, count: f32, out: &mut Points) {
+    let [least, greatest] = lanes.bounds;
+    let (from, steps) = ([&lanes.points.x, &lanes.points.y, &lanes.points.z], &lanes.normal_step);
+    for (axis, out) in [&mut out.x, &mut out.y, &mut out.z].into_iter().enumerate() {
+        for i in 0..BATCH {
+            out[i] = (from[axis][i] + count * steps[axis][i]).max(least[axis]).min(greatest[axis]);
+        }
+    }
+}
+
 /// Bases all lanes at their queries p, where `gradients` holds F, and sets their trial points across the surface.
 #[multiversion(targets = "simd")]
 pub(super) fn begin(lanes: &mut Lanes, gradients: &Gradients) {
@@ -116,6 +140,17 @@ pub(super) fn begin(lanes: &mut Lanes, gradients: &Gradients) {
 /// s = −(e + (p − q)·n): a full step goes there.
 #[multiversion(targets = "simd")]
 pub(super) fn judge(lanes: &mut Lanes, gradients: &Gradients, unit: f32) {
+    judge_trials::<false>(lanes, gradients, unit);
+}
+
+/// The same right after [`begin`]: no lane has stepped along the surface yet.
+#[multiversion(targets = "simd")]
+pub(super) fn judge_first(lanes: &mut Lanes, gradients: &Gradients, unit: f32) {
+    judge_trials::<true>(lanes, gradients, unit);
+}
+
+#[inline(always)]
+fn judge_trials<const FIRST: bool>(lanes: &mut Lanes, gradients: &Gradients, unit: f32) {
     let (near, slide) = (LAST_STEP * unit, LAST_SLIDE * unit);
     let [least, greatest] = lanes.bounds;
     for first in (0..lanes.points.len).step_by(WIDTH) {
@@ -125,11 +160,12 @@ pub(super) fn judge(lanes: &mut Lanes, gradients: &Gradients, unit: f32) {
         let slope = [&gradients.dx, &gradients.dy, &gradients.dz].map(|array| load(array, first));
         let mut base = [0, 1, 2].map(|axis| load(&lanes.base[axis], first));
         let mut normal_step = [0, 1, 2].map(|axis| load(&lanes.normal_step[axis], first));
-        let mut tangent_step = [0, 1, 2].map(|axis| load(&lanes.tangent_step[axis], first));
+        let mut tangent_step =
+            if FIRST { [[0.0; WIDTH]; 3] } else { [0, 1, 2].map(|axis| load(&lanes.tangent_step[axis], first)) };
         let mut merit = load(&lanes.merit, first);
         let mut residual = load(&lanes.residual, first);
-        let mut along = load(&lanes.along, first);
-        let mut across = load(&lanes.across, first);
+        let (mut along, mut across) =
+            if FIRST { ([1.0; WIDTH], [1.0; WIDTH]) } else { (load(&lanes.along, first), load(&lanes.across, first)) };
         let mut landing = [[0.0; WIDTH]; 3];
         let mut height = [0.0; WIDTH];
         let mut verdict = [0u32; WIDTH];
@@ -148,7 +184,7 @@ pub(super) fn judge(lanes: &mut Lanes, gradients: &Gradients, unit: f32) {
 
             // A step that left the surface far (the more so the longer it was) has a merit not to be trusted.
             let before = at(&tangent_step);
-            let length = along[l] * dot(before, before).sqrt();
+            let length = if FIRST { 0.0 } else { along[l] * dot(before, before).sqrt() };
             let strayed = e.abs() > 0.8 * residual[l] + 0.3 * length;
             let improves = (new_merit <= merit[l] * 1.0001) & !strayed;
             let approaches = (residual[l] > near) & (e.abs() < 0.8 * residual[l]);
@@ -174,7 +210,7 @@ pub(super) fn judge(lanes: &mut Lanes, gradients: &Gradients, unit: f32) {
             let secant = (along[l] * gain / size).max(0.1).min(GREATEST_SHARE);
             let share = if gain <= 0.0 { GREATEST_SHARE } else { secant };
             let first_of_all = (merit[l] == f32::INFINITY) | (dot(before, before) == 0.0) | (size == 0.0);
-            let share = if first_of_all { 1.0 } else { share };
+            let share = if FIRST | first_of_all { 1.0 } else { share };
 
             for axis in 0..3 {
                 let trial = q[axis][l] - n[axis] * e + tangent[axis] * share;

@@ -49,7 +49,7 @@ impl Lanes {
         self.points.len = ROW * count;
         kernel::begin(self, gradients);
         evaluate(&self.points, gradients);
-        kernel::judge(self, gradients, request.unit);
+        kernel::judge_first(self, gradients, request.unit);
         for (from, to) in self.landing.iter().zip(&mut self.foot) {
             scatter(rows, from, to);
         }
@@ -62,20 +62,25 @@ impl Lanes {
     /// Closes up the lanes that have not landed. `rows` tells where each row's queries are.
     fn keep_moving(&mut self, request: &Request, rows: &[usize], asked: impl Fn(usize) -> bool) {
         let mut kept = 0;
-        for lane in 0..self.points.len {
-            if self.verdict[lane] == Verdict::Lands {
+        for (lanes, &row) in (0..).step_by(ROW).map(|first| first..first + ROW).zip(rows) {
+            // The usual row has landed as a whole.
+            if self.verdict[lanes.clone()] == [Verdict::Lands; ROW] {
                 continue;
             }
-            let query = rows[lane / ROW] + lane % ROW;
-            self.distance[query] = f32::INFINITY;
-            self.query[lane] = query as u16;
-            let moves = match self.verdict[lane] {
-                Verdict::Moves => !self.is_beyond(request, lane),
-                _ => self.retreat(request, lane),
-            };
-            if moves && asked(query) {
-                self.move_lane(lane, kept);
-                kept += 1;
+            for (lane, query) in lanes.zip(row..) {
+                if self.verdict[lane] == Verdict::Lands {
+                    continue;
+                }
+                self.distance[query] = f32::INFINITY;
+                self.query[lane] = query as u16;
+                let moves = match self.verdict[lane] {
+                    Verdict::Moves => !self.is_beyond(request, lane),
+                    _ => self.retreat(request, lane),
+                };
+                if moves && asked(query) {
+                    self.move_lane(lane, kept);
+                    kept += 1;
+                }
             }
         }
         self.points.len = kept;

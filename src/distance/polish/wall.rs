@@ -11,7 +11,8 @@ use crate::field::{BATCH, Evaluator, Gradients, Points};
 use super::{
     Request,
     crease::{Queries, keep_lanes},
-    lanes::Lane,
+    kernel,
+    lanes::{Lane, Lanes},
 };
 
 /// How far from a candidate the other side is looked for, in units. Smaller would meet the error of the candidate
@@ -31,8 +32,6 @@ pub(super) struct Scratch {
     doubtful: Vec<u16>,
     confirmed: Box<[bool; BATCH]>,
     probes: Points,
-    /// Steps across the surface, by lane.
-    ways: Vec<Vec3>,
 }
 
 impl Default for Scratch {
@@ -41,63 +40,55 @@ impl Default for Scratch {
             doubtful: Vec::with_capacity(BATCH),
             confirmed: Box::new([false; BATCH]),
             probes: Points::new(glam::DVec3::ZERO),
-            ways: Vec::with_capacity(BATCH),
         }
     }
 }
 
 impl Scratch {
     /// Keeps of the candidates on one branch those where the surface is crossed: the query's side is right before them,
-    /// the other right behind. `points` are the candidates of the queries in `group`, `part` and `values` scratch memory.
+    /// the other right behind. `lanes.points` are the candidates, `lanes.p` their queries in `group`; `part` and `values`
+    /// are scratch memory.
     #[expect(clippy::too_many_arguments, reason = "the parts of one scratch memory")]
     pub fn keep_crossings(
         &mut self,
         evaluator: &mut dyn Evaluator,
         request: &Request,
-        queries: &Queries,
+        inside: &[bool; BATCH],
         branch: usize,
         part: &mut Gradients,
-        points: &mut Points,
+        lanes: &mut Lanes,
         group: &mut Vec<u16>,
         values: &mut Lane,
     ) {
         let across = ACROSS * request.unit;
-        let [least, greatest] = corners(request, points);
-        let onward =
-            |points: &Points, lane: usize, query: u16| points.offset(lane) - queries.points.offset(usize::from(query));
+        kernel::steps_onward(lanes, across);
         // A query on the surface has no way to its foot, but a normal.
-        let on_surface = |(lane, &query): (usize, &u16)| onward(points, lane, query) == Vec3::ZERO;
-        let any_on_surface = group.iter().enumerate().any(on_surface);
-        if any_on_surface {
-            evaluator.branch(branch, points, part);
-        }
-        self.ways.clear();
-        for (lane, &query) in group.iter().enumerate() {
-            let inside = queries.inside[usize::from(query)];
-            let mut way = onward(points, lane, query);
-            if way == Vec3::ZERO {
-                way = part.gradient(lane) * if inside { -1.0 } else { 1.0 };
-            }
-            self.ways.push(way.normalize_or_zero() * across);
-        }
-        for (side, step) in [(Side::Other, 1.0), (Side::Own, -1.0)] {
-            (self.probes.origin, self.probes.len) = (points.origin, 0);
-            for (lane, &way) in self.ways[..group.len()].iter().enumerate() {
-                self.probes.push((points.offset(lane) + way * step).clamp(least, greatest));
-            }
-            evaluator.values(&self.probes, values);
-            let mut kept = 0;
+        let is_on_surface = |lanes: &Lanes, lane: usize| lanes.normal_step.iter().all(|step| step[lane] == 0.0);
+        if (0..group.len()).any(|lane| is_on_surface(lanes, lane)) {
+            evaluator.branch(branch, &lanes.points, part);
             for lane in 0..group.len() {
-                let own = (values[lane] >= 0.0) == queries.inside[usize::from(group[lane])];
-                if own == (side == Side::Own) {
-                    (group[kept], self.ways[kept]) = (group[lane], self.ways[lane]);
-                    (points.x[kept], points.y[kept], points.z[kept]) = points.offset(lane).into();
-                    kept += 1;
+                if is_on_surface(lanes, lane) {
+                    let outward = if inside[usize::from(group[lane])] { -across } else { across };
+                    let step = part.gradient(lane).normalize_or_zero() * outward;
+                    for (steps, step) in lanes.normal_step.iter_mut().zip(step.to_array()) {
+                        steps[lane] = step;
+                    }
                 }
             }
-            group.truncate(kept);
-            points.len = kept;
         }
+        (self.probes.origin, self.probes.len) = (lanes.points.origin, lanes.points.len);
+        kernel::stepped(lanes, 1.0, &mut self.probes);
+        evaluator.values(&self.probes, values);
+        self.confirmed.fill(false);
+        for (lane, &query) in group.iter().enumerate() {
+            self.confirmed[lane] = (values[lane] >= 0.0) != inside[usize::from(query)];
+        }
+        kernel::stepped(lanes, -1.0, &mut self.probes);
+        evaluator.values(&self.probes, values);
+        for (lane, &query) in group.iter().enumerate() {
+            self.confirmed[lane] &= (values[lane] >= 0.0) == inside[usize::from(query)];
+        }
+        keep_lanes(&mut lanes.points, group, |lane| self.confirmed[lane], |_| {});
     }
 
     /// Leaves out the candidates on walls. `points` are candidates on the common zeros of `branches`, of the queries in
@@ -155,7 +146,8 @@ impl Scratch {
         if self.doubtful.is_empty() {
             return;
         }
-        let [least, greatest] = corners(request, points);
+        let least = (request.region.min - points.origin).as_vec3();
+        let greatest = (request.region.max - points.origin).as_vec3();
         (self.probes.origin, self.probes.len) = (points.origin, 0);
         for &lane in &self.doubtful {
             let lane = usize::from(lane);
@@ -171,18 +163,6 @@ impl Scratch {
             !confirmed[lane]
         });
     }
-}
-
-/// Which side of the surface something is on, for a query.
-#[derive(Clone, Copy, PartialEq, Eq)]
-enum Side {
-    Own,
-    Other,
-}
-
-/// The least and greatest offsets at which F may be evaluated.
-fn corners(request: &Request, points: &Points) -> [Vec3; 2] {
-    [request.region.min, request.region.max].map(|corner| (corner - points.origin).as_vec3())
 }
 
 /// The unit vector into one of the sectors that two or three planes make, equally far from all of them.
