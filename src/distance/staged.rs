@@ -21,7 +21,7 @@ pub struct MeasuredBlock<'a> {
     pub lattice: Lattice,
     /// A box that holds all voxel centres and feet.
     pub region: Aabb,
-    /// Signed distances, world units, positive inside, clamped to ± the background.
+    /// Signed distances of active voxels, world units, positive inside. Beyond the background at others.
     pub distances: &'a [f32; BLOCK_VOXELS],
     /// Voxels nearer to the surface than the background.
     pub active: &'a BlockMask,
@@ -30,10 +30,11 @@ pub struct MeasuredBlock<'a> {
 }
 
 impl<'a> MeasuredBlock<'a> {
-    /// A staged block that is finished, with its clamped distances and their mask.
-    pub fn new(scope: &Scope, staged: &'a Staged, distances: &'a [f32; BLOCK_VOXELS], active: &'a BlockMask) -> Self {
+    /// A staged block that is finished, with its mask.
+    pub fn new(scope: &Scope, staged: &'a Staged, active: &'a BlockMask) -> Self {
         let region = scope.centres(staged.origin, BLOCK_EDGE, f64::from(scope.half_width) + ROOM);
-        Self { origin: staged.origin, lattice: scope.lattice, region, distances, active, normals: &staged.normals }
+        let Staged { origin, distances, normals, .. } = staged;
+        Self { origin: *origin, lattice: scope.lattice, region, distances, active, normals }
     }
 
     /// The closest surface point of each active voxel; an inactive voxel's own centre.
@@ -86,8 +87,8 @@ impl Staged {
     }
 
     /// The distances clamped to ± the background.
-    pub fn clamped(&self, background: f32, clamped: &mut [f32; BLOCK_VOXELS]) {
-        clamp(&self.distances, background, clamped);
+    pub fn clamped(&self, background: f32) -> [f32; BLOCK_VOXELS] {
+        clamped(&self.distances, background)
     }
 }
 
@@ -101,10 +102,8 @@ fn active(distances: &[f32; BLOCK_VOXELS], background: f32) -> BlockMask {
 }
 
 #[multiversion(targets = "simd")]
-fn clamp(distances: &[f32; BLOCK_VOXELS], background: f32, clamped: &mut [f32; BLOCK_VOXELS]) {
-    for i in 0..BLOCK_VOXELS {
-        clamped[i] = distances[i].clamp(-background, background);
-    }
+fn clamped(distances: &[f32; BLOCK_VOXELS], background: f32) -> [f32; BLOCK_VOXELS] {
+    distances.map(|distance| distance.clamp(-background, background))
 }
 
 /// Moves active voxels along one axis to their feet.

@@ -14,7 +14,7 @@ use rayon::prelude::*;
 
 use crate::{
     field::{Field, Slope},
-    grid::{BLOCK_EDGE, BLOCK_VOXELS, Band, BlockMask, InsideTile, block_order},
+    grid::{BLOCK_EDGE, Band, BlockMask, InsideTile, block_order},
 };
 
 use super::{Error, MeasuredBlock, Report, neighbours::Neighbours};
@@ -32,15 +32,10 @@ const TASK_EDGE: i32 = 32;
 /// blocks beyond, hardly ever farther than the second: a foot is within reach of blocks that touch.
 const ROUNDS: usize = 4;
 
-/// One finished block on its way into the band.
-struct Entry<T> {
-    distances: [f32; BLOCK_VOXELS],
-    active: BlockMask,
-    visit: T,
-}
-
+/// What became of a block.
 enum Outcome<T> {
-    Band(Box<Entry<T>>),
+    /// It is in the band, with these active voxels and this visit.
+    Band(BlockMask, T),
     Outside,
     Inside,
 }
@@ -113,9 +108,7 @@ where
             self.keep_borders(&places);
         }
         let outcomes = self.finish();
-        let mut in_order: Vec<_> = self.staged.iter().map(|block| block.origin).zip(outcomes).collect();
-        in_order.sort_by_key(|&(origin, _)| block_order(origin));
-        self.push(in_order);
+        self.push(outcomes);
         Ok(())
     }
 
@@ -222,7 +215,7 @@ where
         }
     }
 
-    /// Clamps, masks and visits the staged blocks.
+    /// Masks and visits the staged blocks.
     fn finish(&mut self) -> Vec<Outcome<T>> {
         for block in &self.staged {
             self.report.thin_voxels += u64::from(block.thin);
@@ -231,22 +224,25 @@ where
         self.staged.par_iter().map_init(self.visitor, |visitor, block| outcome(self.scope, visitor, block)).collect()
     }
 
-    /// Takes finished blocks, in order, into the band. Memory that is touched first is the dear part, so all threads do.
-    fn push(&mut self, finished: Vec<(IVec3, Outcome<T>)>) {
-        let mut entries = Vec::with_capacity(finished.len());
-        for (origin, outcome) in finished {
+    /// Takes the staged blocks into the band. Memory that is touched first is the dear part, so all threads do.
+    fn push(&mut self, outcomes: Vec<Outcome<T>>) {
+        let mut in_order: Vec<_> = self.staged.iter().zip(outcomes).collect();
+        in_order.sort_unstable_by_key(|(block, _)| block_order(block.origin));
+        let mut kept = Vec::with_capacity(in_order.len());
+        for (block, outcome) in in_order {
             match outcome {
-                Outcome::Band(entry) => {
-                    self.band.origins.push(origin);
-                    entries.push(entry);
+                Outcome::Band(active, visit) => {
+                    self.band.origins.push(block.origin);
+                    self.band.active.push(active);
+                    kept.push((block, visit));
                 }
-                Outcome::Inside => self.band.inside_tiles.push(InsideTile { origin, edge: BLOCK_EDGE }),
+                Outcome::Inside => self.band.inside_tiles.push(InsideTile { origin: block.origin, edge: BLOCK_EDGE }),
                 Outcome::Outside => {}
             }
         }
-        self.band.distances.par_extend(entries.par_iter().map(|entry| entry.distances));
-        self.band.active.extend(entries.iter().map(|entry| entry.active));
-        self.visits.par_extend(entries.into_par_iter().map(|entry| entry.visit));
+        let background = self.scope.background();
+        self.band.distances.par_extend(kept.par_iter().map(|(block, _)| block.clamped(background)));
+        self.visits.par_extend(kept.into_par_iter().map(|(_, visit)| visit));
     }
 
     /// Measures the blocks again to which later ones offered nearer feet, and then those to which these do.
@@ -267,7 +263,7 @@ where
                 .collect::<Result<Vec<_>, Error>>()?;
             let mut redone = Vec::with_capacity(again.len());
             for (outcome, block) in again {
-                self.replace(block.origin, outcome);
+                self.replace(&block, outcome);
                 redone.push(block);
             }
             for block in &redone {
@@ -299,19 +295,20 @@ where
     }
 
     /// Puts a block measured again in its place. It can only have gained: nearer feet, active voxels.
-    fn replace(&mut self, origin: IVec3, outcome: Outcome<T>) {
-        let Outcome::Band(entry) = outcome else { return };
+    fn replace(&mut self, block: &Staged, outcome: Outcome<T>) {
+        let Outcome::Band(active, visit) = outcome else { return };
+        let (origin, distances) = (block.origin, block.clamped(self.scope.background()));
         match place_of(&self.band.origins, origin) {
             Ok(place) => {
-                self.band.distances[place] = entry.distances;
-                self.band.active[place] = entry.active;
-                self.visits[place] = entry.visit;
+                self.band.distances[place] = distances;
+                self.band.active[place] = active;
+                self.visits[place] = visit;
             }
             Err(place) => {
                 self.band.origins.insert(place, origin);
-                self.band.distances.insert(place, entry.distances);
-                self.band.active.insert(place, entry.active);
-                self.visits.insert(place, entry.visit);
+                self.band.distances.insert(place, distances);
+                self.band.active.insert(place, active);
+                self.visits.insert(place, visit);
                 self.band.inside_tiles.retain(|tile| tile.origin != origin);
             }
         }
@@ -335,10 +332,8 @@ fn outcome<T>(scope: &Scope, visitor: &mut impl FnMut(&MeasuredBlock) -> T, bloc
     if active == [0; 8] {
         return if block.distances[0] >= 0.0 { Outcome::Inside } else { Outcome::Outside };
     }
-    let mut distances = [0.0; BLOCK_VOXELS];
-    block.clamped(background, &mut distances);
-    let visit = visitor(&MeasuredBlock::new(scope, block, &distances, &active));
-    Outcome::Band(Box::new(Entry { distances, active, visit }))
+    let visit = visitor(&MeasuredBlock::new(scope, block, &active));
+    Outcome::Band(active, visit)
 }
 
 fn task_node(origin: IVec3) -> IVec3 {

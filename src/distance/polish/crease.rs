@@ -184,8 +184,8 @@ impl Polisher {
         let evaluate = |points: &Points, out: &mut Gradients| evaluator.branch(branch, points, out);
         let far = FAR * request.reach;
         self.lanes.solve_known(request, queries.points, &parts[0], far, &mut self.gradients, evaluate);
-        singles[branch].foot = self.lanes.foot;
-        singles[branch].distance = self.lanes.distance;
+        singles[branch].foot.clone_from_slice(&self.lanes.foot);
+        singles[branch].distance.copy_from_slice(&self.lanes.distance);
     }
 
     /// Takes the feet of the group on one branch that lie on F = 0; they are nearer than the best.

@@ -63,7 +63,6 @@ impl Polisher {
     ) {
         (feet.origin, feet.len) = (queries.origin, queries.len);
         if evaluator.branches() > 1 {
-            feet.clone_from(queries);
             let inside = std::array::from_fn(|i| at_queries.value[i] >= 0.0);
             self.forget_seeds(distances);
             self.crease_closest(evaluator, request, queries, &inside, feet, distances);
@@ -73,9 +72,10 @@ impl Polisher {
         let far = FAR * request.reach;
         let evaluate = |points: &Points, out: &mut Gradients| evaluator.gradients(points, out);
         lanes.solve_known(request, queries, at_queries, far, gradients, evaluate);
-        *distances = lanes.distance;
-        let [x, y, z] = lanes.foot;
-        (feet.x, feet.y, feet.z) = (x, y, z);
+        distances.copy_from_slice(&lanes.distance);
+        for (feet, found) in [&mut feet.x, &mut feet.y, &mut feet.z].into_iter().zip(&lanes.foot) {
+            feet.copy_from_slice(found);
+        }
     }
 
     /// Finds the closest surface point of each query; `inside` tells where F ≥ 0.
