@@ -30,7 +30,8 @@ pub fn pairs(
     mut ours: impl FnMut() -> Seconds,
     mut theirs: impl FnMut() -> Seconds,
 ) -> Vec<[Seconds; 2]> {
-    (ours(), theirs());
+    ours();
+    theirs();
     let pair = |round| match round % 2 {
         0 => {
             let first = ours();
