@@ -4,14 +4,14 @@
 //!
 //! `cargo bench --bench stages [-- SCENE... RESOLUTION...]`
 //!
-//! `STAGE scene resolution name milliseconds low high`: medians by the clock and the borders of the middle half.
+//! `STAGE scene resolution name clock processor`: medians in milliseconds, by the clock and of the processor.
 
 mod common;
 
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
-use common::clock::{quartiles, timed};
+use common::clock::{Seconds, quartiles, timed};
 use common::scenes::{self, Sampling};
 use common::{bake, threads};
 use hfvdb::distance::descent::{NODE_EDGE, Scope, descend};
@@ -62,16 +62,22 @@ fn bench(scene: &str, resolution: u32) {
         let (handed_over, ready) = timed(|| bake::hand_over(&grids));
         let (encoded, ()) = timed(|| write(&ready, memory.path()));
         let (written, ()) = timed(|| write(&ready, disk.path()));
-        let [find, filled, measured, computed, handed_over, encoded, written] =
-            [find, filled, measured, computed, handed_over, encoded, written].map(|seconds| seconds[0]);
-        let stage =
-            [find, filled - find, measured - filled, computed - measured, handed_over, encoded, written - encoded];
-        stages.iter_mut().zip(stage).for_each(|(list, seconds)| list.push(1e3 * seconds));
+        let more = |long: Seconds, short: Seconds| [long[0] - short[0], long[1] - short[1]];
+        let stage = [
+            find,
+            more(filled, find),
+            more(measured, filled),
+            more(computed, measured),
+            handed_over,
+            encoded,
+            more(written, encoded),
+        ];
+        stages.iter_mut().zip(stage).for_each(|(list, seconds)| list.push(seconds));
     }
     let names = ["find", "fill", "distances", "colour", "hand_over", "encode", "disk"];
     for (name, list) in names.into_iter().zip(stages) {
-        let [median, low, high] = quartiles(list);
-        println!("STAGE {scene} {resolution} {name} {median:.1} {low:.1} {high:.1}");
+        let [clock, processor] = [0, 1].map(|clock| 1e3 * quartiles(list.iter().map(|seconds| seconds[clock]))[0]);
+        println!("STAGE {scene} {resolution} {name} {clock:.1} {processor:.1}");
     }
 }
 

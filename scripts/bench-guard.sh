@@ -66,7 +66,7 @@ judge() {
             noise = 2 * median(deviation, NR)
             if (noise < 0.03) noise = 0.03
             printf "%.3f (%.3f to %.3f, noise %.3f) %s\n", middle, ratio[1], ratio[NR], noise, \
-                middle > 1 + noise ? "SLOWER" : "ok"
+                (middle > 1 + noise ? "SLOWER" : "ok")
         }'
 }
 

@@ -19,6 +19,7 @@ GOALS = {
     "2": ("evaluation of the whole tape, share of the rate of vector square roots", "evaluate", "0.42–0.44"),
     "3": ("the same, rate against fidget's JIT with R₀", "evaluate", "0.94 at AVX2, 1.9 at AVX-512"),
     "4": ("finding leaves and filling F, rate against fidget's JIT with min and max", "leaves", "22"),
+    "4-apart": ("the same, leaves found first and entered again to be filled, as the program does", "leaves", ""),
     "5": ("sparse distances from the scene's text on, rate against the loop with an accessor", "sparse", "190"),
     "6": ("sparse distances, share of the time of `createLevelSetSphere` and CSG", "sparse", "0.4"),
     "7": ("time at twice the resolution", "band", "3.6–3.7"),
@@ -105,7 +106,7 @@ def goals(rows):
             continue
         job, bench, floor = GOALS[name]
         processor = rows.get((name, scene, resolution, "processor"), (goal, []))[1] if what == "clock" else []
-        where = f"{scene} {resolution}" if what in ("clock", "leaves", "memory") else what
+        where = f"{scene} {resolution}" if what in ("clock", "leaves", "memory") else f"{scene}, {what}"
         lines.append([
             name.partition("-")[0].replace("written", ""), job, where.replace(",_", ", ").replace(":_", ": "), floor,
             goal.replace("-", ""), reached(goal, values), reached(goal, processor) if processor else "", f"`{bench}`",
@@ -128,8 +129,9 @@ def errors(rows):
 
 def stages(lines):
     found = collections.defaultdict(lambda: collections.defaultdict(list))
-    for scene, resolution, stage, median, *_ in lines:
-        found[f"{scene} {resolution}"][stage].append(float(median))
+    for scene, resolution, stage, clock, processor in lines:
+        found[f"{scene} {resolution}, clock"][stage].append(float(clock))
+        found[f"{scene} {resolution}, processor"][stage].append(float(processor))
     rows = []
     for scene, all in found.items():
         medians = [statistics.median(all[stage]) for stage in STAGES]

@@ -38,7 +38,7 @@ measure() {
             cargo bench --quiet --locked --features rivals --bench "$bench" | tee -a "$logs/$run.txt"
         done
     done
-    cargo bench --quiet --locked --bench growth | tee -a "$logs/1.txt"
+    cargo bench --quiet --locked --features rivals --bench growth | tee -a "$logs/1.txt"
     program cubism-256 target/release/hfvdb bake cubism --output "$logs/m.####.vdb" --overwrite | tee -a "$logs/1.txt"
     program cubism-1024 target/release/hfvdb bake cubism --resolution 1024 --frames 24 --output "$logs/m.vdb" --overwrite \
         | tee -a "$logs/1.txt"
