@@ -1,7 +1,7 @@
 //! How the cost of a frame with colour grows with the resolution, for a still (the heart) and a frame of a morph (cube
 //! to heart, the middle): seconds of the processor, memory, bytes of the file, and the exponents fitted to them.
 //!
-//! `cargo bench --bench growth [-- RESOLUTION...]`; 64 to 2048 without arguments, which takes minutes and 8 GB.
+//! `cargo bench --bench growth [-- RESOLUTION...]`; 64 to 2048 without arguments, of which the heart takes 6 GB.
 //!
 //! `GROWTH scene resolution voxels ready compute write memory bytes`: seconds, then bytes; memory is the most that
 //! a process takes that makes this one frame.

@@ -5,7 +5,7 @@
 #
 #     scripts/bench-guard.sh COMMIT [ROUNDS]
 #
-# Two minutes after the builds, with 5 rounds. The commit's build is kept in target/guard for the next time.
+# 5 rounds without ROUNDS: minutes after the builds, most of them cubism's. The commit's build is kept in target/guard for the next time.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -50,7 +50,7 @@ bake() {
         | awk '{ print $1 + $2 }'
 }
 
-# One ratio a line in; the median, the least and the greatest, the noise allowed, and ok or SLOWER out.
+# One ratio a line in; out their median, the least and the greatest, the noise allowed, and ok or SLOWER.
 judge() {
     sort --numeric-sort | awk '
         function median(list, count) { return (list[int((count + 1) / 2)] + list[int(count / 2) + 1]) / 2 }
@@ -65,7 +65,7 @@ judge() {
                 }
             noise = 2 * median(deviation, NR)
             if (noise < 0.03) noise = 0.03
-            printf "%.3f (%.3f to %.3f, noise %.3f) %s\n", middle, ratio[1], ratio[NR], noise, \
+            printf "%.3f of the time (%.3f to %.3f, noise %.3f): %s\n", middle, ratio[1], ratio[NR], noise, \
                 (middle > 1 + noise ? "SLOWER" : "ok")
         }'
 }
@@ -93,7 +93,7 @@ for job in "${jobs[@]}"; do
         continue
     fi
     verdict=$(ratios "${arguments[@]}" | judge)
-    printf '%s: %s of the time\n' "${job%%: *}" "$verdict"
+    printf '%s: %s\n' "${job%%: *}" "$verdict"
     [[ $verdict != *SLOWER ]] || slower=1
 done
 rm -f "$output"
