@@ -9,7 +9,8 @@ const HEADERS: [&str; 2] = ["cpp/border.h", "cpp/grids.h"];
 const BRIDGE: &str = "src/vdb/bridge.rs";
 /// What belongs to the feature `rivals`.
 const RIVAL_BRIDGE: &str = "src/vdb/rivals.rs";
-const RIVALS: [&str; 3] = ["cpp/rivals.cpp", "cpp/rivals.h", RIVAL_BRIDGE];
+const RIVALS: [&str; 2] = ["cpp/rivals.cpp", "cpp/rivals_distance.cpp"];
+const RIVAL_HEADER: &str = "cpp/rivals.h";
 /// Where a system's headers stand when `OPENVDB_ROOT` names no other place.
 const ROOTS: [&str; 2] = ["/usr", "/usr/local"];
 
@@ -34,8 +35,9 @@ fn main() {
     let rivals = env::var_os("CARGO_FEATURE_RIVALS").is_some();
     let mut build = if rivals { cxx_build::bridges([BRIDGE, RIVAL_BRIDGE]) } else { cxx_build::bridge(BRIDGE) };
     if rivals {
-        build.file(RIVALS[0]);
-        RIVALS.iter().for_each(|file| println!("cargo::rerun-if-changed={file}"));
+        build.files(RIVALS);
+        let read = RIVALS.iter().chain([&RIVAL_HEADER, &RIVAL_BRIDGE]);
+        read.for_each(|file| println!("cargo::rerun-if-changed={file}"));
     }
     if root != Path::new("/usr") {
         build.flag(format!("-isystem{}", root.join("include").display()));

@@ -1,58 +1,35 @@
-//! Batch evaluation of the *two_hundred* scene (200 balls in a balanced tree of R₀ unions, less 20): the whole
-//! tape against the rate of vector square roots of the same width, and against the `f64` reference.
+//! Batch evaluation of *two_hundred* (200 balls in a balanced tree of R₀ unions, less 20): the whole tape against the
+//! rate of vector square roots of the same width, and against fidget's JIT, which is AVX2 and has R₀ written out (rows 2
+//! and 3 of the performance table); and the `f64` reference, and entering a region.
 //!
 //! `cargo bench --bench evaluate`; every width that the processor has is measured, medians of repeated runs.
+
+mod common;
 
 use std::hint::black_box;
 use std::time::Instant;
 
+use common::clock::quartiles;
+use common::report::{Goal, Row};
+use common::{jit, scenes};
+use fidget::jit::JitShape;
+use fidget::shape::EzShape;
 use glam::{DVec3, Vec3};
-use hfvdb::field::{Aabb, BATCH, Evaluator, Expression, Field, Gradients, Graph, Node, Points, SetSystem, VectorWidth};
+use hfvdb::field::{Aabb, BATCH, Evaluator, Field, Gradients, Points, SetSystem, VectorWidth};
 use multiversion::multiversion;
 
-const BALLS: usize = 200;
-const HOLES: usize = 20;
-
-fn two_hundred() -> Expression {
-    let mut seed = 1u64;
-    let mut next = move || {
-        seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (seed >> 11) as f64 / (1u64 << 53) as f64
-    };
-    let mut graph = Graph::new();
-    let mut ball = |graph: &mut Graph| {
-        let centre = DVec3::new(next(), next(), next()) * 1.7 - 0.85;
-        let radius = 0.05 + 0.1 * next();
-        let mut sum = graph.constant(radius * radius);
-        for axis in 0..3 {
-            let form = graph.affine(DVec3::AXES[axis], -centre[axis]);
-            let square = graph.square(form);
-            sum = graph.sub(sum, square);
-        }
-        sum
-    };
-    let balls: Vec<Node> = (0..BALLS).map(|_| ball(&mut graph)).collect();
-    let mut solid = graph.union(SetSystem::R0, &balls);
-    for _ in 0..HOLES {
-        let hole = ball(&mut graph);
-        solid = graph.difference(SetSystem::R0, solid, &[hole]);
-    }
-    Expression::new(&graph, solid)
+/// Seconds of a call, the mean of some.
+fn time(mut call: impl FnMut()) -> f64 {
+    const CALLS: u32 = 20;
+    let start = Instant::now();
+    (0..CALLS).for_each(|_| call());
+    start.elapsed().as_secs_f64() / f64::from(CALLS)
 }
 
-/// Median seconds of a call.
-fn time(mut call: impl FnMut()) -> f64 {
-    let mut samples: Vec<f64> = (0..41)
-        .map(|_| {
-            let start = Instant::now();
-            for _ in 0..20 {
-                call();
-            }
-            start.elapsed().as_secs_f64() / 20.0
-        })
-        .collect();
-    samples.sort_by(f64::total_cmp);
-    samples[samples.len() / 2]
+/// The median and the borders of the middle half of what is measured again and again.
+fn rounds(measure: impl FnMut() -> f64) -> [f64; 3] {
+    const ROUNDS: usize = 41;
+    quartiles(std::iter::repeat_with(measure).take(ROUNDS))
 }
 
 #[inline(always)]
@@ -81,35 +58,64 @@ fn roots(width: VectorWidth, values: &mut [f32; BATCH]) {
 }
 
 fn main() {
-    let field = two_hundred();
+    let balls = scenes::two_hundred();
+    let field = balls.expression(SetSystem::R0);
     let mut points = Points::new(DVec3::ZERO);
     for i in 0..BATCH {
         points.push(Vec3::new((i >> 6) as f32, ((i >> 3) & 7) as f32, (i & 7) as f32) * 0.25 - 1.0);
     }
-    let operations = (BALLS - 1 + HOLES) as f64;
+    let operations = (balls.solid.len() - 1 + balls.holes.len()) as f64;
     println!("{} operations, {operations} of them R0", field.operations());
+    let shape = jit::shape(&balls, jit::r0_union);
+    let (tape, mut rival) = (shape.ez_float_slice_tape(), JitShape::new_float_slice_eval());
+    let mut rival = |points: &Points| {
+        let values = rival.eval(&tape, &points.x[..], &points.y[..], &points.z[..]).expect("a tape");
+        <[f32; BATCH]>::try_from(values).expect("a value a point")
+    };
 
-    let mut scratch = [2.0; BATCH];
+    let row = |number| Row(number, "two_hundred", BATCH as u32);
     let mut answers = Vec::new();
-    for width in VectorWidth::ALL {
-        let root = time(|| roots(width, black_box(&mut scratch)));
+    for width in VectorWidth::ALL.into_iter().filter(|width| *width <= VectorWidth::chosen()) {
         let mut evaluator = field.evaluator_of_width(width);
         let (mut values, mut gradients) = ([0.0; BATCH], Gradients::new());
-        let batch = time(|| evaluator.values(black_box(&points), &mut values));
-        let slopes = time(|| evaluator.gradients(black_box(&points), &mut gradients));
+        let mut scratch = [2.0; BATCH];
+        let name = format!("{width:?}");
+        let share = rounds(|| {
+            let root = time(|| roots(width, black_box(&mut scratch)));
+            root * operations / time(|| evaluator.values(black_box(&points), &mut values))
+        });
+        row("2").spread(&name, share, Goal::AtLeast(0.35));
+        let against_jit = rounds(|| {
+            let theirs = time(|| {
+                black_box(rival(black_box(&points)));
+            });
+            theirs / time(|| evaluator.values(black_box(&points), &mut values))
+        });
+        let goal = match width {
+            VectorWidth::Sse2 => Goal::None,
+            VectorWidth::Avx2 => Goal::AtLeast(0.9),
+            VectorWidth::Avx512 => Goal::AtLeast(1.7),
+        };
+        row("3").spread(&name, against_jit, goal);
+        let [batch, ..] = rounds(|| time(|| evaluator.values(black_box(&points), &mut values)));
+        let [slopes, ..] = rounds(|| time(|| evaluator.gradients(black_box(&points), &mut gradients)));
         println!(
-            "{width:?}: {:.2} us a batch, {:.2} ns a point; {:.3} of the root rate; with gradients {:.2} times as long",
+            "{width:?}: {:.2} us a batch, {:.2} ns a point; with gradients {:.2} times as long",
             batch * 1e6,
             batch * 1e9 / BATCH as f64,
-            root * operations / batch,
             slopes / batch
         );
         answers.push(values);
     }
     assert!(answers.windows(2).all(|pair| pair[0] == pair[1]), "widths differ");
+    // Values depend on the order in which balls are joined, signs do not.
+    let alike = |(a, b): (&f32, &f32)| a.is_sign_negative() == b.is_sign_negative();
+    assert!(rival(&points).iter().zip(&answers[0]).all(alike), "the rival computes something else");
 
-    let reference = time(|| {
-        black_box(field.reference(black_box(DVec3::new(0.1, 0.2, 0.3))));
+    let [reference, ..] = rounds(|| {
+        time(|| {
+            black_box(field.reference(black_box(DVec3::new(0.1, 0.2, 0.3))));
+        })
     });
     println!("reference: {:.2} us a point", reference * 1e6);
 
@@ -118,9 +124,11 @@ fn main() {
         let around = Aabb::new(DVec3::splat(0.1), DVec3::splat(0.1 + edge));
         evaluator.enter(&Aabb::new(DVec3::splat(-0.25), DVec3::splat(0.5)));
         let kept = evaluator.operations();
-        let enter = time(|| {
-            black_box(evaluator.enter(black_box(&around)));
-            evaluator.leave();
+        let [enter, ..] = rounds(|| {
+            time(|| {
+                black_box(evaluator.enter(black_box(&around)));
+                evaluator.leave();
+            })
         });
         println!("entering {name}: {:.2} us from {kept} operations", enter * 1e6);
     }

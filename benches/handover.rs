@@ -1,16 +1,17 @@
-//! How fast blocks reach OpenVDB's tree across the bridge, against C++ alone and against a call a voxel; and how
-//! fast frames reach the disk, against OpenVDB's own writer.
+//! How fast blocks reach OpenVDB's tree across the bridge, against C++ alone and against a call a voxel (rows 11 and 18 of
+//! the performance table); and how fast a ready frame reaches the disk, against OpenVDB's own writer.
 //!
-//!     cargo bench --features rivals --bench handover [-- ROUNDS]
-//!
-//! Rivals alternate in one process, so that both meet the same machine; what counts is the ratio of a pair, its median
-//! and its spread over the rounds.
+//! `cargo bench --features rivals --bench handover [-- RESOLUTION...]`
 
-use std::time::Instant;
+mod common;
 
+use common::clock::{Seconds, pairs, timed};
+use common::report::{Goal, Row};
 use glam::{DVec3, IVec3};
 use hfvdb::grid::*;
 use hfvdb::vdb::{Frame, Grid, WriteOptions, prepare, rivals, set_threads};
+
+const PAIRS: usize = 21;
 
 /// The band of a sphere of radius 0.9 in the box [-1, 1]³.
 fn sphere(resolution: i32) -> Band {
@@ -51,15 +52,6 @@ fn sphere(resolution: i32) -> Band {
     }
 }
 
-/// Seconds by the clock, and of the processor on all threads: on a busy machine only the second means anything.
-type Seconds = [f64; 2];
-
-fn timed<T>(work: impl FnOnce() -> T) -> (Seconds, T) {
-    let (start, processor) = (Instant::now(), rivals::processor_seconds());
-    let result = work();
-    ([start.elapsed().as_secs_f64(), rivals::processor_seconds() - processor], result)
-}
-
 /// Brings a band's blocks into a tree across the bridge; the tree's end is not counted.
 fn across_the_bridge(band: &Band, threads: usize) -> Seconds {
     set_threads(threads).expect("a thread limit");
@@ -93,39 +85,8 @@ fn a_call_a_voxel(band: &Band) -> Seconds {
     seconds
 }
 
-/// The median, and the borders of the middle half.
-fn quartiles(mut list: Vec<f64>) -> [f64; 3] {
-    list.sort_by(f64::total_cmp);
-    [list[list.len() / 2], list[list.len() / 4], list[list.len() * 3 / 4]]
-}
-
-/// Runs two rivals in turns and prints how many times faster the first is.
-fn compare(title: &str, goal: f64, rounds: usize, ours: impl Fn() -> Seconds, theirs: impl Fn() -> Seconds) {
-    (ours(), theirs()); // warm memory and caches
-    let pairs: Vec<(Seconds, Seconds)> = (0..rounds)
-        .map(|round| match round % 2 {
-            0 => {
-                let first = ours();
-                (first, theirs())
-            }
-            _ => {
-                let first = theirs();
-                (ours(), first)
-            }
-        })
-        .collect();
-    println!("{title}, goal {goal}");
-    for (clock, name) in ["by the clock", "of processor time"].into_iter().enumerate() {
-        let of =
-            |pick: fn(&(Seconds, Seconds), usize) -> f64| quartiles(pairs.iter().map(|p| pick(p, clock)).collect());
-        let [ratio, low, high] = of(|pair, clock| pair.1[clock] / pair.0[clock]);
-        let (ours, theirs) = (1e3 * of(|pair, clock| pair.0[clock])[0], 1e3 * of(|pair, clock| pair.1[clock])[0]);
-        println!("    {name}: {ratio:.2} times as fast ({low:.2} to {high:.2}); {ours:.1} ms against {theirs:.1} ms");
-    }
-}
-
 /// Writes a surface with colour here and by OpenVDB's own writer: encoded, on the disk and synced.
-fn compare_writing(band: &Band, rounds: usize) {
+fn compare_writing(band: &Band, row: Row) {
     let folder = tempfile::tempdir().expect("a folder");
     let colours = band.distances.iter().map(|values| values.map(|value| [0.5 + value, 0.5 - value, value.abs()]));
     let colour = Channel { name: "Cd".into(), values: colours.collect(), background: [0.5; 3] };
@@ -136,23 +97,28 @@ fn compare_writing(band: &Band, rounds: usize) {
     let options = WriteOptions { overwrite: true, ..Default::default() };
     let write_ours = || timed(|| prepared.write(&ours, &options).expect("it is written")).0;
     let write_theirs = || timed(|| rivals::write_with_library(&prepared, theirs.to_str().expect("UTF-8"))).0;
-    compare("  a ready frame with colour on the disk, against io::File", 1.0, rounds, write_ours, write_theirs);
+    let pairs = pairs(PAIRS, write_ours, write_theirs);
+    row.compare("a ready frame with colour on the disk, against io::File", Goal::None, &pairs);
+}
+
+fn bench(resolution: u32) {
+    let all = std::thread::available_parallelism().map_or(2, usize::from);
+    let band = sphere(resolution as i32);
+    println!("sphere at {resolution}: {} blocks, {} active voxels", band.origins.len(), band.active_voxels());
+    let ours = |threads| across_the_bridge(&band, threads);
+    let row = |number| Row(number, "sphere", resolution);
+    for threads in [1, all] {
+        let scene = format!("sphere,_threads:_{threads}");
+        let pairs = pairs(PAIRS, || ours(threads), || in_cpp(&band, threads));
+        Row("11", &scene, resolution).compare("across the bridge, against C++ alone", Goal::AtLeast(0.8), &pairs);
+    }
+    let voxels = pairs(PAIRS, || ours(1), || a_call_a_voxel(&band));
+    row("11-voxels").compare("across the bridge, against a call a voxel, one thread", Goal::AtLeast(3.0), &voxels);
+    let threads = pairs(PAIRS, || ours(all), || ours(1));
+    row("18-handover").compare("all threads against one, handing over", Goal::AtLeast(1.6), &threads);
+    compare_writing(&band, row("written"));
 }
 
 fn main() {
-    let rounds = std::env::args().filter_map(|argument| argument.parse().ok()).next().unwrap_or(21);
-    let all = std::thread::available_parallelism().map_or(2, usize::from);
-    for resolution in [256, 512] {
-        let band = sphere(resolution);
-        println!("sphere at {resolution}: {} blocks, {} active voxels", band.origins.len(), band.active_voxels());
-        let ours = |threads| across_the_bridge(&band, threads);
-        for threads in [1, all] {
-            let title = format!("  across the bridge, against C++ alone, {threads} threads");
-            compare(&title, 0.8, rounds, || ours(threads), || in_cpp(&band, threads));
-            let title = format!("  blocks on {threads} threads, against a call a voxel on one");
-            compare(&title, 3.0, rounds, || ours(threads), || a_call_a_voxel(&band));
-        }
-        compare(&format!("  {all} threads against 1"), 1.6, rounds, || ours(all), || ours(1));
-        compare_writing(&band, rounds);
-    }
+    common::resolutions(&[256, 512]).into_iter().for_each(bench);
 }

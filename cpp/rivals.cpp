@@ -32,12 +32,13 @@ void share(std::size_t count, std::size_t threads, const Act& act)
     for (std::thread& worker : workers) worker.join();
 }
 
-} // namespace
-
+// Seconds that all threads of the process have run.
 double processor_seconds()
 {
     return double(std::clock()) / CLOCKS_PER_SEC;
 }
+
+} // namespace
 
 void write_with_library(const Frame& frame, rust::Str path)
 {

@@ -12,9 +12,6 @@ namespace hfvdb {
 
 class Frame;
 
-// Seconds that all threads of the process have run.
-double processor_seconds();
-
 // Leaves made from blocks and linked by hand-written C++ on so many threads of its own, no border crossed: returns the
 // active voxels of the tree, which is gone afterwards. `seconds` gets the time to make it, not to destroy it: by the
 // clock, and of the processor.
@@ -38,5 +35,45 @@ private:
 };
 
 std::unique_ptr<VoxelTree> new_voxel_tree(float background);
+
+// A grid of OpenVDB's, negative inside. Lengths below are in world units, half widths 3 voxels; balls come as x, y, z
+// and radius of each.
+class RivalGrid {
+public:
+    struct Parts;
+    explicit RivalGrid(std::unique_ptr<Parts> parts);
+    ~RivalGrid();
+    Parts& parts() const { return *mParts; }
+    std::uint64_t active_voxels() const;
+    std::size_t leaves() const;
+    // Copies all leaves into slices of 3, 8 and 512 items a leaf.
+    void blocks(
+        rust::Slice<std::int32_t> origins, rust::Slice<std::uint64_t> masks, rust::Slice<float> values) const;
+
+private:
+    std::unique_ptr<Parts> mParts;
+};
+
+// A grid of active values, 512 a leaf.
+std::unique_ptr<RivalGrid> dense_grid(
+    rust::Slice<const std::int32_t> origins, rust::Slice<const float> values, double voxel_size);
+
+// The loop that a user writes: F of all voxels of the box [-1, 1]³ by plain R₀, kept by an accessor where it is less
+// than 3 voxels.
+std::unique_ptr<RivalGrid> accessor_loop(rust::Slice<const double> balls, rust::Slice<const double> holes,
+    std::int32_t resolution, std::size_t threads);
+
+// A level set a ball, joined and taken away one after another.
+std::unique_ptr<RivalGrid> spheres_by_csg(
+    rust::Slice<const double> balls, rust::Slice<const double> holes, double voxel_size);
+
+// levelSetRebuild and sdfToSdf.
+std::unique_ptr<RivalGrid> rebuild(const RivalGrid& dense);
+std::unique_ptr<RivalGrid> sweep(const RivalGrid& dense);
+
+// Level sets around the origin, and LevelSetMorphing with its defaults, which returns its steps.
+std::unique_ptr<RivalGrid> sphere_level_set(double radius, double voxel_size);
+std::unique_ptr<RivalGrid> cube_level_set(double edge, double voxel_size);
+std::size_t morph(RivalGrid& source, const RivalGrid& target, double from, double to);
 
 } // namespace hfvdb

@@ -17,9 +17,6 @@ mod ffi {
             seconds: &mut [f64; 2],
         ) -> Result<u64>;
 
-        /// Seconds that all threads of the process have run.
-        fn processor_seconds() -> f64;
-
         type Frame = crate::vdb::bridge::ffi::Frame;
         fn write_with_library(frame: &Frame, path: &str) -> Result<()>;
 
@@ -27,10 +24,50 @@ mod ffi {
         fn new_voxel_tree(background: f32) -> Result<UniquePtr<VoxelTree>>;
         fn set(self: Pin<&mut VoxelTree>, x: i32, y: i32, z: i32, value: f32) -> Result<()>;
         fn active_voxels(self: &VoxelTree) -> u64;
+
+        type RivalGrid;
+        fn active_voxels(self: &RivalGrid) -> u64;
+        fn leaves(self: &RivalGrid) -> usize;
+        fn blocks(self: &RivalGrid, origins: &mut [i32], masks: &mut [u64], values: &mut [f32]);
+        fn dense_grid(origins: &[i32], values: &[f32], voxel_size: f64) -> Result<UniquePtr<RivalGrid>>;
+        fn accessor_loop(balls: &[f64], holes: &[f64], resolution: i32, threads: usize)
+        -> Result<UniquePtr<RivalGrid>>;
+        fn spheres_by_csg(balls: &[f64], holes: &[f64], voxel_size: f64) -> Result<UniquePtr<RivalGrid>>;
+        fn rebuild(dense: &RivalGrid) -> Result<UniquePtr<RivalGrid>>;
+        fn sweep(dense: &RivalGrid) -> Result<UniquePtr<RivalGrid>>;
+        fn sphere_level_set(radius: f64, voxel_size: f64) -> Result<UniquePtr<RivalGrid>>;
+        fn cube_level_set(edge: f64, voxel_size: f64) -> Result<UniquePtr<RivalGrid>>;
+        fn morph(source: Pin<&mut RivalGrid>, target: &RivalGrid, from: f64, to: f64) -> Result<usize>;
     }
 }
 
-pub use ffi::{VoxelTree, link_in_cpp, new_voxel_tree, processor_seconds};
+use glam::IVec3;
+
+use crate::grid::{BLOCK_VOXELS, Band, BlockMask, Lattice};
+
+pub use ffi::{
+    RivalGrid, VoxelTree, accessor_loop, cube_level_set, dense_grid, link_in_cpp, morph, new_voxel_tree, rebuild,
+    sphere_level_set, spheres_by_csg, sweep,
+};
+
+/// A rival's level set as a band, positive inside: active where it is within `half_width` voxels, and limited there.
+pub fn band_of(grid: &RivalGrid, lattice: Lattice, half_width: f32) -> Band {
+    let leaves = grid.leaves();
+    let mut origins = vec![0; 3 * leaves];
+    let mut active: Vec<BlockMask> = vec![[0; 8]; leaves];
+    let mut distances = vec![[0.0; BLOCK_VOXELS]; leaves];
+    grid.blocks(&mut origins, active.as_flattened_mut(), distances.as_flattened_mut());
+    let background = (f64::from(half_width) * lattice.voxel_size.get()) as f32;
+    for (mask, values) in active.iter_mut().zip(&mut distances) {
+        for (place, value) in values.iter_mut().enumerate() {
+            let within = value.abs() < background;
+            mask[place >> 6] &= !(u64::from(!within) << (place & 63));
+            *value = (-*value).clamp(-background, background);
+        }
+    }
+    let origins = origins.chunks_exact(3).map(IVec3::from_slice).collect();
+    Band { lattice, half_width, origins, distances, active, inside_tiles: Vec::new() }
+}
 
 /// Writes a frame by OpenVDB's own writer, compressed by Blosc, and syncs the file.
 ///

@@ -1,0 +1,53 @@
+//! Seconds by the clock and of the processor, and rivals that run in turns.
+
+use std::time::Instant;
+
+use rustix::time::{ClockId, clock_gettime};
+
+/// Seconds by the clock, and of the processor on all threads: on a busy machine the second says more.
+pub type Seconds = [f64; 2];
+
+/// The names of the two.
+pub const CLOCKS: [&str; 2] = ["clock", "processor"];
+
+/// Seconds that all threads of the process have run.
+fn processor_seconds() -> f64 {
+    let time = clock_gettime(ClockId::ProcessCPUTime);
+    time.tv_sec as f64 + time.tv_nsec as f64 * 1e-9
+}
+
+/// What some work takes, and what it gives. The end of what it gives is not counted.
+pub fn timed<T>(work: impl FnOnce() -> T) -> (Seconds, T) {
+    let (start, processor) = (Instant::now(), processor_seconds());
+    let result = work();
+    ([start.elapsed().as_secs_f64(), processor_seconds() - processor], result)
+}
+
+/// Ours and theirs, run one after the other, the first of a pair in turns, so that both meet the same machine. One
+/// pair before them warms memory and caches.
+pub fn pairs(
+    rounds: usize,
+    mut ours: impl FnMut() -> Seconds,
+    mut theirs: impl FnMut() -> Seconds,
+) -> Vec<[Seconds; 2]> {
+    ours();
+    theirs();
+    let pair = |round| match round % 2 {
+        0 => {
+            let first = ours();
+            [first, theirs()]
+        }
+        _ => {
+            let first = theirs();
+            [ours(), first]
+        }
+    };
+    (0..rounds).map(pair).collect()
+}
+
+/// The median, and the borders of the middle half.
+pub fn quartiles(list: impl IntoIterator<Item = f64>) -> [f64; 3] {
+    let mut list: Vec<f64> = list.into_iter().collect();
+    list.sort_by(f64::total_cmp);
+    [list[list.len() / 2], list[list.len() / 4], list[list.len() * 3 / 4]]
+}

@@ -1,0 +1,58 @@
+//! Frames with colour, computed and on the disk, against OpenVDB alone writing the same ready grids with `io::File`
+//! and syncing the file as we do (rows 12 and 13 of the performance table): one frame, and a sequence with a frame
+//! written while the next is computed. Making scenes ready is not timed. On two threads, under `target/tmp`.
+//!
+//! `cargo bench --features rivals --bench frames [-- SCENE... RESOLUTION...]`
+
+mod common;
+
+use common::clock::{Seconds, pairs, timed};
+use common::report::{Goal, Row};
+use common::scenes::{self, Sampling};
+use common::{bake, threads};
+use hfvdb::vdb::rivals;
+
+const PAIRS: usize = 5;
+/// Frames of a sequence.
+const FRAMES: i64 = 6;
+
+/// What the scenes are called, how their resolution is meant, and where a sequence begins: for cubism in its middle,
+/// where its frames are hardest.
+fn scene(name: &str, resolution: u32) -> (Sampling, i64) {
+    match name {
+        "cubism" => (Sampling::OfSolid(resolution), 20),
+        _ => (Sampling::OfBox(resolution), 1),
+    }
+}
+
+fn bench(name: &str, resolution: u32) {
+    let (sampling, first) = scene(name, resolution);
+    let (making_ready, prepared) = timed(|| scenes::prepare(name, sampling));
+    println!("{name} at {resolution}: made ready in {making_ready:.2?} s");
+    let numbers: Vec<i64> = (first..first + FRAMES).collect();
+    let ready: Vec<_> = numbers.iter().map(|frame| bake::hand_over(&bake::compute(&prepared, *frame))).collect();
+    let folder = tempfile::tempdir_in(env!("CARGO_TARGET_TMPDIR")).expect("a folder");
+    let theirs = |frames: usize| -> Seconds {
+        let write = |(place, grids)| {
+            let path = folder.path().join(format!("theirs.{place}.vdb"));
+            rivals::write_with_library(grids, path.to_str().expect("UTF-8")).expect("the rival runs");
+        };
+        timed(|| ready[..frames].iter().enumerate().for_each(write)).0
+    };
+    let ours = |frames: usize| timed(|| bake::write(&prepared, &numbers[..frames], folder.path())).0;
+    let one = pairs(PAIRS, || ours(1), || theirs(1));
+    Row("12", name, resolution).compare("a frame, against io::File alone", Goal::AtMost(1.0), &one);
+    let each = |seconds: Seconds| seconds.map(|seconds| seconds / FRAMES as f64);
+    let all = pairs(PAIRS, || each(ours(numbers.len())), || each(theirs(numbers.len())));
+    Row("13", name, resolution).compare("a frame of a sequence, against io::File alone", Goal::AtMost(0.75), &all);
+}
+
+fn main() {
+    let named: Vec<String> = common::arguments().into_iter().filter(|word| word.parse::<u32>().is_err()).collect();
+    let scenes = if named.is_empty() { ["two_hundred", "three", "cubism"].map(String::from).to_vec() } else { named };
+    for resolution in common::resolutions(&[512]) {
+        for scene in &scenes {
+            threads(2).install(|| bench(scene, resolution));
+        }
+    }
+}

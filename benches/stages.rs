@@ -1,0 +1,93 @@
+//! Where the time of one frame with colour goes, on two threads: finding blocks, filling them with F, distances, colour,
+//! handing over, encoding with the check that reads the file back, and the disk. Each stage is what a longer piece of
+//! the work takes more than a shorter one, so that nothing in the program has a clock in it.
+//!
+//! `cargo bench --bench stages [-- SCENE... RESOLUTION...]`
+//!
+//! `STAGE scene resolution name clock processor`: medians in milliseconds, by the clock and of the processor.
+
+mod common;
+
+use std::path::Path;
+use std::sync::atomic::AtomicBool;
+
+use common::clock::{Seconds, quartiles, timed};
+use common::scenes::{self, Sampling};
+use common::{bake, threads};
+use hfvdb::distance::descent::{NODE_EDGE, Scope, descend};
+use hfvdb::field::{BATCH, Field, Points};
+use hfvdb::grid::BLOCK_EDGE;
+use hfvdb::vdb::{Prepared, WriteOptions};
+use rayon::prelude::*;
+
+const ROUNDS: usize = 9;
+
+/// Finds the blocks, and fills them with F.
+fn fill(field: &dyn Field, scope: &Scope) -> Vec<[f32; BATCH]> {
+    let blocks = descend(field, scope, &AtomicBool::new(false)).expect("not cancelled").blocks;
+    let mut values = vec![[0.0; BATCH]; blocks.len()];
+    let half_width = f64::from(scope.half_width);
+    blocks.par_iter().zip(&mut values).for_each_init(
+        || field.evaluator(),
+        |evaluator, (&origin, values)| {
+            evaluator.enter(&scope.centres(origin & !(NODE_EDGE - 1), NODE_EDGE, half_width));
+            evaluator.enter(&scope.centres(origin, BLOCK_EDGE, half_width));
+            evaluator.values(&Points::of_block(origin, &scope.lattice), values);
+            evaluator.leave();
+            evaluator.leave();
+        },
+    );
+    values
+}
+
+fn write(prepared: &Prepared, folder: &Path) {
+    let options = WriteOptions { overwrite: true, ..Default::default() };
+    prepared.write(folder.join("frame.vdb"), &options).expect("it is written");
+}
+
+fn bench(scene: &str, resolution: u32) {
+    let frame = if scene == "cubism" { 24 } else { 1 };
+    let prepared = scenes::prepare(scene, Sampling::OfSolid(resolution));
+    let content = prepared.frame(frame).expect("a frame");
+    let scope = Scope { lattice: prepared.lattice, half_width: prepared.half_width, region: content.region };
+    let disk = tempfile::tempdir_in(env!("CARGO_TARGET_TMPDIR")).expect("a folder");
+    // A folder in memory, where syncing is nothing.
+    let memory = tempfile::tempdir_in("/dev/shm").expect("a folder in memory");
+    let mut stages = [const { Vec::new() }; 7];
+    for _ in 0..ROUNDS {
+        let (find, _) = timed(|| descend(&*content.field, &scope, &AtomicBool::new(false)));
+        let (filled, _) = timed(|| fill(&*content.field, &scope));
+        let (measured, _) = timed(|| scenes::band(&prepared, &content));
+        let (computed, grids) = timed(|| bake::compute(&prepared, frame));
+        let (handed_over, ready) = timed(|| bake::hand_over(&grids));
+        let (encoded, ()) = timed(|| write(&ready, memory.path()));
+        let (written, ()) = timed(|| write(&ready, disk.path()));
+        let more = |long: Seconds, short: Seconds| [long[0] - short[0], long[1] - short[1]];
+        let stage = [
+            find,
+            more(filled, find),
+            more(measured, filled),
+            more(computed, measured),
+            handed_over,
+            encoded,
+            more(written, encoded),
+        ];
+        stages.iter_mut().zip(stage).for_each(|(list, seconds)| list.push(seconds));
+    }
+    let names = ["find", "fill", "distances", "colour", "hand_over", "encode", "disk"];
+    for (name, list) in names.into_iter().zip(stages) {
+        let [clock, processor] = [0, 1].map(|clock| 1e3 * quartiles(list.iter().map(|seconds| seconds[clock]))[0]);
+        println!("STAGE {scene} {resolution} {name} {clock:.1} {processor:.1}");
+    }
+}
+
+fn main() {
+    let named: Vec<String> = common::arguments().into_iter().filter(|word| word.parse::<u32>().is_err()).collect();
+    let default = ["ball", "three", "two_hundred", "heart", "sphere-to-cube", "cubism"];
+    let scenes = if named.is_empty() { default.map(String::from).to_vec() } else { named };
+    for resolution in common::resolutions(&[512]) {
+        for scene in &scenes {
+            threads(2).install(|| bench(scene, resolution));
+        }
+    }
+}
