@@ -64,5 +64,6 @@ fn exit_code(signal: i32) -> u8 {
 
 /// Removes what is half-written and ends the process without running destructors: other threads are at work still.
 fn end_now(signal: i32) -> ! {
+    crate::disk::remove_registered();
     signal_hook::low_level::exit(exit_code(signal).into())
 }

@@ -4,9 +4,9 @@ use std::io::{Read, Seek, Write};
 use std::path::Path;
 
 use super::bridge::ffi;
-use super::temporary::{Temporary, folder_of};
 use super::walk::walk_bytes;
 use super::{Error, Frame};
+use crate::disk::{Temporary, folder_of};
 
 /// How a file's buffers are compressed. In all cases inactive voxels are not stored where they can be restored.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
