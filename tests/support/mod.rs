@@ -54,6 +54,20 @@ impl Workplace {
         names
     }
 
+    /// The frames in a folder of the workplace, sorted: what a program sees that lists a sequence.
+    pub fn frames(&self, folder: &str) -> Vec<String> {
+        let mut names = self.names(folder);
+        names.retain(|name| name.ends_with(".vdb"));
+        names
+    }
+
+    /// Fails where a lock or a temporary was left in a folder.
+    pub fn nothing_is_left(&self, folder: &str) {
+        let names = self.names(folder);
+        let left: Vec<_> = names.iter().filter(|name| name.ends_with("lock") || name.ends_with("tmp")).collect();
+        assert!(left.is_empty(), "{left:?} were left behind");
+    }
+
     pub fn root(&self) -> &Path {
         self.folder.path()
     }

@@ -1,0 +1,429 @@
+//! Frames as a farm bakes them: records and manifests, resuming, chunks side by side, whatever is found in the folder.
+
+mod support;
+
+use std::fs::{self, File};
+use std::os::unix::fs::MetadataExt;
+use std::process::{Child, Command, Stdio};
+use std::time::{Duration, Instant};
+
+use serde_json::Value;
+use support::Workplace;
+
+/// A ball that grows over 24 frames; a frame takes milliseconds.
+const BALL: &str =
+    "hfvdb = 1\nframes = \"1-24\"\n[shape.ball]\nsphere = { 1 = 0.5, 24 = 1 }\ncolor = [0.5, \"t\", 0]\n";
+const BAKE: &str = "bake ball.toml --resolution 16 -o out/m.####.vdb";
+
+fn workplace() -> Workplace {
+    let place = Workplace::new();
+    place.write("ball.toml", BALL);
+    place.write("egg.toml", BALL.replace("0.5, 24", "0.6, 24"));
+    place
+}
+
+fn json(text: &str) -> Value {
+    serde_json::from_str(text).unwrap_or_else(|error| panic!("{error}: {text}"))
+}
+
+fn manifest(place: &Workplace) -> Value {
+    json(&fs::read_to_string(place.path("out/m.manifest.json")).expect("a manifest"))
+}
+
+/// Starts the program in the workplace.
+fn start(place: &Workplace, arguments: &str) -> Child {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_hfvdb"));
+    command.args(arguments.split_whitespace()).current_dir(place.root());
+    command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("the program starts")
+}
+
+fn end(child: Child) -> support::Run {
+    support::Run::from(child.wait_with_output().expect("it ends"))
+}
+
+fn inodes(place: &Workplace) -> Vec<u64> {
+    place.frames("out").iter().map(|name| fs::metadata(place.path("out").join(name)).unwrap().ino()).collect()
+}
+
+#[test]
+fn records_tell_what_the_files_hold() {
+    let place = workplace();
+    place.hfvdb(&format!("{BAKE} --frames 5-7 --half Cd")).ok();
+    let manifest = manifest(&place);
+    assert_eq!(manifest["pattern"], "m.####.vdb");
+    assert_eq!(manifest["asked"], "5-7");
+    assert_eq!(manifest["identity"]["resolution"], 16);
+    assert_eq!(manifest["identity"]["half"][0], "Cd");
+    assert_eq!(manifest["source"]["scene"], "ball.toml");
+    let frames = manifest["frames"].as_array().expect("a list");
+    assert_eq!(frames.len(), 3);
+    for frame in frames {
+        let file = frame["file"].as_str().expect("a name");
+        let path = format!("out/{file}");
+        let sum = place.run(Command::new("sha256sum").arg(&path)).ok();
+        assert_eq!(sum.stdout.split(' ').next(), frame["sha256"].as_str());
+        assert_eq!(fs::metadata(place.path(&path)).unwrap().len(), frame["bytes"].as_u64().unwrap());
+        let info = json(&place.hfvdb(&format!("info {path} --json")).ok().stdout);
+        assert_eq!(info["files"][0]["metadata"]["hfvdb_scene"], manifest["identity"]["scene"]);
+        for (grid, read) in frame["grids"].as_array().unwrap().iter().zip(info["files"][0]["grids"].as_array().unwrap())
+        {
+            assert_eq!((&grid["name"], &grid["active_voxels"]), (&read["name"], &read["active_voxels"]));
+            // 16 bits keep 11 of a value's digits.
+            let close = |a: &Value, b: &Value| (a.as_f64().unwrap() - b.as_f64().unwrap()).abs() <= 1.0 / 2048.0;
+            for end in ["least", "greatest"] {
+                let (told, read) = (grid[end].as_array().unwrap(), read["range"][end].as_array().unwrap());
+                assert_eq!(told.len(), read.len());
+                assert!(
+                    told.iter().zip(read).all(|(a, b)| close(a, b)),
+                    "{end} of {}: {told:?}, {read:?}",
+                    grid["name"]
+                );
+            }
+        }
+        let stem = file.strip_suffix(".vdb").unwrap();
+        let record = json(&fs::read_to_string(place.path(&format!("out/.{stem}.hfvdb-record.json"))).unwrap());
+        assert_eq!((&record["record"], &record["identity"]), (frame, &manifest["identity"]));
+    }
+    place.nothing_is_left("out");
+}
+
+#[test]
+fn verify_finds_any_flipped_bit_and_missing_and_foreign_frames() {
+    let place = workplace();
+    place.hfvdb(&format!("{BAKE} --frames 1-3")).ok();
+    place.write("out/notes.txt", "not ours");
+    place.write("out/other.0001.vdb", "not ours");
+    place.write("out/other.manifest.json", "{\"name\": \"of another program\"}");
+    for what in ["out", "out/m.%04d.vdb", "out/m.manifest.json"] {
+        let run = place.hfvdb(&format!("verify {what}")).ok();
+        assert!(
+            run.stdout.starts_with("out/m.####.vdb: 3 frames, ") && run.stdout.ends_with(", whole\n"),
+            "{}",
+            run.stdout
+        );
+    }
+    // Bits of all files that count, at random from a fixed seed.
+    let mut state: u64 = 20250917;
+    for name in ["m.0001.vdb", "m.0002.vdb", "m.manifest.json", ".m.0003.hfvdb-record.json"].repeat(6) {
+        let path = place.path("out").join(name);
+        let whole = fs::read(&path).unwrap();
+        state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+        let bit = (state >> 20) as usize % (whole.len() * 8);
+        let mut bytes = whole.clone();
+        bytes[bit / 8] ^= 1 << (bit % 8);
+        fs::write(&path, &bytes).unwrap();
+        place.hfvdb("verify out").fails(1, &[name]);
+        fs::write(&path, &whole).unwrap();
+    }
+    place.hfvdb("verify out").ok();
+
+    fs::rename(place.path("out/m.0002.vdb"), place.path("out/m.0009.vdb")).unwrap();
+    let run = place.hfvdb("verify out --json");
+    run.fails(1, &["m.0002.vdb: missing", "m.0009.vdb: foreign"]);
+    assert_eq!(json(&run.stdout)["sequences"][0]["findings"].as_array().map(Vec::len), Some(2));
+    fs::rename(place.path("out/m.0009.vdb"), place.path("out/m.0002.vdb")).unwrap();
+
+    // A delivery without the hidden records, and a folder whose manifest was lost.
+    fs::create_dir(place.path("copy")).unwrap();
+    for name in ["m.0001.vdb", "m.0002.vdb", "m.0003.vdb", "m.manifest.json"] {
+        fs::copy(place.path("out").join(name), place.path("copy").join(name)).unwrap();
+    }
+    place.hfvdb("verify copy").ok();
+    let before = manifest(&place)["frames"].clone();
+    fs::remove_file(place.path("out/m.manifest.json")).unwrap();
+    place.hfvdb("verify out").ok();
+    assert_eq!(manifest(&place)["frames"], before);
+
+    place.hfvdb("verify nowhere").fails(2, &["nowhere"]);
+    fs::create_dir(place.path("bare")).unwrap();
+    place.hfvdb("verify bare").fails(1, &["bare: nothing to verify"]);
+    place.hfvdb("verify bare/x.####.vdb").fails(1, &["x.####.vdb", "no manifest and no record"]);
+    place.hfvdb("verify bare/x.manifest.json").fails(1, &["x.manifest.json: there is no such manifest"]);
+}
+
+#[test]
+fn resume_judges_by_content() {
+    let place = workplace();
+    place.hfvdb(&format!("{BAKE} --frames 1-8")).ok();
+    let before = inodes(&place);
+    // Missing, cut, replaced by a file as long, and one of unknown making.
+    fs::remove_file(place.path("out/m.0002.vdb")).unwrap();
+    let cut = fs::read(place.path("out/m.0003.vdb")).unwrap();
+    fs::write(place.path("out/m.0003.vdb"), &cut[..cut.len() - 1]).unwrap();
+    let long = fs::metadata(place.path("out/m.0004.vdb")).unwrap().len() as usize;
+    fs::write(place.path("out/m.0004.vdb"), vec![0; long]).unwrap();
+    fs::remove_file(place.path("out/.m.0005.hfvdb-record.json")).unwrap();
+    fs::remove_file(place.path("out/m.manifest.json")).unwrap();
+    let run = place.hfvdb(&format!("{BAKE} --frames 1-9 --resume --json")).ok();
+    assert!(run.stderr.contains("resume: 4 of 9 frames are done; missing: 2,9; changed"), "{}", run.stderr);
+    let document = json(&run.stdout);
+    let states: Vec<_> =
+        document["frames"].as_array().unwrap().iter().map(|frame| frame["state"].as_str().unwrap()).collect();
+    assert_eq!(states, ["kept", "written", "written", "written", "written", "kept", "kept", "kept", "written"]);
+    let after = inodes(&place);
+    for kept in [0, 5, 6, 7] {
+        assert_eq!(before[kept], after[kept], "frame {} was baked again", kept + 1);
+    }
+    place.hfvdb("verify out").ok();
+
+    // Other options: what was asked for is baked again, and the rest is told by verify.
+    let finer = BAKE.replace("16", "20");
+    place.hfvdb(&format!("{finer} --frames 1-2")).fails(1, &["m.0001.vdb exists", "--resume"]);
+    place.hfvdb(&format!("{finer} --frames 12")).fails(1, &["resolution 16 there, resolution 20 here", "--overwrite"]);
+    let run = place.hfvdb(&format!("{finer} --frames 1-2 --resume")).ok();
+    assert!(run.stderr.contains("0 of 2 frames are done; baked otherwise (sampling resolution 16"), "{}", run.stderr);
+    place.hfvdb("verify out").fails(1, &["m.0003.vdb", "of another bake"]);
+    place.hfvdb(&format!("{finer} --frames 1-9 --resume")).ok();
+    place.hfvdb("verify out").ok();
+    place.hfvdb(&format!("{BAKE} --resume --overwrite")).fails(2, &["--overwrite", "--resume"]);
+}
+
+#[test]
+fn another_scene_is_refused_before_any_work() {
+    let place = workplace();
+    let hash = |scene: &str| {
+        let name = scene.replace(".toml", "");
+        place.hfvdb(&format!("bake {scene} --resolution 16 --frames 1 -o {name}.vdb")).ok();
+        let info = json(&place.hfvdb(&format!("info {name}.vdb --json")).ok().stdout);
+        info["files"][0]["metadata"]["hfvdb_scene"].as_str().expect("a hash").to_owned()
+    };
+    let (ball, egg) = (hash("ball.toml"), hash("egg.toml"));
+    place.hfvdb(&format!("{BAKE} --frames 1-4")).ok();
+    let (names, whole) = (place.names("out"), fs::read(place.path("out/m.manifest.json")).unwrap());
+    let other = BAKE.replace("ball", "egg");
+    for how in ["--frames 5-8", "--frames 1-4", "--frames 1-8 --resume", "--frames 5-8 --dry-run"] {
+        place.hfvdb(&format!("{other} {how}")).fails(1, &["another scene", &ball, &egg, "--overwrite"]);
+        assert_eq!(
+            (place.names("out"), fs::read(place.path("out/m.manifest.json")).unwrap()),
+            (names.clone(), whole.clone())
+        );
+    }
+    // The manifest is lost: single frames of the other scene still stand against it, and --resume replaces them.
+    fs::remove_file(place.path("out/m.manifest.json")).unwrap();
+    place.hfvdb(&format!("{other} --frames 5-8")).fails(1, &[&ball, &egg]);
+    let run = place.hfvdb(&format!("{other} --frames 1-2 --resume")).ok();
+    assert!(run.stderr.contains("baked otherwise (scene"), "{}", run.stderr);
+    place.hfvdb(&format!("{other} --frames 3 --overwrite")).ok();
+    place.hfvdb("verify out").fails(1, &["m.0004.vdb: of another bake: scene"]);
+    place.hfvdb(&format!("{other} --frames 1-4 --resume")).ok();
+    place.hfvdb("verify out").ok();
+
+    // Frames that somebody has deleted stand against nothing.
+    for name in place.frames("out") {
+        fs::remove_file(place.path("out").join(name)).unwrap();
+    }
+    place.hfvdb(&format!("{BAKE} --frames 1-2")).ok();
+    place.hfvdb("verify out").ok();
+
+    // A still of the same name in the same folder.
+    place.hfvdb("bake ball.toml --resolution 16 --frames 1 -o out/m.vdb").fails(1, &["m.manifest.json", "m.####.vdb"]);
+}
+
+#[test]
+fn a_dry_run_writes_nothing_and_tells_what_would_come() {
+    let place = workplace();
+    let before = place.names(".");
+    let run = place.hfvdb(&format!("{BAKE} --dry-run --json --frames 1-96x4")).ok();
+    assert_eq!(place.names("."), before);
+    let told = json(&run.stdout);
+    assert_eq!(told["frames"].as_array().map(Vec::len), Some(24));
+    assert_eq!(told["frames"][1]["path"], "out/m.0005.vdb");
+    assert!(told["frames"].as_array().unwrap().iter().all(|frame| frame["fate"] == "new"));
+    let probe = told["probe"]["frame"].as_i64().unwrap();
+    let baked = json(&place.hfvdb(&format!("{BAKE} --frames {probe} --json")).ok().stdout);
+    assert_eq!(told["estimate"]["active_voxels"].as_f64(), baked["frames"][0]["active_voxels"].as_f64());
+    assert_eq!(told["estimate"]["file_bytes"], baked["frames"][0]["bytes"]);
+
+    place.hfvdb(&format!("{BAKE} --dry-run")).fails(1, &["exists", "--resume"]);
+    let run = place.hfvdb(&format!("{BAKE} --dry-run --resume")).ok();
+    assert!(
+        run.stdout.contains("23 frames to bake, 1 to keep") && run.stdout.contains("baked in memory"),
+        "{}",
+        run.stdout
+    );
+    assert!(run.stdout.contains(&format!("out/m.{probe:04}.vdb kept\n")), "{}", run.stdout);
+    place.hfvdb("bake ball.toml --dry-run -o no/such/m.####.vdb").fails(1, &["does not exist"]);
+
+    // Where a frame is large, a coarser one stands in for it, and says so.
+    let run = place
+        .hfvdb("bake ball.toml --resolution 3000 -o big/m.####.vdb --frames 24 --dry-run --json --max-memory 64G")
+        .ok();
+    let told = json(&run.stdout);
+    let coarser = told["probe"]["coarser"].as_f64().unwrap();
+    assert!(coarser > 1.5, "{told}");
+    // A ball's band: the area times the band's width, in voxels.
+    let expected = std::f64::consts::PI * 3000.0 * 3000.0 * 6.0;
+    let voxels = told["estimate"]["active_voxels"].as_f64().unwrap();
+    assert!((voxels / expected - 1.0).abs() < 0.02, "{voxels}, expected {expected}");
+}
+
+#[test]
+fn the_log_of_events_is_json_line_by_line() {
+    let place = workplace();
+    place.hfvdb(&format!("{BAKE} --frames 3")).ok();
+    let run = place.hfvdb(&format!("{BAKE} --frames 2-4,40 --resume --progress json")).ok();
+    let events: Vec<Value> = run.stderr.lines().map(json).collect();
+    let names: Vec<_> = events.iter().map(|event| event["event"].as_str().expect("its name")).collect();
+    for (name, count) in [("start", 1), ("frame-started", 3), ("frame-written", 3), ("done", 1), ("warning", 1)] {
+        assert_eq!(names.iter().filter(|event| **event == name).count(), count, "{name} in {names:?}");
+    }
+    let done = events.last().unwrap();
+    assert_eq!((done["written"].as_u64(), done["kept"].as_u64()), (Some(3), Some(1)));
+    let written = events.iter().find(|event| event["event"] == "frame-written").unwrap();
+    assert_eq!(written["record"]["frame"], 2);
+    assert!(events.iter().all(|event| event["seconds"].is_f64()));
+
+    let run = place.hfvdb(&format!("{BAKE} --frames 3 --progress json"));
+    let last = json(run.stderr.lines().last().unwrap());
+    assert_eq!((run.code, &last["event"], last["exit_code"].as_i64()), (1, &Value::from("failed"), Some(1)));
+}
+
+#[test]
+fn frames_that_fail_by_themselves_do_not_stop_the_others() {
+    let place = workplace();
+    // Two balls part, and what they have in common is gone from frame 3 on.
+    let text = "frames = \"1-6\"\n[shape.lens]\nintersection = [\"a\", \"b\"]\n[shape.a]\nsphere = 1\n[shape.b]\nsphere = 1\nmove = { 1 = [0, 0, 0], 6 = [6, 0, 0] }\n";
+    place.write("part.toml", text);
+    let run = place.hfvdb("bake part.toml --voxel-size 0.1 -o out/m.####.vdb --json");
+    run.fails(1, &["frames failed: 3-6", "2 of 6 frames are done"]);
+    assert_eq!(place.frames("out"), ["m.0001.vdb", "m.0002.vdb"]);
+    let document = json(&run.stdout);
+    assert_eq!(document["failed"].as_array().map(Vec::len), Some(4));
+    assert_eq!(document["error"]["exit_code"], 1);
+    place.nothing_is_left("out");
+    place.hfvdb("verify out").fails(1, &["m.0003.vdb", "missing: it was never finished"]);
+    place.hfvdb("bake part.toml --voxel-size 0.1 -o out/m.####.vdb --resume --allow-empty").ok();
+    place.hfvdb("verify out").ok();
+    // Nothing came of it, and nothing stays.
+    place.hfvdb("bake part.toml --voxel-size 0.1 -o new/m.####.vdb --frames 4-6").fails(1, &["0 of 3 frames"]);
+    assert!(!place.path("new").exists());
+}
+
+#[test]
+fn chunks_of_one_scene_work_side_by_side() {
+    let place = workplace();
+    fs::create_dir(place.path("out")).unwrap();
+    let chunks = ["1-8", "9-16", "17-24"].map(|frames| start(&place, &format!("{BAKE} --frames {frames} --threads 1")));
+    for chunk in chunks {
+        end(chunk).ok();
+    }
+    assert_eq!(manifest(&place)["asked"], "1-24");
+    assert_eq!(manifest(&place)["frames"].as_array().map(Vec::len), Some(24));
+    place.hfvdb("verify out").ok();
+    place.nothing_is_left("out");
+
+    // Two that were given the same frames share them.
+    fs::remove_dir_all(place.path("out")).unwrap();
+    fs::create_dir(place.path("out")).unwrap();
+    let twins = [0, 1].map(|_| start(&place, &format!("{BAKE} --resume --json --threads 1")));
+    let written: usize = twins
+        .map(|twin| {
+            let document = json(&end(twin).ok().stdout);
+            let frames = document["frames"].as_array().unwrap().clone();
+            assert_eq!(frames.len(), 24);
+            frames.iter().filter(|frame| frame["state"] == "written").count()
+        })
+        .iter()
+        .sum();
+    assert_eq!(written, 24, "a frame was baked twice");
+    place.hfvdb("verify out").ok();
+    place.nothing_is_left("out");
+}
+
+#[test]
+fn locks_of_living_processes_hold_and_those_of_dead_ones_do_not() {
+    let place = workplace();
+    place.hfvdb(&format!("{BAKE} --frames 1")).ok();
+    // Left behind by a process that was killed.
+    for name in [
+        ".m.0002.hfvdb-lock",
+        ".m.1-2.hfvdb-run-lock",
+        ".m.hfvdb-manifest-lock",
+        ".m.0002.vdb.a1b2c3.hfvdb-tmp",
+        "..m.0002.hfvdb-record.json.a1b2c3.hfvdb-tmp",
+        ".m.manifest.json.a1b2c3.hfvdb-tmp",
+        ".n.0002.vdb.a1b2c3.hfvdb-tmp",
+    ] {
+        place.write(&format!("out/{name}"), "");
+    }
+    place.hfvdb(&format!("{BAKE} --frames 2")).ok();
+    assert!(place.path("out/.n.0002.vdb.a1b2c3.hfvdb-tmp").exists(), "of another sequence");
+    fs::remove_file(place.path("out/.n.0002.vdb.a1b2c3.hfvdb-tmp")).unwrap();
+    place.nothing_is_left("out");
+
+    // A process at work, played by this test.
+    let hold = |name: &str| {
+        let lock = File::create(place.path("out").join(name)).unwrap();
+        lock.lock().unwrap();
+        lock
+    };
+    let run_lock = hold(".m.7-7.hfvdb-run-lock");
+    let other = BAKE.replace("ball", "egg");
+    place.hfvdb(&format!("{other} --overwrite")).fails(1, &["another process bakes them now"]);
+    let frame_lock = hold(".m.0003.hfvdb-lock");
+    let waiting = start(&place, &format!("{BAKE} --frames 3-4"));
+    let begin = Instant::now();
+    while !place.path("out/.m.0004.hfvdb-record.json").exists() {
+        assert!(begin.elapsed() < Duration::from_secs(60), "frame 4 never came");
+        std::thread::sleep(Duration::from_millis(20));
+    }
+    assert!(!place.path("out/m.0003.vdb").exists());
+    drop(frame_lock);
+    end(waiting).ok();
+    drop(run_lock);
+    place.hfvdb(&format!("{BAKE} --frames 1-4 --resume")).ok();
+    place.hfvdb("verify out").ok();
+    place.nothing_is_left("out");
+}
+
+#[test]
+fn damaged_records_and_manifests_are_named() {
+    let place = workplace();
+    place.hfvdb(&format!("{BAKE} --frames 1-3")).ok();
+    let manifest = fs::read_to_string(place.path("out/m.manifest.json")).unwrap();
+    for bad in ["", "{", &manifest[..200], &manifest.replace("\"asked\": \"1-3\"", "\"asked\": \"1-2\"")] {
+        place.write("out/m.manifest.json", bad);
+        for command in [format!("{BAKE} --frames 4"), format!("{BAKE} --frames 1-4 --resume")] {
+            place.hfvdb(&command).fails(1, &["m.manifest.json", "damaged", "delete it"]);
+        }
+    }
+    place.hfvdb("verify out").fails(1, &["m.manifest.json", "damaged", "delete it"]);
+    fs::remove_file(place.path("out/m.manifest.json")).unwrap();
+    place.write("out/.m.0002.hfvdb-record.json", "{}");
+    place.hfvdb("verify out").fails(1, &[".m.0002.hfvdb-record.json", "damaged", "--resume"]);
+    let run = place.hfvdb(&format!("{BAKE} --frames 1-4 --resume")).ok();
+    assert!(run.stderr.contains(".m.0002.hfvdb-record.json") && run.stderr.contains("2 of 4 frames"), "{}", run.stderr);
+    place.hfvdb("verify out").ok();
+}
+
+#[test]
+fn a_folder_that_goes_away_ends_the_bake_with_a_message() {
+    let place = workplace();
+    let child = start(&place, "bake ball.toml --resolution 64 --frames 1-400 -o out/m.####.vdb");
+    let begin = Instant::now();
+    while !place.path("out/m.0002.vdb").exists() {
+        assert!(begin.elapsed() < Duration::from_secs(60), "frame 2 never came");
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    fs::rename(place.path("out"), place.path("elsewhere")).unwrap();
+    let run = end(child);
+    run.fails(1, &["out/", "cannot", "of 400 frames are done"]);
+    assert!(!place.path("out").exists());
+    for name in place.frames("elsewhere") {
+        place.hfvdb(&format!("info elsewhere/{name}")).ok();
+    }
+}
+
+#[test]
+fn four_hundred_finished_frames_are_judged_in_seconds() {
+    let place = workplace();
+    place.write("long.toml", BALL.replace("1-24", "1-400").replace("24 = 1", "400 = 1"));
+    let bake = "bake long.toml --resolution 16 -o out/m.####.vdb";
+    place.hfvdb(bake).ok();
+    let before = inodes(&place);
+    let begin = Instant::now();
+    let run = place.hfvdb(&format!("{bake} --resume")).ok();
+    assert!(begin.elapsed() < Duration::from_secs(5), "{:?}", begin.elapsed());
+    assert!(run.stderr.contains("400 of 400 frames are done"), "{}", run.stderr);
+    assert_eq!(inodes(&place), before);
+}
