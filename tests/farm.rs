@@ -223,10 +223,10 @@ fn another_scene_is_refused_before_any_work() {
 fn a_dry_run_writes_nothing_and_tells_what_would_come() {
     let place = workplace();
     let before = place.names(".");
-    let run = place.hfvdb(&format!("{BAKE} --dry-run --json --frames 1-96x4")).ok();
+    let run = place.hfvdb(&format!("{BAKE} --dry-run --json --frames 1-24x4")).ok();
     assert_eq!(place.names("."), before);
     let told = json(&run.stdout);
-    assert_eq!(told["frames"].as_array().map(Vec::len), Some(24));
+    assert_eq!(told["frames"].as_array().map(Vec::len), Some(6));
     assert_eq!(told["frames"][1]["path"], "out/m.0005.vdb");
     assert!(told["frames"].as_array().unwrap().iter().all(|frame| frame["fate"] == "new"));
     let probe = told["probe"]["frame"].as_i64().unwrap();
@@ -281,22 +281,29 @@ fn the_log_of_events_is_json_line_by_line() {
 #[test]
 fn frames_that_fail_by_themselves_do_not_stop_the_others() {
     let place = workplace();
-    // Two balls part, and what they have in common is gone from frame 3 on.
-    let text = "frames = \"1-6\"\n[shape.lens]\nintersection = [\"a\", \"b\"]\n[shape.a]\nsphere = 1\n[shape.b]\nsphere = 1\nmove = { 1 = [0, 0, 0], 6 = [6, 0, 0] }\n";
-    place.write("part.toml", text);
-    let run = place.hfvdb("bake part.toml --voxel-size 0.1 -o out/m.####.vdb --json");
-    run.fails(1, &["frames failed: 3-6", "2 of 6 frames are done"]);
-    assert_eq!(place.frames("out"), ["m.0001.vdb", "m.0002.vdb"]);
+    // A colour that is no number from frame 4 on.
+    place.write(
+        "dark.toml",
+        BALL.replace("1-24", "1-6").replace("24 = 1", "6 = 1").replace("\"t\"", "\"sqrt(0.5 - t)\""),
+    );
+    let bake = "bake dark.toml --resolution 16";
+    let run = place.hfvdb(&format!("{bake} -o out/m.####.vdb --json"));
+    run.fails(1, &["dark.toml:5:9", "3 of 6 frames failed: 4-6", "3 of 6 frames are done", "--resume"]);
+    assert_eq!(place.frames("out"), ["m.0001.vdb", "m.0002.vdb", "m.0003.vdb"]);
     let document = json(&run.stdout);
-    assert_eq!(document["failed"].as_array().map(Vec::len), Some(4));
+    assert_eq!(document["failed"].as_array().map(Vec::len), Some(3));
     assert_eq!(document["error"]["exit_code"], 1);
     place.nothing_is_left("out");
-    place.hfvdb("verify out").fails(1, &["m.0003.vdb", "missing: it was never finished"]);
-    place.hfvdb("bake part.toml --voxel-size 0.1 -o out/m.####.vdb --resume --allow-empty").ok();
-    place.hfvdb("verify out").ok();
+    place.hfvdb("verify out").fails(1, &["m.0004.vdb", "missing: it was never finished"]);
+    place.hfvdb(&format!("{bake} -o out/m.####.vdb --resume")).fails(1, &["3 of 6 frames failed: 4-6"]);
     // Nothing came of it, and nothing stays.
-    place.hfvdb("bake part.toml --voxel-size 0.1 -o new/m.####.vdb --frames 4-6").fails(1, &["0 of 3 frames"]);
+    place.hfvdb(&format!("{bake} -o new/m.####.vdb --frames 4-6")).fails(1, &["3 of 3 frames failed"]);
     assert!(!place.path("new").exists());
+    // Whatever failed, a sequence that was there stays as it was.
+    let before = (place.names("out"), fs::read(place.path("out/m.manifest.json")).unwrap());
+    place.write("wrong.toml", BALL.replace("\"t\"", "\"sqrt(-1 - t)\""));
+    place.hfvdb("bake wrong.toml --resolution 16 -o out/m.####.vdb --frames 1-2 --overwrite").fails(1, &["2 of 2"]);
+    assert_eq!((place.names("out"), fs::read(place.path("out/m.manifest.json")).unwrap()), before);
 }
 
 #[test]
