@@ -50,11 +50,7 @@ impl Claim {
     pub fn take(sequence: &Sequence, wish: &Wish, interrupt: &Interrupt) -> Result<Self, Refusal> {
         let lock = manifest_lock(sequence, interrupt)?;
         let alone = alone(sequence, &lock)?;
-        let known = match Known::read(sequence) {
-            Err(_) if wish.existing == Existing::Overwrite => Known::with_manifest(sequence, None),
-            known => known,
-        };
-        let mut known = known.map_err(Refusal::Damaged)?;
+        let mut known = Known::for_bake(sequence, wish.existing).map_err(Refusal::Damaged)?;
         if let Some(refusal) = refusal(sequence, &known, wish, !alone) {
             return Err(refusal);
         }

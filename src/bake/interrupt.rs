@@ -66,6 +66,13 @@ fn exit_code(signal: i32) -> u8 {
 /// Removes what is half-written and ends the process without running destructors: other threads are at work still.
 fn end_now(signal: i32, last_words: fn(u8)) -> ! {
     crate::disk::remove_registered();
-    last_words(exit_code(signal));
+    // A reader of stderr that does not read must not hold the end up.
+    let (said, wait) = std::sync::mpsc::channel();
+    thread::spawn(move || {
+        last_words(exit_code(signal));
+        // The other end waits, or the process is gone.
+        let _ = said.send(());
+    });
+    let _ = wait.recv_timeout(Duration::from_millis(100));
     signal_hook::low_level::exit(exit_code(signal).into())
 }

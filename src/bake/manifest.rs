@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
+use super::Existing;
 use super::frames::Frames;
 use super::identity::Identity;
 use super::record::{Record, RecordFile};
@@ -68,6 +69,17 @@ impl Known {
     pub fn read(sequence: &Sequence) -> Result<Self, SealedError> {
         let manifest = sealed::read::<Manifest>(&sequence.manifest())?;
         Self::with_manifest(sequence, manifest)
+    }
+
+    /// As [`Self::read`]; who overwrites whatever there is needs no sound manifest.
+    ///
+    /// # Errors
+    /// Those of [`Self::read`].
+    pub fn for_bake(sequence: &Sequence, existing: Existing) -> Result<Self, SealedError> {
+        match Self::read(sequence) {
+            Err(_) if existing == Existing::Overwrite => Self::with_manifest(sequence, None),
+            known => known,
+        }
     }
 
     /// As [`Self::read`], without looking at the manifest that stands there.

@@ -24,7 +24,7 @@ pub fn run(
 ) -> Result<(), Failure> {
     let sequence = &output.sequence;
     bake::check_place(sequence)?;
-    let known = Known::read(sequence)?;
+    let known = Known::for_bake(sequence, output.existing)?;
     if let Some(refusal) = refusal(sequence, &known, wish, false) {
         return Err(refusal.into());
     }

@@ -33,5 +33,9 @@ pub fn tell(event: &str, fields: &Value) -> bool {
 
 /// The last words before an end by force.
 pub fn interrupted(exit_code: u8) {
-    tell("interrupted", &json!({ "exit_code": exit_code, "message": "interrupted; finished frames are whole" }));
+    const MESSAGE: &str = "interrupted; finished frames are whole, nothing half-written is left";
+    if !tell("interrupted", &json!({ "exit_code": exit_code, "message": MESSAGE })) {
+        // Nothing is left to say when stderr is closed.
+        let _ = std::io::stderr().lock().write_all(format!("error: {MESSAGE}\n").as_bytes());
+    }
 }

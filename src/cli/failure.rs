@@ -132,7 +132,7 @@ impl From<bake::TargetError> for Failure {
 
 impl From<bake::SealedError> for Failure {
     fn from(error: bake::SealedError) -> Self {
-        Self::work(error.to_string())
+        bake::Refusal::Damaged(error).into()
     }
 }
 

@@ -1,6 +1,7 @@
 //! Frames into files: what `bake` and `morph` have in common.
 
 use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 
 use serde_json::json;
@@ -16,6 +17,9 @@ use crate::bake::{
 };
 use crate::scene::Model;
 use crate::vdb;
+
+/// The most failed frames that are told of one by one.
+const MOST_FAILURES: usize = 5;
 
 /// What is asked for.
 pub struct Request<'a> {
@@ -74,7 +78,13 @@ pub fn write_frames(request: &Request<'_>, global: &Global) -> Result<(), Failur
             progress.tell("message", &json!({ "message": text }), &text);
         }
         let frames = frames.numbers();
-        let on_event = |event: Event<'_>| on_event(&event, frames.len(), &progress, &output.sequence, global);
+        let failures = AtomicUsize::new(0);
+        let on_event = |event: Event<'_>| {
+            // Of one frame alone the end tells, and of many it lists the rest.
+            let is_failure = matches!(event, Event::Failed(..));
+            let shown = frames.len() > 1 && (!is_failure || failures.fetch_add(1, Ordering::Relaxed) < MOST_FAILURES);
+            on_event(&event, shown, frames.len(), &progress, &output.sequence, global);
+        };
         baked = bake::bake(&prepared, frames, &output, &interrupt, &on_event);
     }
     drop(progress);
@@ -141,7 +151,7 @@ fn start_event(output: &Output, frames: &Frames, to_do: &[i64]) -> serde_json::V
     })
 }
 
-fn on_event(event: &Event<'_>, count: usize, progress: &Progress, sequence: &Sequence, global: &Global) {
+fn on_event(event: &Event<'_>, shown: bool, count: usize, progress: &Progress, sequence: &Sequence, global: &Global) {
     match event {
         Event::Started { place, frame } => {
             progress.stage(&format!("frame {frame} ({} of {count})", place + 1));
@@ -165,15 +175,12 @@ fn on_event(event: &Event<'_>, count: usize, progress: &Progress, sequence: &Seq
             &format!("frame {}: another process has baked it meanwhile", record.frame),
         ),
         Event::Failed(frame, error) => {
-            // Of one frame alone the end tells.
             let message = error.to_string();
-            if !events::tell("frame-failed", &json!({ "frame": frame, "message": message })) && count > 1 {
-                let line = message.lines().next().unwrap_or_default();
-                let line: String = line.chars().take(300).collect();
-                progress.print(&format!(
-                    "failed: {}{line}",
-                    if line.contains("frame") { String::new() } else { format!("frame {frame}: ") }
-                ));
+            if !events::tell("frame-failed", &json!({ "frame": frame, "message": message })) && shown {
+                let line: String = message.lines().next().unwrap_or_default().chars().take(300).collect();
+                let line = line.strip_prefix("error: ").unwrap_or(&line);
+                let which = if line.contains("frame") { String::new() } else { format!("frame {frame}: ") };
+                progress.print(&format!("failed: {which}{line}"));
             }
         }
     }

@@ -10,10 +10,11 @@ pub(super) struct Register(Mutex<BTreeSet<PathBuf>>);
 /// Those of this process.
 pub(super) static LIVE: Register = Register::new();
 
-/// Deletes the temporary files and locks of this process; writes that are under way then fail. For the thread that
-/// handles signals, just before the process ends.
+/// Deletes the temporary files and locks of this process; writes that are under way then fail, and others wait for ever.
+/// For the thread that handles signals, just before the process ends.
 pub fn remove_registered() {
-    LIVE.remove_all();
+    // Held until the end: nothing new is made in the process's last moments.
+    std::mem::forget(LIVE.remove_all());
 }
 
 impl Register {
@@ -21,11 +22,14 @@ impl Register {
         Self(Mutex::new(BTreeSet::new()))
     }
 
-    pub fn remove_all(&self) {
-        for path in std::mem::take(&mut *self.lock()) {
+    /// Deletes all, and gives the list: while it is held, no file is entered.
+    pub fn remove_all(&self) -> MutexGuard<'_, BTreeSet<PathBuf>> {
+        let mut live = self.lock();
+        for path in std::mem::take(&mut *live) {
             // Whatever cannot be deleted is left; there is nobody to tell.
             let _ = std::fs::remove_file(path);
         }
+        live
     }
 
     /// Makes a file and enters it, as one step for [`Self::remove_all`]: no signal finds the file made and not entered.

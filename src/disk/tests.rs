@@ -21,7 +21,7 @@ fn an_interrupted_write_leaves_nothing_behind() {
     let live = Temporary::registered(&REGISTER, &target).unwrap();
     let names_then = names(folder.path());
     assert_eq!(names_then.iter().filter_map(|name| temporary_target(name)).collect::<Vec<_>>(), ["ball.vdb"]);
-    REGISTER.remove_all();
+    drop(REGISTER.remove_all());
     assert!(names(folder.path()).is_empty());
     let error = live.persist(&target, false).expect_err("the file is gone");
     assert!(error.to_string().starts_with(&format!("{}: cannot ", target.display())), "{error}");
