@@ -134,7 +134,9 @@ fn verify_finds_any_flipped_bit_and_missing_and_foreign_frames() {
     place.hfvdb("verify out").ok();
     assert_eq!(manifest(&place)["frames"], before);
 
-    place.hfvdb("verify nowhere").fails(2, &["nowhere"]);
+    place.hfvdb("verify nowhere").fails(1, &["nowhere: there is no such folder"]);
+    place.hfvdb("verify out/m.0001.vdb").fails(1, &["m.0001.vdb", "nothing is known"]);
+    assert!(!place.path("out/m.0001.manifest.json").exists());
     fs::create_dir(place.path("bare")).unwrap();
     place.hfvdb("verify bare").fails(1, &["bare: nothing to verify"]);
     place.hfvdb("verify bare/x.####.vdb").fails(1, &["x.####.vdb", "no manifest and no record"]);
@@ -335,6 +337,23 @@ fn chunks_of_one_scene_work_side_by_side() {
     assert_eq!(written, 24, "a frame was baked twice");
     place.hfvdb("verify out").ok();
     place.nothing_is_left("out");
+}
+
+#[test]
+fn of_two_scenes_at_once_one_is_refused() {
+    let place = workplace();
+    fs::create_dir(place.path("out")).unwrap();
+    for _ in 0..10 {
+        let both = [BAKE.into(), BAKE.replace("ball", "egg")].map(|bake| start(&place, &format!("{bake} --threads 1")));
+        let [one, other] = both.map(end);
+        let (done, refused) = if one.code == 0 { (one, other) } else { (other, one) };
+        done.ok();
+        refused.fails(1, &["another scene"]);
+        place.hfvdb("verify out").ok();
+        for name in place.names("out") {
+            fs::remove_file(place.path("out").join(name)).unwrap();
+        }
+    }
 }
 
 #[test]

@@ -58,6 +58,33 @@ fn nothing_was_baked_again(before: &BTreeMap<String, u64>, after: &BTreeMap<Stri
     }
 }
 
+/// One signal is an orderly end where the work allows it, the second an end by force: neither leaves anything.
+#[test]
+fn signals_leave_no_locks_and_no_temporaries() {
+    let mut random = Random(7);
+    let place = Workplace::new();
+    place.write("ball.toml", BALL.replace("1-24", "1-400").replace("24 = 1", "400 = 1"));
+    for round in 0..30 {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_hfvdb"));
+        command.args(BAKE.split(' ')).current_dir(place.root()).stdout(Stdio::null()).stderr(Stdio::null());
+        let mut child = command.spawn().unwrap();
+        std::thread::sleep(Duration::from_secs_f64(0.05 + 0.3 * random.share()));
+        let start = Instant::now();
+        let (signal, code) = [("INT", 130), ("TERM", 143)][round % 2];
+        for _ in 0..=round / 2 % 2 {
+            Command::new("kill").args(["-s", signal, &child.id().to_string()]).status().unwrap();
+        }
+        assert_eq!(child.wait().unwrap().code(), Some(code));
+        assert!(start.elapsed() < Duration::from_secs(2), "{:?}", start.elapsed());
+        // Before the first frame is finished the folder goes, too.
+        if place.path("out").exists() {
+            place.nothing_is_left("out");
+            finished(&place);
+            fs::remove_dir_all(place.path("out")).unwrap();
+        }
+    }
+}
+
 #[test]
 fn killed_at_any_moment() {
     let (kills, seed) = (number("HFVDB_KILLS", 60), number("HFVDB_KILL_SEED", 1));

@@ -100,6 +100,8 @@ impl Known {
         let mut damaged = Vec::new();
         for file in read {
             match file {
+                // A single frame's name is a pattern, too, and its record another sequence's.
+                Ok(file) if file.pattern != sequence.pattern.text() => {}
                 Ok(file) => {
                     frames.insert(file.record.file.clone(), (file.identity, file.record));
                 }

@@ -16,9 +16,10 @@ Examples:
   hfvdb bake cubism -o 'out/cubism.####.vdb'                  the whole shot
   hfvdb bake cubism -o 'out/cubism.####.vdb' --frames 1-48x4  every fourth frame
   hfvdb bake cubism -o 'out/cubism.####.vdb' --dry-run        what that would write and take
-  hfvdb bake cubism -o 'out/cubism.####.vdb' --resume         what is missing, cut or of another scene
+  hfvdb bake cubism -o 'out/cubism.####.vdb' --resume         what is missing or not whole
   hfvdb bake cubism -o 'out/cubism.####.vdb' --frames 13-24 --resume --progress json
-                                                              a farm's task: may be killed and sent again")]
+                                                              a farm's task, which may be killed
+                                                              and sent again")]
 pub struct Arguments {
     #[command(flatten)]
     scene: SceneArguments,

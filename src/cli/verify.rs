@@ -73,6 +73,9 @@ fn sequences(path: &Path) -> Result<(Vec<Sequence>, Vec<Finding>), Failure> {
         return Ok((sequences, findings));
     }
     let name = path.file_name().and_then(|name| name.to_str()).unwrap_or_default();
+    if !name.ends_with(".json") && !name.to_ascii_lowercase().ends_with(".vdb") && !path.exists() {
+        return Err(Failure::work(format!("{}: there is no such folder; a pattern ends in .vdb", path.display())));
+    }
     if !name.ends_with(".json") {
         return Ok((vec![Sequence { pattern: FramePattern::new(path, "vdb")? }], Vec::new()));
     }
