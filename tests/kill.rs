@@ -8,7 +8,7 @@ mod support;
 use std::collections::BTreeMap;
 use std::fs;
 use std::os::unix::fs::MetadataExt;
-use std::process::{Command, Stdio};
+use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
 use sha2::{Digest, Sha256};
@@ -52,6 +52,13 @@ fn finished(place: &Workplace) -> BTreeMap<String, u64> {
     finished
 }
 
+/// Starts a bake in the workplace.
+fn start(place: &Workplace) -> Child {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_hfvdb"));
+    command.args(BAKE.split(' ')).current_dir(place.root()).stdout(Stdio::null()).stderr(Stdio::null());
+    command.spawn().expect("the program starts")
+}
+
 fn nothing_was_baked_again(before: &BTreeMap<String, u64>, after: &BTreeMap<String, u64>) {
     for (name, inode) in before {
         assert_eq!(after.get(name), Some(inode), "{name} was finished and was baked again");
@@ -65,17 +72,20 @@ fn signals_leave_no_locks_and_no_temporaries() {
     let place = Workplace::new();
     place.write("ball.toml", BALL.replace("1-24", "1-400").replace("24 = 1", "400 = 1"));
     for round in 0..30 {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_hfvdb"));
-        command.args(BAKE.split(' ')).current_dir(place.root()).stdout(Stdio::null()).stderr(Stdio::null());
-        let mut child = command.spawn().unwrap();
-        std::thread::sleep(Duration::from_secs_f64(0.05 + 0.3 * random.share()));
-        let start = Instant::now();
+        let mut child = start(&place);
+        // The program listens for signals before it makes the folder.
+        while !place.path("out").exists() {
+            assert!(child.try_wait().unwrap().is_none(), "it ended by itself");
+            std::thread::sleep(Duration::from_millis(1));
+        }
+        std::thread::sleep(Duration::from_secs_f64(0.3 * random.share()));
+        let sent = Instant::now();
         let (signal, code) = [("INT", 130), ("TERM", 143)][round % 2];
         for _ in 0..=round / 2 % 2 {
             Command::new("kill").args(["-s", signal, &child.id().to_string()]).status().unwrap();
         }
         assert_eq!(child.wait().unwrap().code(), Some(code));
-        assert!(start.elapsed() < Duration::from_secs(2), "{:?}", start.elapsed());
+        assert!(sent.elapsed() < Duration::from_secs(2), "{:?}", sent.elapsed());
         // Before the first frame is finished the folder goes, too.
         if place.path("out").exists() {
             place.nothing_is_left("out");
@@ -91,22 +101,23 @@ fn killed_at_any_moment() {
     let mut random = Random(seed);
     let place = Workplace::new();
     place.write("ball.toml", BALL);
-    let start = Instant::now();
+    let begin = Instant::now();
     place.hfvdb(BAKE).ok();
-    let whole = start.elapsed();
+    let whole = begin.elapsed();
     fs::remove_dir_all(place.path("out")).unwrap();
 
     let (mut killed, mut sequences, mut left) = (0, 0, 0);
     while killed < kills {
         let before = finished(&place);
-        let mut command = Command::new(env!("CARGO_BIN_EXE_hfvdb"));
-        command.args(BAKE.split(' ')).current_dir(place.root()).stdout(Stdio::null()).stderr(Stdio::null());
-        let mut child = command.spawn().unwrap();
+        // Sometimes two at once, which share the frames and the folder.
+        let count = if random.share() < 0.3 { 2 } else { 1 };
+        let mut children: Vec<_> = (0..count).map(|_| start(&place)).collect();
         // A quarter of a whole run at most: so that several kills fall into each sequence.
         std::thread::sleep(Duration::from_secs_f64(whole.as_secs_f64() * 0.25 * random.share()));
-        child.kill().unwrap();
-        let status = child.wait().unwrap();
-        killed += u64::from(!status.success());
+        for child in &mut children {
+            child.kill().unwrap();
+            killed += u64::from(!child.wait().unwrap().success());
+        }
         let after = finished(&place);
         nothing_was_baked_again(&before, &after);
         if place.path("out").exists() {
@@ -125,6 +136,6 @@ fn killed_at_any_moment() {
     println!(
         "seed {seed}: {killed} kills in {:.0} s, {sequences} sequences finished and verified after them, \
          {left} locks and temporaries left by the killed and taken away by the next",
-        start.elapsed().as_secs_f64()
+        begin.elapsed().as_secs_f64()
     );
 }
