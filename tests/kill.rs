@@ -12,11 +12,9 @@ use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
 use sha2::{Digest, Sha256};
-use support::Workplace;
+use support::{BALL, Workplace};
 
 const FRAMES: usize = 24;
-const BALL: &str =
-    "hfvdb = 1\nframes = \"1-24\"\n[shape.ball]\nsphere = { 1 = 0.5, 24 = 1 }\ncolor = [0.5, \"t\", 0]\n";
 const BAKE: &str = "bake ball.toml --resolution 24 -o out/m.####.vdb --resume";
 
 fn number(name: &str, default: u64) -> u64 {

@@ -5,6 +5,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
+use serde_json::Value;
 use tempfile::TempDir;
 
 /// A private folder in which the program runs.
@@ -99,4 +100,28 @@ impl Run {
             assert!(self.stderr.contains(part), "no \"{part}\" in:\n{}", self.stderr);
         }
     }
+}
+
+/// A ball that grows over 24 frames; a frame takes milliseconds.
+pub const BALL: &str =
+    "hfvdb = 1\nframes = \"1-24\"\n[shape.ball]\nsphere = { 1 = 0.5, 24 = 1 }\ncolor = [0.5, \"t\", 0]\n";
+/// Bakes it.
+pub const BAKE: &str = "bake ball.toml --resolution 16 -o out/m.####.vdb";
+
+/// A workplace with the ball, and another scene like it.
+pub fn workplace() -> Workplace {
+    let place = Workplace::new();
+    place.write("ball.toml", BALL);
+    place.write("egg.toml", BALL.replace("0.5, 24", "0.6, 24"));
+    place
+}
+
+/// Reads a document.
+pub fn json(text: &str) -> Value {
+    serde_json::from_str(text).unwrap_or_else(|error| panic!("{error}: {text}"))
+}
+
+/// The manifest of what [`BAKE`] writes.
+pub fn manifest(place: &Workplace) -> Value {
+    json(&fs::read_to_string(place.path("out/m.manifest.json")).expect("a manifest"))
 }
