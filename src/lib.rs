@@ -12,12 +12,13 @@
 //!
 //! # Layers
 //!
-//! `cli → bake, render → scene → morph, attribute → distance, mesh → field, grid`; `vdb → grid`. An arrow never
-//! points the other way.
+//! `cli → bake, render → scene → morph, attribute → distance, mesh → field, grid`; `vdb → grid, disk`;
+//! `bake → disk`. An arrow never points the other way.
 
 pub mod attribute;
 pub mod bake;
 pub mod cli;
+pub mod disk;
 pub mod distance;
 pub mod field;
 pub mod grid;

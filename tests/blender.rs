@@ -36,7 +36,7 @@ fn blender() -> Option<String> {
 
 /// Runs `scripts/check_blender.py` with the files of a folder of the workplace.
 fn check_in_blender(python: &str, place: &Workplace, folder: &str, options: &[&str]) -> Run {
-    let files = place.names(folder).into_iter().map(|name| place.path(folder).join(name));
+    let files = place.frames(folder).into_iter().map(|name| place.path(folder).join(name));
     let script = concat!(env!("CARGO_MANIFEST_DIR"), "/scripts/check_blender.py");
     place.run(Command::new(python).arg(script).args(files).args(options))
 }
@@ -217,7 +217,7 @@ fn colours_arrive(scene: &str, frames: &str, exact: f64) {
 
     let prepared = prepare(scene);
     let (mut vertices, mut exactly, mut far, mut wrong) = (0, 0, 0, Vec::new());
-    for name in place.names("out") {
+    for name in place.frames("out") {
         let number = name.trim_end_matches(".vdb");
         let content = prepared.frame(number.parse().expect("a frame")).unwrap_or_else(|error| panic!("{error}"));
         let array = |kind: &str| dumped(&place.path("dump").join(format!("{number}.{kind}.f32")));

@@ -22,7 +22,7 @@ fn fingerprint(path: &Path) -> Vec<u8> {
 
 /// Fails unless Debian's Python OpenVDB finds nothing wrong with any file of a folder.
 fn python_finds_nothing_wrong(place: &Workplace, folder: &str, frames: usize) {
-    let names = place.names(folder);
+    let names = place.frames(folder);
     assert_eq!(names.len(), frames);
     let script = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/check_frames.py");
     let mut command = Command::new("/usr/bin/python3");
@@ -32,7 +32,7 @@ fn python_finds_nothing_wrong(place: &Workplace, folder: &str, frames: usize) {
 
 /// Fails unless a reader in pure Rust finds whole level sets in all files of a folder, with colours on the same voxels.
 fn rust_finds_nothing_wrong(place: &Workplace, folder: &str, frames: usize) {
-    let names = place.names(folder);
+    let names = place.frames(folder);
     assert_eq!(names.len(), frames);
     names.par_iter().for_each(|name| {
         let (_, grids) = OpenVDB_rs::io::read_file(place.path(folder).join(name)).expect("a .vdb file");
@@ -79,7 +79,7 @@ fn rust_finds_nothing_wrong(place: &Workplace, folder: &str, frames: usize) {
 
 /// Fails unless all frames are one piece, and none changes by more than twice what half of them do.
 fn nothing_pops(place: &Workplace, folder: &str) {
-    let files: Vec<String> = place.names(folder).iter().map(|name| format!("{folder}/{name}")).collect();
+    let files: Vec<String> = place.frames(folder).iter().map(|name| format!("{folder}/{name}")).collect();
     let sheet = place.hfvdb(&format!("preview {} -o sheet.png --pictures 1 --json", files.join(" "))).ok();
     let sheet: serde_json::Value = serde_json::from_str(&sheet.stdout).expect("one JSON document");
     let frames = sheet["frames"].as_array().expect("a list of frames");

@@ -24,6 +24,12 @@ impl Frames {
         Ok(Self((range.first..=range.last).collect()))
     }
 
+    /// These frames; `None` where there are none.
+    pub fn of_numbers(numbers: impl IntoIterator<Item = i64>) -> Option<Self> {
+        let numbers: BTreeSet<i64> = numbers.into_iter().collect();
+        (!numbers.is_empty()).then(|| Self(numbers.into_iter().collect()))
+    }
+
     /// The numbers, ascending.
     pub fn numbers(&self) -> &[i64] {
         &self.0
@@ -46,6 +52,18 @@ impl fmt::Display for FramesError {
 }
 
 impl std::error::Error for FramesError {}
+
+impl fmt::Display for Frames {
+    /// As ranges, short, and such that it is read as the same frames: `1-48,50`.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let range = |range: &[i64]| match range {
+            [only] => only.to_string(),
+            _ => format!("{}-{}", range[0], range[range.len() - 1]),
+        };
+        let ranges: Vec<_> = self.0.chunk_by(|a, b| *b == a + 1).map(range).collect();
+        f.write_str(&ranges.join(","))
+    }
+}
 
 impl FromStr for Frames {
     type Err = FramesError;
@@ -117,5 +135,14 @@ mod tests {
             assert!(error.contains(why), "{text}: {error}");
         }
         assert_eq!(numbers("1-999999999x999999998"), [1, 999_999_999]);
+    }
+
+    #[test]
+    fn printed_frames_are_read_as_the_same() {
+        for text in ["7", "1-48", "1-3,5,9-12", "-3--1,4"] {
+            assert_eq!(text.parse::<Frames>().unwrap().to_string(), text);
+        }
+        let every_fourth: Frames = "1-96x4".parse().unwrap();
+        assert_eq!(every_fourth.to_string().parse(), Ok(every_fourth));
     }
 }

@@ -22,20 +22,21 @@ pub struct Interrupt {
 }
 
 impl Interrupt {
-    /// Starts to listen for SIGINT and SIGTERM, once in a process.
-    pub fn listen() -> io::Result<Self> {
+    /// Starts to listen for SIGINT and SIGTERM, once in a process. `last_words` is called with the exit code before an
+    /// end by force.
+    pub fn listen(last_words: fn(u8)) -> io::Result<Self> {
         let interrupt = Self::default();
         let mut signals = Signals::new([SIGINT, SIGTERM])?;
         let shared = interrupt.clone();
         thread::Builder::new().name("signals".into()).spawn(move || {
             for signal in signals.forever() {
                 if shared.flag.swap(true, Ordering::SeqCst) {
-                    end_now(signal);
+                    end_now(signal, last_words);
                 }
                 shared.signal.store(signal, Ordering::SeqCst);
                 thread::spawn(move || {
                     thread::sleep(PATIENCE);
-                    end_now(signal);
+                    end_now(signal, last_words);
                 });
             }
         })?;
@@ -63,6 +64,15 @@ fn exit_code(signal: i32) -> u8 {
 }
 
 /// Removes what is half-written and ends the process without running destructors: other threads are at work still.
-fn end_now(signal: i32) -> ! {
+fn end_now(signal: i32, last_words: fn(u8)) -> ! {
+    crate::disk::remove_registered();
+    // A reader of stderr that does not read must not hold the end up.
+    let (said, wait) = std::sync::mpsc::channel();
+    thread::spawn(move || {
+        last_words(exit_code(signal));
+        // The other end waits, or the process is gone.
+        let _ = said.send(());
+    });
+    let _ = wait.recv_timeout(Duration::from_millis(100));
     signal_hook::low_level::exit(exit_code(signal).into())
 }

@@ -1,19 +1,47 @@
-//! The job: which frames, within which memory, into which files; progress, interruption, errors.
+//! The job: which frames, within which memory, into which files; progress, interruption, errors; what was done before,
+//! and what came of it.
 //!
-//! Turns a prepared scene into files, frame by frame; knows no geometry of its own.
+//! Turns a prepared scene into files, frame by frame; knows no geometry of its own. Each frame that was written has a
+//! [`Record`]; the records of a [`Sequence`] make its [`Manifest`].
 
+mod claim;
 mod compute;
+mod done;
+mod error;
+mod estimate;
+mod frame;
 mod frames;
+mod identity;
 mod interrupt;
+mod manifest;
 mod memory;
 mod pattern;
+mod probe;
+mod record;
+mod refusal;
 mod run;
+mod sealed;
+mod sequence;
 mod target;
+mod verify;
 
+pub use claim::{Claim, Wish};
 pub use compute::{ComputeError, Computed, compute};
+pub use done::{State, judge_all};
+pub use error::Error;
+pub use estimate::{Estimate, check_memory, estimate};
+pub use frame::compute_frame;
 pub use frames::{Frames, FramesError};
+pub use identity::{Identity, Sampling};
 pub use interrupt::Interrupt;
+pub use manifest::{Entry, Known, Manifest, Source};
 pub use memory::{Bytes, default_limit};
 pub use pattern::{FramePattern, PatternError};
-pub use run::{Error, Estimate, Event, Output, Record, bake, check_memory, compute_frame, estimate};
-pub use target::{OutputFolder, TargetError, make_ready};
+pub use probe::{Probe, probe};
+pub use record::{GridRecord, Record};
+pub use refusal::{Refusal, refusal};
+pub use run::{Baked, Event, Existing, Output, bake};
+pub use sealed::SealedError;
+pub use sequence::Sequence;
+pub use target::{OutputFolder, TargetError, check_place, make_ready};
+pub use verify::{Finding, Verdict, sequences, verify};

@@ -91,12 +91,39 @@ impl FramePattern {
         Ok(())
     }
 
+    /// Whether each frame has a file of its own.
+    pub fn has_token(&self) -> bool {
+        self.digits.is_some()
+    }
+
     /// The file of one frame.
     pub fn file(&self, frame: i64) -> PathBuf {
         match self.digits {
             Some(digits) => self.folder.join(format!("{}{frame:0digits$}{}", self.before, self.after)),
             None => self.folder.join(&self.before),
         }
+    }
+
+    /// The pattern without its folder, such as `m.####.vdb`: the same for the three ways to write a token.
+    pub fn text(&self) -> String {
+        format!("{}{}{}", self.before, "#".repeat(self.digits.unwrap_or(0)), self.after)
+    }
+
+    /// The sequence's name: the file's without frame token and extension, and without what divides them.
+    pub fn name(&self) -> String {
+        let whole = format!("{}{}", self.before.trim_end_matches(['.', '_', '-']), self.after);
+        let stem = Path::new(&whole).file_stem().and_then(|stem| stem.to_str()).unwrap_or(&whole);
+        // Nothing but a frame token and an extension is left of `####.vdb`.
+        if stem.starts_with('.') || stem.is_empty() { "frames".into() } else { stem.into() }
+    }
+
+    /// The frame whose file has this name, without a folder. A name without a frame token is that of any frame: 0.
+    pub fn frame_of(&self, name: &str) -> Option<i64> {
+        let frame = match self.digits {
+            Some(_) => name.strip_prefix(&self.before)?.strip_suffix(&self.after)?.parse().ok()?,
+            None => 0,
+        };
+        (self.file(frame).file_name()?.to_str()? == name).then_some(frame)
     }
 
     /// Whether Blender and others will see a sequence: they read the last run of digits before the extension.
@@ -167,6 +194,30 @@ mod tests {
         assert!(matches!(wrong("out/.."), PatternError::NoName(_)));
         let still = FramePattern::new(Path::new("m.vdb"), "vdb").unwrap();
         assert!(still.holds(1).is_ok() && still.holds(2).is_err());
+    }
+
+    #[test]
+    fn names_of_sequences_and_their_files() {
+        let pattern = |text: &str| FramePattern::new(Path::new(text), "vdb").unwrap();
+        for (text, name) in [
+            ("out/m.####.vdb", "m"),
+            ("m_%04d.vdb", "m"),
+            ("m.vdb", "m"),
+            ("shot.v2.$F4.vdb", "shot.v2"),
+            ("m.####.left.vdb", "m.left"),
+            ("####.vdb", "frames"),
+        ] {
+            assert_eq!(pattern(text).name(), name, "{text}");
+        }
+        let m = pattern("out/m.$F4.vdb");
+        assert_eq!(m.text(), "m.####.vdb");
+        for frame in [-7, 0, 7, 12345] {
+            assert_eq!(m.frame_of(m.file(frame).file_name().unwrap().to_str().unwrap()), Some(frame));
+        }
+        for other in ["m.007.vdb", "m.00007.vdb", "m.+007.vdb", "n.0007.vdb", "m.0007.png", "m..vdb"] {
+            assert_eq!(m.frame_of(other), None, "{other}");
+        }
+        assert_eq!((pattern("m.vdb").frame_of("m.vdb"), pattern("m.vdb").frame_of("n.vdb")), (Some(0), None));
     }
 
     #[test]

@@ -1,320 +1,268 @@
 //! The bake: frame after frame, the next one computed while the last one is written.
 
-use std::fmt;
-use std::path::PathBuf;
+use std::collections::VecDeque;
 use std::sync::mpsc;
 use std::thread;
 use std::time::{Duration, Instant};
 
-use super::compute::{ComputeError, Computed, compute};
-use super::{Bytes, FramePattern, Interrupt};
-use crate::distance::band::{self, Settings};
-use crate::distance::descent::Scope;
-use crate::distance::extent;
-use crate::grid::{Band, measure};
-use crate::scene::{self, FrameContent, Prepared};
+use super::compute::{ComputeError, Computed};
+use super::done::{State, judge};
+use super::frame::{compute_frame, empty, warnings, write_frame};
+use super::identity::Identity;
+use super::record::{Record, RecordFile};
+use super::sealed;
+use super::sequence::Sequence;
+use super::{Bytes, Error, Interrupt};
+use crate::disk::FileLock;
+use crate::distance::band;
+use crate::scene::Prepared;
 use crate::vdb;
+
+/// What to do with files that exist.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Existing {
+    /// Refuse to bake.
+    Refuse,
+    /// Keep frames that are done, replace others.
+    Resume,
+    /// Replace all.
+    Overwrite,
+}
+
+impl Existing {
+    /// Whether a file that exists may be replaced.
+    pub fn replaces(self) -> bool {
+        self != Self::Refuse
+    }
+}
 
 /// What to write and how.
 #[derive(Clone, Debug)]
 pub struct Output {
-    /// One file a frame.
-    pub pattern: FramePattern,
-    /// Grids kept in 16-bit floats.
-    pub half: Vec<String>,
+    /// One file a frame, and what stands beside them.
+    pub sequence: Sequence,
+    /// What decides the voxels.
+    pub identity: Identity,
     /// Compression of the voxels.
     pub compression: vdb::Compression,
-    /// Replace files that exist.
-    pub overwrite: bool,
+    /// What to do with files that exist.
+    pub existing: Existing,
     /// Write empty frames instead of failing.
     pub allow_empty: bool,
     /// The most memory that the job may take.
     pub max_memory: Bytes,
-    /// The scene's hash, for the files' metadata.
-    pub scene_hash: String,
 }
 
-/// A frame that was written.
-#[derive(Clone, Debug)]
-pub struct Record {
-    /// Its number.
-    pub frame: i64,
-    /// Its file.
-    pub path: PathBuf,
-    /// Size of the file in bytes.
-    pub bytes: u64,
-    /// Active voxels of the level set.
-    pub voxels: u64,
-    /// Leaf blocks.
-    pub blocks: u64,
-    /// Volume inside, cubic world units.
-    pub volume: f64,
-    /// Time to compute it.
-    pub compute: Duration,
-    /// Time to hand it over, encode, check and sync it.
-    pub write: Duration,
-}
-
-/// What happens while baking.
+/// What happens while baking. `place` is a frame's place among the frames.
 pub enum Event<'a> {
-    /// A share (0 to 1) of the frame with this place among the frames is done.
-    Progress(usize, f64),
-    /// Something to tell the user.
-    Warning(String),
+    /// Work on a frame begins.
+    Started {
+        /// Its place.
+        place: usize,
+        /// Its number.
+        frame: i64,
+    },
+    /// A share (0 to 1) of a frame is done.
+    Progress {
+        /// Its place.
+        place: usize,
+        /// Its number.
+        frame: i64,
+        /// The share.
+        share: f64,
+    },
+    /// Something to tell the user about a frame.
+    Warning(i64, String),
     /// A frame is on the disk.
     Written(&'a Record),
+    /// A frame was found done: another process has baked it meanwhile.
+    Kept(&'a Record),
+    /// A frame failed; others go on.
+    Failed(i64, &'a Error),
 }
 
-/// Why a bake ended early.
-#[derive(Debug)]
-pub enum Error {
-    /// The scene gives no such frame.
-    Scene(scene::Error),
-    /// A frame could not be computed.
-    Frame(i64, ComputeError),
-    /// A file could not be written.
-    Write(vdb::Error),
-    /// More memory would be needed than allowed.
-    Memory {
-        /// About what is needed.
-        needed: Bytes,
-        /// What is allowed.
-        limit: Bytes,
-        /// About how many active voxels.
-        voxels: f64,
-    },
-    /// A signal came.
-    Interrupted,
+/// What came of a bake.
+#[derive(Debug, Default)]
+pub struct Baked {
+    /// The frames written by this call.
+    pub written: Vec<Record>,
+    /// The frames that another process has baked meanwhile.
+    pub kept: Vec<Record>,
+    /// The frames that failed by themselves.
+    pub failed: Vec<(i64, Error)>,
+    /// Why the rest was not tried.
+    pub stopped: Option<Error>,
 }
 
-impl fmt::Display for Error {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Scene(error) => error.fmt(f),
-            Self::Frame(frame, ComputeError::Distance(error @ band::Error::Empty { .. })) => {
-                write!(f, "frame {frame} is empty: {error}; --allow-empty writes a valid empty file")
-            }
-            Self::Frame(frame, error) => write!(f, "frame {frame}: {error}"),
-            Self::Write(error) => error.fmt(f),
-            Self::Memory { needed, limit, voxels } => write!(
-                f,
-                "about {voxels:.2e} voxels would take about {needed} of memory, and the limit is {limit}; \
-                 take a larger voxel size or a smaller --resolution, or raise the limit with --max-memory"
-            ),
-            Self::Interrupted => f.write_str("interrupted"),
-        }
-    }
-}
+/// How long to wait before another look at frames that others bake.
+const PAUSE: Duration = Duration::from_millis(100);
 
-impl std::error::Error for Error {}
-
-/// What a frame will take, estimated before anything is allocated.
-#[derive(Clone, Copy, Debug)]
-pub struct Estimate {
-    /// Active voxels.
-    pub voxels: f64,
-    /// Leaf blocks.
-    pub blocks: f64,
-    /// Memory at the job's peak, two frames in flight.
-    pub memory: Bytes,
-    /// Size of the file without compression.
-    pub file: Bytes,
-}
-
-/// What the program takes whatever it bakes: itself, OpenVDB, stacks, a chunk of blocks in flight.
-const BASE_BYTES: f64 = 120e6;
-
-/// Estimates one frame.
-pub fn estimate(prepared: &Prepared, content: &FrameContent) -> Estimate {
-    let scope = Scope { lattice: prepared.lattice, half_width: prepared.half_width, region: content.region };
-    let found = extent::estimate(&*content.field, &scope);
-    let coloured = content.colour.is_some();
-    let memory = BASE_BYTES + prepared.memory_estimate() as f64 + found.memory(coloured);
-    let bytes = |value: f64| Bytes(value.min(u64::MAX as f64) as u64);
-    Estimate { voxels: found.voxels, blocks: found.blocks, memory: bytes(memory), file: bytes(found.file(coloured)) }
-}
-
-/// Refuses frames whose estimate is over the limit.
-pub fn check_memory(prepared: &Prepared, content: &FrameContent, limit: Bytes) -> Result<Estimate, Error> {
-    let estimate = estimate(prepared, content);
-    if estimate.memory > limit {
-        return Err(Error::Memory { needed: estimate.memory, limit, voxels: estimate.voxels });
-    }
-    Ok(estimate)
-}
-
-/// Computes one frame of a scene.
-pub fn compute_frame(
-    prepared: &Prepared,
+/// A frame on its way to the writer. It stays locked until its record stands.
+struct Computing {
     frame: i64,
-    limit: Bytes,
-    interrupt: &Interrupt,
-    progress: &(dyn Fn(f64) + Sync),
-) -> Result<Computed, Error> {
-    let content = prepared.frame(frame).map_err(|error| match error {
-        scene::Error::Cancelled => Error::Interrupted,
-        error => Error::Scene(error),
-    })?;
-    check_memory(prepared, &content, limit)?;
-    let settings = Settings {
-        lattice: prepared.lattice,
-        half_width: prepared.half_width,
-        region: content.region,
-        cancel: interrupt.flag(),
-        progress,
-    };
-    let name = prepared.model().output.colour_name.as_str();
-    let colour = content.colour.as_deref().map(|colour| (colour, name));
-    compute(&*content.field, colour, &settings, content.keep).map_err(|error| match error {
-        ComputeError::Distance(band::Error::Cancelled) => Error::Interrupted,
-        ComputeError::Colour { .. } => {
-            let problem = format!("frame {frame}: {error}");
-            prepared.colour_problem(&problem).map_or(Error::Frame(frame, error), Error::Scene)
-        }
-        error => Error::Frame(frame, error),
-    })
+    computed: Computed,
+    duration: Duration,
+    lock: FileLock,
 }
 
 /// Bakes frames into files, in order.
 ///
-/// Stops at the first frame that fails; the files written until then are whole and stay.
+/// Goes on after a frame that fails by itself; stops when no other could succeed. The files written until then are
+/// whole and stay. Frames that another process bakes are waited for, and baked if it fails.
 pub fn bake(
     prepared: &Prepared,
     frames: &[i64],
     output: &Output,
     interrupt: &Interrupt,
     events: &(dyn Fn(Event<'_>) + Sync),
-) -> Result<Vec<Record>, Error> {
+) -> Baked {
     // A rendezvous: one frame is computed while one is written, never more.
-    let (send, receive) = mpsc::sync_channel::<(i64, Computed, Duration)>(0);
+    let (send, receive) = mpsc::sync_channel::<Computing>(0);
     thread::scope(|scope| {
-        let writer = scope.spawn(move || {
-            let mut records = Vec::with_capacity(frames.len());
-            for (frame, computed, duration) in receive {
-                let record = write_frame(prepared, frame, &computed, output, duration)?;
-                events(Event::Written(&record));
-                records.push(record);
-            }
-            Ok(records)
-        });
-        let computed = compute_all(prepared, frames, output, interrupt, events, &send);
+        let writer = scope.spawn(move || write_all(prepared, receive, output, events));
+        let mut computed = compute_all(prepared, frames, output, interrupt, events, &send);
         drop(send);
         let written = writer.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic));
+        computed.written = written.written;
+        computed.failed.extend(written.failed);
+        computed.failed.sort_by_key(|(frame, _)| *frame);
         // A failed write is why the computing stopped, if both failed.
-        let records = written?;
-        computed.map(|()| records)
+        computed.stopped = written.stopped.or(computed.stopped);
+        computed
     })
 }
 
-/// Computes the frames and hands them to the writer until one fails or the writer is gone.
+/// Writes what comes, until the disk takes no more.
+fn write_all(
+    prepared: &Prepared,
+    receive: mpsc::Receiver<Computing>,
+    output: &Output,
+    events: &(dyn Fn(Event<'_>) + Sync),
+) -> Baked {
+    let mut baked = Baked::default();
+    for Computing { frame, computed, duration, lock } in receive {
+        let result = write_frame(prepared, frame, &computed, output, duration);
+        drop(lock);
+        match result {
+            Ok(record) => {
+                events(Event::Written(&record));
+                baked.written.push(record);
+            }
+            Err(error) if error.is_of_frame() => fail(&mut baked, frame, error, events),
+            Err(error) => {
+                baked.stopped = Some(error);
+                break;
+            }
+        }
+    }
+    baked
+}
+
+fn fail(baked: &mut Baked, frame: i64, error: Error, events: &(dyn Fn(Event<'_>) + Sync)) {
+    events(Event::Failed(frame, &error));
+    baked.failed.push((frame, error));
+}
+
+/// Computes the frames and hands them to the writer, until it is gone.
 fn compute_all(
     prepared: &Prepared,
     frames: &[i64],
     output: &Output,
     interrupt: &Interrupt,
     events: &(dyn Fn(Event<'_>) + Sync),
-    send: &mpsc::SyncSender<(i64, Computed, Duration)>,
-) -> Result<(), Error> {
-    for (place, &frame) in frames.iter().enumerate() {
-        let start = Instant::now();
-        let progress = |share: f64| events(Event::Progress(place, share));
-        let computed = match compute_frame(prepared, frame, output.max_memory, interrupt, &progress) {
-            Err(Error::Frame(_, ComputeError::Distance(band::Error::Empty { solid: false }))) if output.allow_empty => {
-                events(Event::Warning(format!("frame {frame} is empty")));
-                empty(prepared)
-            }
-            computed => computed?,
-        };
-        for warning in warnings(frame, &computed) {
-            events(Event::Warning(warning));
-        }
+    send: &mpsc::SyncSender<Computing>,
+) -> Baked {
+    let mut baked = Baked::default();
+    let mut queue: VecDeque<usize> = (0..frames.len()).collect();
+    let mut elsewhere = VecDeque::new();
+    loop {
         if interrupt.is_raised() {
-            return Err(Error::Interrupted);
+            baked.stopped = Some(Error::Interrupted);
+            return baked;
         }
-        if send.send((frame, computed, start.elapsed())).is_err() {
-            break;
+        let Some(place) = queue.pop_front() else {
+            if elsewhere.is_empty() {
+                return baked;
+            }
+            thread::sleep(PAUSE);
+            queue.append(&mut elsewhere);
+            continue;
+        };
+        let frame = frames[place];
+        let lock = match FileLock::try_take(&output.sequence.frame_lock(frame)) {
+            Ok(Some(lock)) => lock,
+            Ok(None) => {
+                elsewhere.push_back(place);
+                continue;
+            }
+            Err(error) => {
+                baked.stopped = Some(error.into());
+                return baked;
+            }
+        };
+        match meanwhile(frame, output, interrupt) {
+            Ok(None) => {}
+            Ok(Some(record)) => {
+                events(Event::Kept(&record));
+                baked.kept.push(record);
+                continue;
+            }
+            Err(error) => {
+                fail(&mut baked, frame, error, events);
+                continue;
+            }
+        }
+        events(Event::Started { place, frame });
+        let start = Instant::now();
+        match compute_one(prepared, place, frame, output, interrupt, events) {
+            Ok(computed) => {
+                if send.send(Computing { frame, computed, duration: start.elapsed(), lock }).is_err() {
+                    return baked;
+                }
+            }
+            Err(error) if error.is_of_frame() => fail(&mut baked, frame, error, events),
+            Err(error) => {
+                baked.stopped = Some(error);
+                return baked;
+            }
         }
     }
-    Ok(())
 }
 
-/// A frame without a surface.
-fn empty(prepared: &Prepared) -> Computed {
-    let band = Band {
-        lattice: prepared.lattice,
-        half_width: prepared.half_width,
-        origins: Vec::new(),
-        distances: Vec::new(),
-        active: Vec::new(),
-        inside_tiles: Vec::new(),
-    };
-    Computed { band, colour: None, report: band::Report::default(), bright_voxels: 0 }
+/// The frame as another process has baked it since this one began; an error where something else stands there.
+fn meanwhile(frame: i64, output: &Output, interrupt: &Interrupt) -> Result<Option<Record>, Error> {
+    let path = output.sequence.pattern.file(frame);
+    if output.existing == Existing::Overwrite || path.symlink_metadata().is_err() {
+        return Ok(None);
+    }
+    let file = sealed::read::<RecordFile>(&output.sequence.record(frame)).ok().flatten();
+    let known = file.map(|file| (file.identity, file.record));
+    match judge(&path, frame, known.as_ref(), &output.identity, interrupt) {
+        Some(State::Done(record)) => Ok(Some(*record)),
+        _ if output.existing.replaces() || interrupt.is_raised() => Ok(None),
+        _ => Err(Error::Write(vdb::Error::Exists { path })),
+    }
 }
 
-/// What the measurement noticed, in words.
-fn warnings(frame: i64, computed: &Computed) -> Vec<String> {
-    let mut warnings = Vec::new();
-    let report = &computed.report;
-    let sides = ["-x", "+x", "-y", "+y", "-z", "+z"];
-    let cut: Vec<_> =
-        sides.iter().zip(report.cut_voxels).filter(|&(_, voxels)| voxels > 0).map(|(side, _)| *side).collect();
-    if !cut.is_empty() {
-        warnings.push(format!("frame {frame}: the shape is cut by its bounds at {}; widen `bounds`", cut.join(", ")));
-    }
-    if let Some(at) = report.thin_at {
-        warnings.push(format!(
-            "frame {frame}: features thinner than a voxel at {} voxels, one near ({:.4}, {:.4}, {:.4}); \
-             they need smaller voxels to hold",
-            report.thin_voxels, at.x, at.y, at.z
-        ));
-    }
-    if computed.bright_voxels > 0 {
-        warnings.push(format!("frame {frame}: {} voxels have a colour above 1; they are kept", computed.bright_voxels));
-    }
-    warnings
-}
-
-/// Writes one frame.
-fn write_frame(
+/// Computes one frame, and tells what there is to say about it.
+fn compute_one(
     prepared: &Prepared,
+    place: usize,
     frame: i64,
-    computed: &Computed,
     output: &Output,
-    compute: Duration,
-) -> Result<Record, Error> {
-    let start = Instant::now();
-    let path = output.pattern.file(frame);
-    let mut grids = vec![vdb::Grid::level_set("surface", &computed.band)];
-    if let Some(colour) = &computed.colour {
-        grids.push(vdb::Grid::colour(&computed.band, colour));
+    interrupt: &Interrupt,
+    events: &(dyn Fn(Event<'_>) + Sync),
+) -> Result<Computed, Error> {
+    let progress = |share: f64| events(Event::Progress { place, frame, share });
+    let computed = match compute_frame(prepared, frame, output.max_memory, interrupt, &progress) {
+        Err(Error::Frame(_, ComputeError::Distance(band::Error::Empty { solid: false }))) if output.allow_empty => {
+            events(Event::Warning(frame, "it is empty".into()));
+            empty(prepared)
+        }
+        computed => computed?,
+    };
+    for warning in warnings(&computed) {
+        events(Event::Warning(frame, warning));
     }
-    for grid in &mut grids {
-        grid.half = output.half.iter().any(|name| name == grid.name);
-    }
-    let metadata = metadata(prepared, frame, output);
-    let options = vdb::WriteOptions { compression: output.compression, overwrite: output.overwrite };
-    let written = vdb::write(&path, &vdb::Frame { grids, metadata }, &options).map_err(Error::Write)?;
-    Ok(Record {
-        frame,
-        path,
-        bytes: written.bytes,
-        voxels: computed.band.active_voxels(),
-        blocks: computed.band.origins.len() as u64,
-        volume: measure::volume(&computed.band),
-        compute,
-        write: start.elapsed(),
-    })
-}
-
-/// Metadata of a file: nothing that depends on time, host, threads, path or other frames.
-fn metadata(prepared: &Prepared, frame: i64, output: &Output) -> vdb::Metadata {
-    let model = prepared.model();
-    let mut metadata = vdb::Metadata::new();
-    metadata.insert("creator".into(), concat!("hfvdb ", env!("CARGO_PKG_VERSION")).into());
-    metadata.insert("hfvdb_scene".into(), output.scene_hash.as_str().into());
-    // Frame numbers beyond 32 bits are refused when a scene is read.
-    metadata.insert("hfvdb_frame".into(), i32::try_from(frame).unwrap_or(i32::MAX).into());
-    metadata.insert("hfvdb_fps".into(), model.shot.fps.into());
-    metadata.insert("hfvdb_unit".into(), model.unit.into());
-    metadata
+    if interrupt.is_raised() { Err(Error::Interrupted) } else { Ok(computed) }
 }

@@ -2,9 +2,10 @@
 
 use std::fmt;
 use std::io;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
-use super::FramePattern;
+use super::sequence::Sequence;
+use crate::disk::{self, Temporary, folder_of};
 
 /// Why files cannot go where they should.
 #[derive(Debug)]
@@ -13,8 +14,8 @@ pub enum TargetError {
     NoParent(PathBuf),
     /// Something else stands where the output folder should be, or it cannot be made.
     Folder(PathBuf, io::Error),
-    /// Files that exist, the first of them named.
-    Exist(PathBuf, usize),
+    /// The name is too long for what stands beside the frames.
+    LongName(PathBuf),
 }
 
 impl fmt::Display for TargetError {
@@ -29,14 +30,10 @@ impl fmt::Display for TargetError {
             Self::Folder(path, error) => {
                 write!(f, "{}: cannot write into this folder: {error}; choose another with -o", path.display())
             }
-            Self::Exist(path, 1) => {
-                write!(f, "{} exists; replace it with --overwrite, or choose another name", path.display())
-            }
-            Self::Exist(path, count) => write!(
+            Self::LongName(path) => write!(
                 f,
-                "{} exists, and {} more of the files to write; replace them with --overwrite, or choose another name",
-                path.display(),
-                count - 1
+                "{}: this name is too long for the records beside the frames; choose a shorter one",
+                path.display()
             ),
         }
     }
@@ -60,31 +57,37 @@ impl Drop for OutputFolder {
     }
 }
 
-/// Checks that the frames' files can be made, and makes the output folder (its last level only).
-pub fn make_ready(pattern: &FramePattern, frames: &[i64], overwrite: bool) -> Result<OutputFolder, TargetError> {
-    let folder = if pattern.folder().as_os_str().is_empty() { Path::new(".") } else { pattern.folder() };
-    if !overwrite {
-        let exist: Vec<_> = frames.iter().map(|&frame| pattern.file(frame)).filter(|file| file.exists()).collect();
-        if let Some(first) = exist.first() {
-            return Err(TargetError::Exist(first.clone(), exist.len()));
-        }
+/// Checks that frames can be written, without writing anything.
+pub fn check_place(sequence: &Sequence) -> Result<(), TargetError> {
+    let folder = sequence.folder();
+    if sequence.name_is_too_long() {
+        return Err(TargetError::LongName(sequence.pattern.folder().join(sequence.pattern.text())));
     }
-    let mut output = OutputFolder { made: None };
     match std::fs::metadata(folder) {
-        Ok(metadata) if metadata.is_dir() => {}
-        Ok(_) => return Err(TargetError::Folder(folder.into(), io::ErrorKind::NotADirectory.into())),
-        Err(error) if error.kind() == io::ErrorKind::NotFound => match std::fs::create_dir(folder) {
-            Ok(()) => output.made = Some(folder.into()),
-            Err(error) if error.kind() == io::ErrorKind::NotFound => return Err(TargetError::NoParent(folder.into())),
-            Err(error) => return Err(TargetError::Folder(folder.into(), error)),
-        },
+        Ok(metadata) if metadata.is_dir() => Ok(()),
+        Ok(_) => Err(TargetError::Folder(folder.into(), io::ErrorKind::NotADirectory.into())),
+        Err(error) if error.kind() == io::ErrorKind::NotFound && folder_of(folder).is_dir() => Ok(()),
+        Err(error) if error.kind() == io::ErrorKind::NotFound => Err(TargetError::NoParent(folder.into())),
+        Err(error) => Err(TargetError::Folder(folder.into(), error)),
+    }
+}
+
+/// Makes the output folder (its last level only), and makes sure that it takes files.
+pub fn make_ready(sequence: &Sequence) -> Result<OutputFolder, TargetError> {
+    check_place(sequence)?;
+    let folder = sequence.folder();
+    let mut output = OutputFolder { made: None };
+    match std::fs::create_dir(folder) {
+        Ok(()) => output.made = Some(folder.into()),
+        Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {}
+        // A folder that is there may say so only after it said that nothing can be made beside it.
+        Err(_) if folder.is_dir() => {}
         Err(error) => return Err(TargetError::Folder(folder.into(), error)),
     }
     // A read-only folder is better known now than after the first frame.
-    tempfile::Builder::new()
-        .prefix(".hfvdb-")
-        .suffix(".tmp")
-        .tempfile_in(folder)
-        .map_err(|error| TargetError::Folder(folder.into(), error))?;
+    Temporary::beside(&sequence.manifest()).map_err(|error| match error {
+        disk::Error::System { source, .. } => TargetError::Folder(folder.into(), source),
+        error @ disk::Error::Exists { .. } => TargetError::Folder(folder.into(), io::Error::other(error)),
+    })?;
     Ok(output)
 }

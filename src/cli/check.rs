@@ -44,8 +44,7 @@ fn of_file(path: &Path, global: &Global) -> Result<(), Failure> {
     for finding in &findings {
         match finding.severity {
             Severity::Error => eprintln!("error: {}: {finding}", path.display()),
-            Severity::Warning if !global.quiet => eprintln!("warning: {}: {finding}", path.display()),
-            Severity::Warning => {}
+            Severity::Warning => global.warn(&format!("{}: {finding}", path.display())),
         }
     }
     if global.json {

@@ -1,5 +1,6 @@
 //! What went wrong, and the exit code that goes with it.
 
+use super::events;
 use crate::{bake, scene};
 
 /// A failure with its exit code.
@@ -49,6 +50,17 @@ impl Failure {
         Self { told: true, ..self }
     }
 
+    /// What went wrong, in words.
+    pub fn message(&self) -> &str {
+        &self.message
+    }
+
+    /// With more to say.
+    pub fn and(mut self, more: &str) -> Self {
+        self.message = format!("{}{more}", self.message.trim_end());
+        self
+    }
+
     /// The process's exit code.
     pub fn exit_code(&self) -> u8 {
         self.code
@@ -56,7 +68,10 @@ impl Failure {
 
     /// Prints the failure: to stderr, and with `--json` as a document on stdout too.
     pub fn report(&self, json: bool) {
-        if self.rendered {
+        let event = if matches!(self.code, 130 | 143) { "interrupted" } else { "failed" };
+        if events::tell(event, &serde_json::json!({ "exit_code": self.code, "message": self.message })) {
+            // A log of events holds nothing else.
+        } else if self.rendered {
             eprintln!("{}", self.message.trim_end());
         } else {
             eprintln!("error: {}", self.message);
@@ -77,7 +92,7 @@ impl From<bake::PatternError> for Failure {
 
 impl From<scene::Diagnostics> for Failure {
     fn from(diagnostics: scene::Diagnostics) -> Self {
-        Self::rendered(diagnostics.render(super::job::styled()))
+        Self::rendered(diagnostics.render(super::job::styled() && !events::on()))
     }
 }
 
@@ -100,6 +115,24 @@ impl From<bake::Error> for Failure {
             error @ bake::Error::Memory { .. } => Self::memory(error.to_string()),
             error => Self::work(error.to_string()),
         }
+    }
+}
+
+impl From<bake::Refusal> for Failure {
+    fn from(error: bake::Refusal) -> Self {
+        Self::work(error.to_string())
+    }
+}
+
+impl From<bake::TargetError> for Failure {
+    fn from(error: bake::TargetError) -> Self {
+        Self::work(error.to_string())
+    }
+}
+
+impl From<bake::SealedError> for Failure {
+    fn from(error: bake::SealedError) -> Self {
+        bake::Refusal::Damaged(error).into()
     }
 }
 

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use super::events;
 use super::failure::Failure;
 use super::options::{Global, Sampling, SceneArguments};
 use super::progress::Progress;
@@ -10,7 +11,7 @@ use crate::scene::{self, Model, Overrides, PrepareOptions, Prepared, Source};
 
 /// Starts to listen for SIGINT and SIGTERM.
 pub fn interrupt() -> Result<Interrupt, Failure> {
-    Interrupt::listen().map_err(|error| Failure::work(format!("cannot listen for signals: {error}")))
+    Interrupt::listen(events::interrupted).map_err(|error| Failure::work(format!("cannot listen for signals: {error}")))
 }
 
 /// Reads a scene and says what is worth saying about it.
@@ -23,7 +24,12 @@ pub fn load(arguments: &SceneArguments, global: &Global) -> Result<Arc<Model>, F
 
 /// Prints a scene's warnings.
 fn warn(warnings: &scene::Diagnostics, global: &Global) {
-    if !global.quiet && !warnings.is_empty() {
+    if warnings.is_empty() {
+        return;
+    }
+    if events::on() {
+        global.warn(warnings.render(false).trim_end());
+    } else if !global.quiet {
         eprintln!("{}", warnings.render(styled()).trim_end());
     }
 }
@@ -74,12 +80,12 @@ pub fn frames(asked: Option<&Frames>, model: &Model, global: &Global) -> Result<
         None => Frames::of_range(shot.range).map_err(|error| Failure::work(error.to_string()))?,
     };
     let (first, last) = frames.ends();
-    if (first < shot.range.first || last > shot.range.last) && !global.quiet {
+    if first < shot.range.first || last > shot.range.last {
         let range = (shot.range.first, shot.range.last);
         if shot.still {
-            eprintln!("warning: the scene has no `frames` and does not move: all frames are alike");
+            global.warn("the scene has no `frames` and does not move: all frames are alike");
         } else {
-            eprintln!("warning: some frames lie outside of the shot {}-{}, where its ends hold", range.0, range.1);
+            global.warn(&format!("some frames lie outside of the shot {}-{}, where its ends hold", range.0, range.1));
         }
     }
     Ok(frames)

@@ -6,6 +6,8 @@
 
 mod bake;
 mod check;
+mod dry_run;
+mod events;
 mod failure;
 mod info;
 mod job;
@@ -13,7 +15,10 @@ mod morph;
 mod options;
 mod preview;
 mod progress;
+mod report;
 mod scenes;
+mod verify;
+mod writing;
 
 use std::io::Write;
 use std::process::ExitCode;
@@ -33,6 +38,7 @@ First steps:
   hfvdb bake cubism -o out/cubism.####.vdb       48 frames of a coloured morph
   hfvdb morph a.obj b.ply -o out/m.####.vdb      a morph of two meshes, no scene file
   hfvdb scenes heart > mine.toml                 a scene to start from
+  hfvdb verify out                               whether all frames are there and whole
 
 Exit codes: 0 done; 1 the input or the work failed; 2 the command line is wrong; 3 more memory is needed than
 allowed; 130 and 143 interrupted.")]
@@ -55,6 +61,8 @@ enum Command {
     Info(info::Arguments),
     /// List the built-in scenes, or print one to start from
     Scenes(scenes::Arguments),
+    /// Hold frames against their manifest: missing, foreign, or a single bit flipped
+    Verify(verify::Arguments),
     /// Render a scene, a .vdb file or a sequence to a PNG
     Preview(preview::Arguments),
 }
@@ -72,12 +80,16 @@ pub fn run() -> ExitCode {
         }
     };
     let global = program.global;
+    if global.progress == options::ProgressKind::Json {
+        events::start();
+    }
     let result = set_threads(&global).and_then(|()| match program.command {
         Command::Bake(arguments) => bake::run(&arguments, &global),
         Command::Morph(arguments) => morph::run(&arguments, &global),
         Command::Check(arguments) => check::run(&arguments, &global),
         Command::Info(arguments) => info::run(&arguments, &global),
         Command::Scenes(arguments) => scenes::run(&arguments, &global),
+        Command::Verify(arguments) => verify::run(&arguments, &global),
         Command::Preview(arguments) => preview::run(&arguments, &global),
     });
     match result {

@@ -5,14 +5,19 @@ use std::sync::Arc;
 
 use clap::Args;
 
-use super::bake::write_frames;
 use super::failure::Failure;
 use super::options::{Global, Sampling, Writing};
-use crate::bake::FramePattern;
+use super::writing::{Request, write_frames};
+use crate::bake::{FramePattern, Source};
 use crate::scene::{self, FrameRange, Overrides};
 
 /// Arguments of `hfvdb morph`.
 #[derive(Args)]
+#[command(after_help = "\
+Examples:
+  hfvdb morph fox.obj crab.obj -o 'out/fox.####.vdb'                    48 frames
+  hfvdb morph fox.obj crab.obj -o 'out/fox.####.vdb' --shot 1001-1096   longer, with the show's numbers
+  hfvdb morph fox.obj crab.obj -o 'out/fox.####.vdb' --resume           what is missing of them")]
 pub struct Arguments {
     /// The mesh of the first frame (.obj, .ply), with vertex colours if it has any
     #[arg(value_name = "FROM")]
@@ -58,6 +63,12 @@ pub fn run(arguments: &Arguments, global: &Global) -> Result<(), Failure> {
         variant: None,
     };
     let model = scene::morph_of_meshes(&arguments.from, &arguments.to, arguments.shot, &overrides)?;
+    let source = Source {
+        scene: format!("morph of {} and {}", arguments.from.display(), arguments.to.display()),
+        variant: None,
+        set: overrides.set,
+    };
     let model = Arc::new(model);
-    write_frames(&model, pattern, &arguments.writing, &arguments.sampling, global)
+    let request = Request { model, source, pattern, writing: &arguments.writing, sampling: &arguments.sampling };
+    write_frames(&request, global)
 }

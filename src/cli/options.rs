@@ -3,8 +3,10 @@
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
+use serde_json::json;
 
-use crate::bake::{Bytes, Frames};
+use super::events;
+use crate::bake::{Bytes, Existing, Frames};
 
 /// Options of every subcommand.
 #[derive(Args, Clone, Debug)]
@@ -24,6 +26,28 @@ pub struct Global {
     /// Say more on stderr
     #[arg(short, long, global = true)]
     pub verbose: bool,
+
+    /// How progress is told on stderr
+    #[arg(long, value_enum, value_name = "KIND", global = true, default_value_t = ProgressKind::Bar, hide_default_value = true)]
+    pub progress: ProgressKind,
+}
+
+impl Global {
+    /// Warns on stderr, unless nothing shall be said.
+    pub fn warn(&self, text: &str) {
+        if !events::tell("warning", &json!({ "message": text })) && !self.quiet {
+            eprintln!("warning: {text}");
+        }
+    }
+}
+
+/// How progress is told.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum ProgressKind {
+    /// A bar with the time left, on a terminal only (the default)
+    Bar,
+    /// One JSON object a line, for farms: docs/output.md has the events
+    Json,
 }
 
 /// Which scene, and what to change in it.
@@ -91,12 +115,31 @@ pub struct Writing {
     pub compression: Option<Compression>,
 
     /// Replace files that exist
-    #[arg(long)]
+    #[arg(long, conflicts_with = "resume")]
     pub overwrite: bool,
+
+    /// Keep frames that are done, judged by their content (scene, options, SHA-256), and bake all others
+    #[arg(long)]
+    pub resume: bool,
+
+    /// Write nothing; say which files would be written, and estimate voxels, memory, time and bytes from one frame
+    #[arg(long)]
+    pub dry_run: bool,
 
     /// Write a valid empty file where a frame has no surface, instead of failing
     #[arg(long)]
     pub allow_empty: bool,
+}
+
+impl Writing {
+    /// What to do with files that exist.
+    pub fn existing(&self) -> Existing {
+        match (self.overwrite, self.resume) {
+            (true, _) => Existing::Overwrite,
+            (_, true) => Existing::Resume,
+            _ => Existing::Refuse,
+        }
+    }
 }
 
 /// Compression of voxels in a file.

@@ -1,25 +1,40 @@
-//! Progress of long work: a bar with the time left, on a terminal only.
+//! Progress of long work: a bar with the time left, on a terminal only, or events for farms.
 
 use std::io::IsTerminal;
-use std::time::Duration;
+use std::sync::{Mutex, PoisonError};
+use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use serde_json::{Value, json};
 
+use super::events;
 use super::options::Global;
 
 /// Steps of the bar for one frame: fine enough to move on the longest frames.
 const STEPS: u64 = 1000;
+/// The least time between two events of progress: a farm's log is read by people, too.
+const PAUSE: Duration = Duration::from_secs(1);
 
 /// The progress of a number of frames.
 pub struct Progress {
     bar: ProgressBar,
     quiet: bool,
+    frames: usize,
+    told: Mutex<Option<Told>>,
+}
+
+/// What the log of events was told of progress.
+struct Told {
+    /// When the first frame began.
+    start: Instant,
+    /// When it was told last.
+    last: Instant,
 }
 
 impl Progress {
     /// A bar for work of `frames` frames; hidden where stderr is no terminal or nothing shall be said.
     pub fn new(frames: usize, global: &Global) -> Self {
-        let target = if global.quiet || !std::io::stderr().is_terminal() {
+        let target = if global.quiet || events::on() || !std::io::stderr().is_terminal() {
             ProgressDrawTarget::hidden()
         } else {
             ProgressDrawTarget::stderr_with_hz(10)
@@ -28,7 +43,7 @@ impl Progress {
         let style = ProgressStyle::with_template("{msg:24} {wide_bar} {percent:>3}%  {elapsed} gone, {eta} left");
         bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
         bar.enable_steady_tick(Duration::from_millis(200));
-        Self { bar, quiet: global.quiet }
+        Self { bar, quiet: global.quiet, frames, told: Mutex::new(None) }
     }
 
     /// What is being done now.
@@ -45,11 +60,51 @@ impl Progress {
         }
     }
 
+    /// As [`Self::at`], with the frame's number, for the log of events.
+    pub fn of_frame(&self, frame: i64, done: usize, fraction: f64) {
+        self.at(done, fraction);
+        if !events::on() {
+            return;
+        }
+        let mut told = self.told.lock().unwrap_or_else(PoisonError::into_inner);
+        let now = Instant::now();
+        let Some(told) = &mut *told else {
+            *told = Some(Told { start: now, last: now });
+            return;
+        };
+        if now - told.last < PAUSE {
+            return;
+        }
+        told.last = now;
+        let share = ((done as f64 + fraction) / self.frames.max(1) as f64).clamp(1e-4, 1.0);
+        let left = (now - told.start).as_secs_f64() * (1.0 - share) / share;
+        let rounded = |value: f64, to: f64| (value * to).round() / to;
+        let fields = json!({
+            "frame": frame,
+            "frame_share": rounded(fraction, 1e3),
+            "share": rounded(share, 1e4),
+            "seconds_left": rounded(left, 10.0),
+        });
+        events::tell("progress", &fields);
+    }
+
+    /// A line for people above the bar, or an event.
+    pub fn tell(&self, event: &str, fields: &Value, line: &str) {
+        if !events::tell(event, fields) {
+            self.say(line);
+        }
+    }
+
     /// A line for people, above the bar.
     pub fn say(&self, text: &str) {
         if !self.quiet {
-            self.bar.suspend(|| eprintln!("{text}"));
+            self.print(text);
         }
+    }
+
+    /// A line above the bar that is said in any case.
+    pub fn print(&self, text: &str) {
+        self.bar.suspend(|| eprintln!("{text}"));
     }
 }
 

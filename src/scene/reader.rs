@@ -189,12 +189,12 @@ impl<'a> Reader<'a> {
                 return None;
             }
         };
-        let range = text.parse().ok();
-        if range.is_none() {
-            let problem = format!("`{}` must be frames such as \"1-48\", the first not after the last", clip(name));
+        let range = text.parse::<FrameRange>();
+        if let Err(wrong) = &range {
+            let problem = format!("`{}` must be frames such as \"1-48\": this {wrong}", clip(name));
             self.say(Diagnostic::error(value.span, problem));
         }
-        range
+        range.ok()
     }
 }
 

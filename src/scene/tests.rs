@@ -108,7 +108,7 @@ fn wrong_types_and_ranges() {
     );
     only(
         "frames = \"48-1\"\n[shape.a]\nsphere=1",
-        "1:11 `frames` must be frames such as \"1-48\", the first not after the last",
+        "1:11 `frames` must be frames such as \"1-48\": this runs backwards",
     );
     only(
         "unit = \"parsec\"\n[shape.a]\nsphere=1",

@@ -4,6 +4,8 @@ use std::fmt;
 use std::io;
 use std::path::{Path, PathBuf};
 
+use crate::disk::{self, advice};
+
 /// An error of this room.
 #[derive(Debug)]
 pub enum Error {
@@ -68,18 +70,12 @@ impl Error {
     }
 }
 
-/// What to do about a system's answer.
-fn advice(error: &io::Error) -> &'static str {
-    match error.kind() {
-        io::ErrorKind::StorageFull => ": make room on that disk, or write elsewhere",
-        io::ErrorKind::QuotaExceeded => ": free some of your quota, or write elsewhere",
-        io::ErrorKind::ReadOnlyFilesystem => ": that file system is read-only, write elsewhere",
-        io::ErrorKind::PermissionDenied => ": ask for the permission, or choose another folder",
-        io::ErrorKind::NotFound => ": check the path, and make its folder first",
-        io::ErrorKind::NotADirectory => ": a part of the path is a file, choose another folder",
-        io::ErrorKind::IsADirectory => ": that is a folder, name a file",
-        io::ErrorKind::FileTooLarge => ": larger than that file system or your limits allow",
-        _ => "",
+impl From<disk::Error> for Error {
+    fn from(error: disk::Error) -> Self {
+        match error {
+            disk::Error::Exists { path } => Self::Exists { path },
+            disk::Error::System { path, action, source } => Self::System { path, action, source },
+        }
     }
 }
 

@@ -23,7 +23,6 @@ mod metadata;
 mod read;
 #[cfg(feature = "rivals")]
 pub mod rivals;
-mod temporary;
 pub mod walk;
 mod write;
 
@@ -33,7 +32,6 @@ pub use inspect::{FileInfo, GridInfo, Range, active_box, inspect};
 pub use lint::{Finding, Lint, Severity, lint};
 pub use metadata::{Metadata, MetadataValue};
 pub use read::{Contents, SparseBlocks, StoredClass, StoredGrid, Tile, Voxels, read};
-pub use temporary::remove_temporaries;
 pub use write::{Compression, Prepared, WriteOptions, Written, prepare, write};
 
 /// The version of the OpenVDB library in use, such as `10.0.1`.

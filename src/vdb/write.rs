@@ -3,10 +3,12 @@
 use std::io::{Read, Seek, Write};
 use std::path::Path;
 
+use sha2::{Digest, Sha256};
+
 use super::bridge::ffi;
-use super::temporary::{Temporary, folder_of};
 use super::walk::walk_bytes;
 use super::{Error, Frame};
+use crate::disk::{Temporary, folder_of};
 
 /// How a file's buffers are compressed. In all cases inactive voxels are not stored where they can be restored.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -44,6 +46,8 @@ pub struct WriteOptions {
 pub struct Written {
     /// Its size.
     pub bytes: u64,
+    /// SHA-256 of its bytes, as they were read back from the disk.
+    pub sha256: [u8; 32],
 }
 
 /// A frame in OpenVDB's trees, independent of the blocks it came from.
@@ -69,6 +73,19 @@ pub fn write(path: impl AsRef<Path>, frame: &Frame<'_>, options: &WriteOptions) 
 }
 
 impl Prepared {
+    /// How large the frame's file would be in bytes, by encoding it.
+    ///
+    /// # Errors
+    /// When OpenVDB fails.
+    pub fn encoded_bytes(&self, compression: Compression) -> Result<u64, Error> {
+        let encoded = self.encoded(compression).map_err(|error| Error::Library { message: error.what().into() })?;
+        Ok((0..encoded.pieces()).map(|index| encoded.piece(index).len() as u64).sum())
+    }
+
+    fn encoded(&self, compression: Compression) -> Result<cxx::UniquePtr<ffi::Encoded>, cxx::Exception> {
+        ffi::encode(&self.frame, compression.codec())
+    }
+
     /// Writes the frame: encoded on all threads, under a temporary name in the target's folder, read back and checked,
     /// synced and renamed. Whatever fails, nothing is left behind and a file of that name is as it was.
     ///
@@ -78,7 +95,8 @@ impl Prepared {
     pub fn write(&self, path: impl AsRef<Path>, options: &WriteOptions) -> Result<Written, Error> {
         let path = path.as_ref();
         check_target(path, options)?;
-        let encoded = ffi::encode(&self.frame, options.compression.codec())
+        let encoded = self
+            .encoded(options.compression)
             .map_err(|error| Error::File { path: path.into(), message: error.what().into() })?;
         let mut temporary = Temporary::beside(path)?;
         let mut bytes = 0;
@@ -88,15 +106,15 @@ impl Prepared {
             bytes += piece.len() as u64;
         }
         drop(encoded);
-        check_arrival(&mut temporary, bytes, path)?;
+        let sha256 = check_arrival(&mut temporary, bytes, path)?;
         temporary.file_mut().sync_all().map_err(|error| Error::system(path, "sync it to the disk", error))?;
         temporary.persist(path, options.overwrite)?;
-        Ok(Written { bytes })
+        Ok(Written { bytes, sha256 })
     }
 }
 
-/// Reads back what was written, and walks it. Messages name `path`, the final name.
-fn check_arrival(temporary: &mut Temporary, bytes: u64, path: &Path) -> Result<(), Error> {
+/// Reads back what was written, walks it and gives its SHA-256. Messages name `path`, the final name.
+fn check_arrival(temporary: &mut Temporary, bytes: u64, path: &Path) -> Result<[u8; 32], Error> {
     let mut arrived = Vec::new();
     let file = temporary.file_mut();
     file.rewind()
@@ -106,7 +124,8 @@ fn check_arrival(temporary: &mut Temporary, bytes: u64, path: &Path) -> Result<(
         let problem = format!("{bytes} bytes were written, and {} arrived", arrived.len());
         return Err(Error::Damaged { path: path.into(), offset: arrived.len() as u64, problem });
     }
-    walk_bytes(&arrived, path).map(drop)
+    let (walked, sha256) = rayon::join(|| walk_bytes(&arrived, path), || Sha256::digest(&arrived));
+    walked.map(|_| sha256.into())
 }
 
 /// What is wrong with a target before any work is done.

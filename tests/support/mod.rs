@@ -5,6 +5,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
+use serde_json::Value;
 use tempfile::TempDir;
 
 /// A private folder in which the program runs.
@@ -54,6 +55,20 @@ impl Workplace {
         names
     }
 
+    /// The frames in a folder of the workplace, sorted: what a program sees that lists a sequence.
+    pub fn frames(&self, folder: &str) -> Vec<String> {
+        let mut names = self.names(folder);
+        names.retain(|name| name.ends_with(".vdb"));
+        names
+    }
+
+    /// Fails where a lock or a temporary was left in a folder.
+    pub fn nothing_is_left(&self, folder: &str) {
+        let names = self.names(folder);
+        let left: Vec<_> = names.iter().filter(|name| name.ends_with("lock") || name.ends_with("tmp")).collect();
+        assert!(left.is_empty(), "{left:?} were left behind");
+    }
+
     pub fn root(&self) -> &Path {
         self.folder.path()
     }
@@ -85,4 +100,28 @@ impl Run {
             assert!(self.stderr.contains(part), "no \"{part}\" in:\n{}", self.stderr);
         }
     }
+}
+
+/// A ball that grows over 24 frames; a frame takes milliseconds.
+pub const BALL: &str =
+    "hfvdb = 1\nframes = \"1-24\"\n[shape.ball]\nsphere = { 1 = 0.5, 24 = 1 }\ncolor = [0.5, \"t\", 0]\n";
+/// Bakes it.
+pub const BAKE: &str = "bake ball.toml --resolution 16 -o out/m.####.vdb";
+
+/// A workplace with the ball, and another scene like it.
+pub fn workplace() -> Workplace {
+    let place = Workplace::new();
+    place.write("ball.toml", BALL);
+    place.write("egg.toml", BALL.replace("0.5, 24", "0.6, 24"));
+    place
+}
+
+/// Reads a document.
+pub fn json(text: &str) -> Value {
+    serde_json::from_str(text).unwrap_or_else(|error| panic!("{error}: {text}"))
+}
+
+/// The manifest of what [`BAKE`] writes.
+pub fn manifest(place: &Workplace) -> Value {
+    json(&fs::read_to_string(place.path("out/m.manifest.json")).expect("a manifest"))
 }

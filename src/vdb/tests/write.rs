@@ -6,7 +6,6 @@ use serde_json::json;
 
 use super::support::*;
 use crate::grid::*;
-use crate::vdb::temporary::{Register, Temporary};
 use crate::vdb::*;
 
 fn frame<'a>(band: &'a Band, colour: &'a Channel<[f32; 3]>) -> Frame<'a> {
@@ -239,24 +238,4 @@ fn an_error_of_the_system_names_the_file_and_the_way_out() {
     // A file system that nobody may write to.
     let text = attempt(std::path::Path::new("/proc/ball.vdb"));
     assert!(text.starts_with("/proc/ball.vdb: cannot "), "{text}");
-}
-
-#[test]
-fn an_interrupted_write_leaves_nothing_behind() {
-    // Of its own: the process's register holds the files of the tests that run beside this one.
-    static REGISTER: Register = Register::new();
-    let folder = tempfile::tempdir().unwrap();
-    let target = folder.path().join("ball.vdb");
-    let live = Temporary::registered(&REGISTER, &target).unwrap();
-    let names: Vec<String> =
-        fs::read_dir(folder.path()).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
-    assert!(
-        matches!(&names[..], [name] if name.starts_with(".ball.vdb.") && name.ends_with(".hfvdb-tmp")),
-        "{names:?}"
-    );
-    REGISTER.remove_all();
-    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0);
-    let error = live.persist(&target, false).expect_err("the file is gone");
-    assert!(error.to_string().starts_with(&format!("{}: cannot ", target.display())), "{error}");
-    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0);
 }

@@ -1,0 +1,69 @@
+//! Why frames are not baked.
+
+use std::fmt;
+
+use super::Bytes;
+use super::compute::ComputeError;
+use crate::distance::band;
+use crate::{disk, scene, vdb};
+
+/// Why a frame, or all of them, could not be baked.
+#[derive(Debug)]
+pub enum Error {
+    /// The scene gives no such frame.
+    Scene(scene::Error),
+    /// A frame could not be computed.
+    Frame(i64, ComputeError),
+    /// A file could not be written.
+    Write(vdb::Error),
+    /// More memory would be needed than allowed.
+    Memory {
+        /// About what is needed.
+        needed: Bytes,
+        /// What is allowed.
+        limit: Bytes,
+        /// About how many active voxels.
+        voxels: f64,
+    },
+    /// A signal came.
+    Interrupted,
+}
+
+impl Error {
+    /// Whether it is the frame's own, so that other frames may still succeed. A full disk, a lack of memory or a signal
+    /// are everybody's.
+    pub fn is_of_frame(&self) -> bool {
+        match self {
+            Self::Scene(_) | Self::Frame(..) => true,
+            Self::Write(error) => !matches!(error, vdb::Error::System { .. } | vdb::Error::Damaged { .. }),
+            Self::Memory { .. } | Self::Interrupted => false,
+        }
+    }
+}
+
+impl From<disk::Error> for Error {
+    fn from(error: disk::Error) -> Self {
+        Self::Write(error.into())
+    }
+}
+
+impl fmt::Display for Error {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Scene(error) => error.fmt(f),
+            Self::Frame(frame, ComputeError::Distance(error @ band::Error::Empty { .. })) => {
+                write!(f, "frame {frame} is empty: {error}; --allow-empty writes a valid empty file")
+            }
+            Self::Frame(frame, error) => write!(f, "frame {frame}: {error}"),
+            Self::Write(error) => error.fmt(f),
+            Self::Memory { needed, limit, voxels } => write!(
+                f,
+                "about {voxels:.2e} voxels would take about {needed} of memory, and the limit is {limit}; \
+                 take a larger voxel size or a smaller --resolution, or raise the limit with --max-memory"
+            ),
+            Self::Interrupted => f.write_str("interrupted"),
+        }
+    }
+}
+
+impl std::error::Error for Error {}

@@ -1,0 +1,41 @@
+//! What frames will take, estimated before anything is allocated.
+
+use super::{Bytes, Error};
+use crate::distance::descent::Scope;
+use crate::distance::extent;
+use crate::scene::{FrameContent, Prepared};
+
+/// What a frame will take, estimated before anything is allocated.
+#[derive(Clone, Copy, Debug)]
+pub struct Estimate {
+    /// Active voxels.
+    pub voxels: f64,
+    /// Leaf blocks.
+    pub blocks: f64,
+    /// Memory at the job's peak, two frames in flight.
+    pub memory: Bytes,
+    /// Size of the file without compression.
+    pub file: Bytes,
+}
+
+/// What the program takes whatever it bakes: itself, OpenVDB, stacks, a chunk of blocks in flight.
+const BASE_BYTES: f64 = 120e6;
+
+/// Estimates one frame.
+pub fn estimate(prepared: &Prepared, content: &FrameContent) -> Estimate {
+    let scope = Scope { lattice: prepared.lattice, half_width: prepared.half_width, region: content.region };
+    let found = extent::estimate(&*content.field, &scope);
+    let coloured = content.colour.is_some();
+    let memory = BASE_BYTES + prepared.memory_estimate() as f64 + found.memory(coloured);
+    let bytes = |value: f64| Bytes(value.min(u64::MAX as f64) as u64);
+    Estimate { voxels: found.voxels, blocks: found.blocks, memory: bytes(memory), file: bytes(found.file(coloured)) }
+}
+
+/// Refuses frames whose estimate is over the limit.
+pub fn check_memory(prepared: &Prepared, content: &FrameContent, limit: Bytes) -> Result<Estimate, Error> {
+    let estimate = estimate(prepared, content);
+    if estimate.memory > limit {
+        return Err(Error::Memory { needed: estimate.memory, limit, voxels: estimate.voxels });
+    }
+    Ok(estimate)
+}

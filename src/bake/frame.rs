@@ -1,0 +1,133 @@
+//! One frame of a scene: computed, with what there is to say about it, and written.
+
+use std::time::{Duration, Instant};
+
+use super::compute::{ComputeError, Computed, compute};
+use super::estimate::check_memory;
+use super::record::{Record, RecordFile};
+use super::sealed::{self, hexadecimal};
+use super::{Bytes, Error, Interrupt, Output};
+use crate::distance::band::{self, Settings};
+use crate::grid::Band;
+use crate::scene::{self, Prepared};
+use crate::vdb;
+
+/// Computes one frame of a scene.
+pub fn compute_frame(
+    prepared: &Prepared,
+    frame: i64,
+    limit: Bytes,
+    interrupt: &Interrupt,
+    progress: &(dyn Fn(f64) + Sync),
+) -> Result<Computed, Error> {
+    let content = prepared.frame(frame).map_err(|error| match error {
+        scene::Error::Cancelled => Error::Interrupted,
+        error => Error::Scene(error),
+    })?;
+    check_memory(prepared, &content, limit)?;
+    let settings = Settings {
+        lattice: prepared.lattice,
+        half_width: prepared.half_width,
+        region: content.region,
+        cancel: interrupt.flag(),
+        progress,
+    };
+    let name = prepared.model().output.colour_name.as_str();
+    let colour = content.colour.as_deref().map(|colour| (colour, name));
+    compute(&*content.field, colour, &settings, content.keep).map_err(|error| match error {
+        ComputeError::Distance(band::Error::Cancelled) => Error::Interrupted,
+        ComputeError::Colour { .. } => {
+            let problem = format!("frame {frame}: {error}");
+            prepared.colour_problem(&problem).map_or(Error::Frame(frame, error), Error::Scene)
+        }
+        error => Error::Frame(frame, error),
+    })
+}
+
+/// A frame without a surface.
+pub(super) fn empty(prepared: &Prepared) -> Computed {
+    let band = Band {
+        lattice: prepared.lattice,
+        half_width: prepared.half_width,
+        origins: Vec::new(),
+        distances: Vec::new(),
+        active: Vec::new(),
+        inside_tiles: Vec::new(),
+    };
+    Computed { band, colour: None, report: band::Report::default(), bright_voxels: 0 }
+}
+
+/// What the measurement noticed, in words.
+pub(super) fn warnings(computed: &Computed) -> Vec<String> {
+    let mut warnings = Vec::new();
+    let report = &computed.report;
+    let sides = ["-x", "+x", "-y", "+y", "-z", "+z"];
+    let cut: Vec<_> =
+        sides.iter().zip(report.cut_voxels).filter(|&(_, voxels)| voxels > 0).map(|(side, _)| *side).collect();
+    if !cut.is_empty() {
+        warnings.push(format!("the shape is cut by its bounds at {}; widen `bounds`", cut.join(", ")));
+    }
+    if let Some(at) = report.thin_at {
+        warnings.push(format!(
+            "features thinner than a voxel at {} voxels, one near ({:.4}, {:.4}, {:.4}); \
+             they need smaller voxels to hold",
+            report.thin_voxels, at.x, at.y, at.z
+        ));
+    }
+    if computed.bright_voxels > 0 {
+        warnings.push(format!("{} voxels have a colour above 1; they are kept", computed.bright_voxels));
+    }
+    warnings
+}
+
+/// Writes one frame, and its record once it stands.
+pub(super) fn write_frame(
+    prepared: &Prepared,
+    frame: i64,
+    computed: &Computed,
+    output: &Output,
+    compute: Duration,
+) -> Result<Record, Error> {
+    let start = Instant::now();
+    let sequence = &output.sequence;
+    let vdb_frame = vdb_frame(prepared, frame, computed, output);
+    let options = vdb::WriteOptions { compression: output.compression, overwrite: output.existing.replaces() };
+    let written = vdb::write(sequence.pattern.file(frame), &vdb_frame, &options).map_err(Error::Write)?;
+    let file = sequence.file_name(frame);
+    let content = (written.bytes, hexadecimal(&written.sha256));
+    let record = Record::new(frame, file, content, computed, [compute, start.elapsed()]);
+    let record =
+        RecordFile { hfvdb_record: 1, pattern: sequence.pattern.text(), identity: output.identity.clone(), record };
+    sealed::write(&sequence.record(frame), &record)?;
+    Ok(record.record)
+}
+
+/// A frame's grids and metadata.
+pub(super) fn vdb_frame<'a>(
+    prepared: &Prepared,
+    frame: i64,
+    computed: &'a Computed,
+    output: &Output,
+) -> vdb::Frame<'a> {
+    let mut grids = vec![vdb::Grid::level_set("surface", &computed.band)];
+    if let Some(colour) = &computed.colour {
+        grids.push(vdb::Grid::colour(&computed.band, colour));
+    }
+    for grid in &mut grids {
+        grid.half = output.identity.half.iter().any(|name| name == grid.name);
+    }
+    vdb::Frame { grids, metadata: metadata(prepared, frame, output) }
+}
+
+/// Metadata of a file: nothing that depends on time, host, threads, path or other frames.
+fn metadata(prepared: &Prepared, frame: i64, output: &Output) -> vdb::Metadata {
+    let model = prepared.model();
+    let mut metadata = vdb::Metadata::new();
+    metadata.insert("creator".into(), output.identity.program.as_str().into());
+    metadata.insert("hfvdb_scene".into(), output.identity.scene.as_str().into());
+    // Frame numbers beyond 32 bits are refused when a scene is read.
+    metadata.insert("hfvdb_frame".into(), i32::try_from(frame).unwrap_or(i32::MAX).into());
+    metadata.insert("hfvdb_fps".into(), model.shot.fps.into());
+    metadata.insert("hfvdb_unit".into(), model.unit.into());
+    metadata
+}

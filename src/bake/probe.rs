@@ -1,0 +1,75 @@
+//! One frame baked in memory, to tell what all of them will take.
+
+use std::time::Instant;
+
+use super::frame::{compute_frame, vdb_frame};
+use super::{Bytes, Error, Estimate, Interrupt, Output};
+use crate::scene::Prepared;
+use crate::vdb;
+
+/// The most voxels of a frame that is baked for an estimate; above, a coarser one stands in for it. Some seconds' work.
+const MOST_VOXELS: f64 = 6e6;
+
+/// What one frame takes: measured, or scaled up from a coarser one.
+#[derive(Clone, Copy, Debug)]
+pub struct Probe {
+    /// The frame.
+    pub frame: i64,
+    /// The edge of the voxels it was baked with, world units.
+    pub voxel_size: f64,
+    /// How many times coarser than asked for; 1 where it is the frame itself.
+    pub coarser: f64,
+    /// Active voxels of the level set.
+    pub active_voxels: f64,
+    /// Seconds to compute it.
+    pub compute_seconds: f64,
+    /// Seconds to make its grids and encode them; the disk comes on top.
+    pub encode_seconds: f64,
+    /// Size of the file.
+    pub file: Bytes,
+}
+
+impl Probe {
+    /// How many times coarser a frame of that estimate is to be baked.
+    pub fn scale(estimate: &Estimate, limit: Bytes) -> f64 {
+        let by_memory = (estimate.memory.0 as f64 / limit.0.max(1) as f64).sqrt();
+        (estimate.voxels / MOST_VOXELS).sqrt().max(by_memory).max(1.0)
+    }
+
+    /// Seconds from frame to frame: one is computed while one is written.
+    pub fn frame_seconds(&self) -> f64 {
+        self.compute_seconds.max(self.encode_seconds)
+    }
+}
+
+/// Bakes a frame in memory. `prepared` is the scene with voxels `coarser` times as large as asked for; time, voxels and
+/// bytes grow with the surface, its square.
+///
+/// # Errors
+/// Those of the frame.
+pub fn probe(
+    prepared: &Prepared,
+    frame: i64,
+    coarser: f64,
+    output: &Output,
+    interrupt: &Interrupt,
+    progress: &(dyn Fn(f64) + Sync),
+) -> Result<Probe, Error> {
+    let start = Instant::now();
+    let computed = compute_frame(prepared, frame, output.max_memory, interrupt, progress)?;
+    let compute_seconds = start.elapsed().as_secs_f64();
+    let start = Instant::now();
+    let prepared_file = vdb::prepare(&vdb_frame(prepared, frame, &computed, output)).map_err(Error::Write)?;
+    let bytes = prepared_file.encoded_bytes(output.compression).map_err(Error::Write)?;
+    let encode_seconds = start.elapsed().as_secs_f64();
+    let area = coarser * coarser;
+    Ok(Probe {
+        frame,
+        voxel_size: prepared.lattice.voxel_size.get(),
+        coarser,
+        active_voxels: computed.band.active_voxels() as f64 * area,
+        compute_seconds: compute_seconds * area,
+        encode_seconds: encode_seconds * area,
+        file: Bytes((bytes as f64 * area) as u64),
+    })
+}

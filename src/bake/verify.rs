@@ -1,0 +1,198 @@
+//! A folder held against its manifests and records.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use rayon::prelude::*;
+use serde::Serialize;
+
+use super::claim::manifest_lock;
+use super::done::{Difference, compare};
+use super::manifest::{Known, Manifest};
+use super::record::{Record, RecordFile};
+use super::sealed::{self, SealedError};
+use super::sequence::{Sequence, is_any_record, is_manifest};
+use super::{FramePattern, Identity, Interrupt};
+
+/// Something that is not as it should be.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Finding {
+    /// The frame; `None` for what is no frame's.
+    pub frame: Option<i64>,
+    /// The file.
+    pub path: PathBuf,
+    /// What is wrong, and what to do about it.
+    pub problem: String,
+}
+
+/// What a sequence is like.
+#[derive(Clone, Debug, Serialize)]
+pub struct Verdict {
+    /// The folder and the frame pattern.
+    pub sequence: String,
+    /// How many frames there should be: asked for or written.
+    pub frames: usize,
+    /// Bytes of the frames that are whole.
+    pub bytes: u64,
+    /// What is wrong.
+    pub findings: Vec<Finding>,
+}
+
+/// The sequences of a folder whose manifests or records stand there, and what was found about files that tell of none.
+///
+/// # Errors
+/// When the folder cannot be read.
+pub fn sequences(folder: &Path) -> Result<(Vec<Sequence>, Vec<Finding>), SealedError> {
+    let unreadable = |error| SealedError::System(folder.into(), error);
+    let mut patterns: BTreeMap<String, Sequence> = BTreeMap::new();
+    let mut damaged = Vec::new();
+    let mut names = Vec::new();
+    for entry in std::fs::read_dir(folder).map_err(unreadable)? {
+        names.extend(entry.map_err(unreadable)?.file_name().into_string());
+    }
+    names.sort();
+    for name in names {
+        let path = folder.join(&name);
+        let pattern = if is_manifest(&name) {
+            sealed::read::<Manifest>(&path).map(|manifest| manifest.map(|manifest| manifest.pattern))
+        } else if is_any_record(&name) {
+            sealed::read::<RecordFile>(&path).map(|record| record.map(|record| record.pattern))
+        } else {
+            continue;
+        };
+        match pattern {
+            Ok(None) => {}
+            Ok(Some(pattern)) => {
+                let parsed = FramePattern::new(&folder.join(&pattern), "vdb");
+                let parsed = parsed.map_err(|error| SealedError::Damaged(path, error.to_string()))?;
+                patterns.insert(pattern, Sequence { pattern: parsed });
+            }
+            // Other programs have manifests, too.
+            Err(_) if !std::fs::read(&path).is_ok_and(|bytes| holds(&bytes, b"hfvdb")) => {}
+            Err(error) => damaged.push((name, Finding { frame: None, path, problem: advised(&error) })),
+        }
+    }
+    let sequences: Vec<Sequence> = patterns.into_values().collect();
+    // A damaged file of a sequence that is known is found there.
+    let known = |name: &str| {
+        sequences.iter().any(|sequence| {
+            sequence.is_record(name) || sequence.manifest().file_name().is_some_and(|manifest| manifest == name)
+        })
+    };
+    let unknown = damaged.into_iter().filter(|(name, _)| !known(name)).map(|(_, finding)| finding).collect();
+    Ok((sequences, unknown))
+}
+
+fn holds(bytes: &[u8], part: &[u8]) -> bool {
+    bytes.windows(part.len()).any(|window| window == part)
+}
+
+fn advised(error: &SealedError) -> String {
+    let advice = match error {
+        SealedError::System(..) => "",
+        SealedError::Damaged(path, _) if is_any_record(&path.file_name().unwrap_or_default().to_string_lossy()) => {
+            "; delete it and bake its frame again with --resume"
+        }
+        SealedError::Damaged(..) => "; delete it, and verify makes it anew from the records",
+    };
+    // The path stands in front already.
+    let text = error.to_string();
+    let problem = text.split_once(": ").map_or(text.as_str(), |(_, problem)| problem);
+    format!("{problem}{advice}")
+}
+
+/// Holds a sequence against its manifest and records, and writes the manifest anew where the records tell more than it
+/// does. `Ok(None)` after an interruption.
+///
+/// # Errors
+/// When the folder cannot be read, or nothing is known of the sequence.
+pub fn verify(sequence: &Sequence, interrupt: &Interrupt) -> Result<Option<Verdict>, SealedError> {
+    let mut findings = Vec::new();
+    let known = match Known::read(sequence) {
+        Err(error @ SealedError::Damaged(..)) => {
+            findings.push(Finding { frame: None, path: sequence.manifest(), problem: advised(&error) });
+            Known::with_manifest(sequence, None)?
+        }
+        known => known?,
+    };
+    let Some(head) = known.head(sequence) else {
+        if findings.is_empty() && known.damaged.is_empty() {
+            let problem = "nothing is known of these frames: there is no manifest and no record";
+            return Err(SealedError::System(sequence.display().into(), std::io::Error::other(problem)));
+        }
+        findings.extend(known.damaged.iter().map(damaged));
+        return Ok(Some(Verdict { sequence: sequence.display(), frames: 0, bytes: 0, findings }));
+    };
+    let Some(frames) = frames(sequence, &known, &head.identity, interrupt) else { return Ok(None) };
+    let bytes = frames.iter().map(|(whole, _)| whole).sum();
+    let mut count = frames.len();
+    findings.extend(frames.into_iter().filter_map(|(_, finding)| finding));
+    findings.extend(known.damaged.iter().map(damaged));
+    for frame in head.asked_frames() {
+        let name = sequence.file_name(frame);
+        if !known.frames.contains_key(&name) {
+            count += 1;
+            let path = sequence.pattern.file(frame);
+            if path.symlink_metadata().is_err() {
+                findings.push(Finding { frame: Some(frame), path, problem: "missing: it was never finished".into() });
+            }
+        }
+    }
+    findings.extend(foreign(sequence, &known)?);
+    findings.sort_by_key(|finding| finding.frame);
+    if known.manifest.is_some() || !sequence.manifest().exists() {
+        renew(sequence);
+    }
+    Ok(Some(Verdict { sequence: sequence.display(), frames: count, bytes, findings }))
+}
+
+/// The frames that are known: how many bytes of each are whole, and what is wrong.
+fn frames(
+    sequence: &Sequence,
+    known: &Known,
+    identity: &Identity,
+    interrupt: &Interrupt,
+) -> Option<Vec<(u64, Option<Finding>)>> {
+    let one = |(theirs, record): &(Identity, Record)| {
+        let path = sequence.folder().join(&record.file);
+        let wrong = |problem: String| {
+            let path = sequence.pattern.folder().join(&record.file);
+            (0, Some(Finding { frame: Some(record.frame), path, problem }))
+        };
+        Some(match compare(&path, record, interrupt)? {
+            Some(Difference::Missing) => wrong("missing".into()),
+            Some(Difference::Changed(how)) => wrong(format!("changed: {how}")),
+            None if theirs != identity => wrong(format!("of another bake: {}", theirs.differences(identity))),
+            None => (record.bytes, None),
+        })
+    };
+    known.frames.par_iter().map(|(_, frame)| one(frame)).collect()
+}
+
+fn damaged(error: &SealedError) -> Finding {
+    let (SealedError::System(path, _) | SealedError::Damaged(path, _)) = error;
+    Finding { frame: None, path: path.clone(), problem: advised(error) }
+}
+
+/// Files that fit the pattern and that nothing is known of.
+fn foreign(sequence: &Sequence, known: &Known) -> Result<Vec<Finding>, SealedError> {
+    let names = sequence.names().map_err(|error| SealedError::System(sequence.folder().into(), error))?;
+    let foreign = names.iter().filter(|name| !known.frames.contains_key(*name)).filter_map(|name| {
+        let frame = sequence.pattern.frame_of(name)?;
+        let path = sequence.pattern.folder().join(name);
+        let problem = "foreign: a frame of this name that has no record; take it away, or bake it with --resume";
+        Some(Finding { frame: Some(frame), path, problem: problem.into() })
+    });
+    Ok(foreign.collect())
+}
+
+/// Writes the manifest anew where the records tell more. A folder that takes no files stays as it is.
+fn renew(sequence: &Sequence) {
+    let Ok(_lock) = manifest_lock(sequence, &Interrupt::default()) else { return };
+    let Ok(known) = Known::read(sequence) else { return };
+    let Some(head) = known.head(sequence) else { return };
+    let manifest = known.assemble(&head);
+    if known.manifest.as_ref() != Some(&manifest) {
+        let _ = sealed::write(&sequence.manifest(), &manifest);
+    }
+}

@@ -1,0 +1,23 @@
+//! Files on the disk that are whole or not there, and locks that go with their process.
+//!
+//! * [`write_whole`] makes a small file under a temporary name, syncs and renames it; [`Temporary`] is its first half,
+//!   for whoever writes a large one.
+//! * [`FileLock`] is a lock of the operating system: however a process ends, its locks end with it.
+//! * [`remove_registered`] takes away the temporaries and locks of this process, just before it ends by force.
+//!
+//! What files hold is not known here.
+
+mod error;
+mod lock;
+mod register;
+mod temporary;
+
+pub use error::Error;
+pub use lock::FileLock;
+pub use register::remove_registered;
+pub use temporary::{Temporary, folder_of, temporary_target, write_whole};
+
+pub(crate) use error::advice;
+
+#[cfg(test)]
+mod tests;
