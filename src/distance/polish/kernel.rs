@@ -21,16 +21,18 @@ const MOST_LEFT: f32 = 0.04;
 
 type Wide = [f32; WIDTH];
 
-/// What became of a lane's trial point.
-#[derive(Clone, Copy, PartialEq, Eq)]
-#[repr(u8)]
-pub(super) enum Verdict {
+/// What became of a lane's trial point. Bytes, which vector loops can write.
+pub(super) mod verdict {
     /// Taken as the new base; the next trial is set.
-    Moves,
-    /// So near that `landing` is the foot, at `height`.
-    Lands,
+    pub const MOVES: u8 = 0;
     /// Worse than the base: nothing was changed.
-    Fails,
+    pub const FAILS: u8 = 1;
+    /// So near that `landing` is the foot, at `height`.
+    pub const LANDS: u8 = 2;
+    /// Its foot is sure to be out of reach; only of first trials.
+    pub const IS_BEYOND: u8 = 3;
+    /// From here on the lane is done.
+    pub const DONE: u8 = LANDS;
 }
 
 fn load(from: &[f32; BATCH], first: usize) -> Wide {
@@ -140,17 +142,18 @@ pub(super) fn begin(lanes: &mut Lanes, gradients: &Gradients) {
 /// s = −(e + (p − q)·n): a full step goes there.
 #[multiversion(targets = "simd")]
 pub(super) fn judge(lanes: &mut Lanes, gradients: &Gradients, unit: f32) {
-    judge_trials::<false>(lanes, gradients, unit);
+    judge_trials::<false>(lanes, gradients, unit, f32::INFINITY);
 }
 
-/// The same right after [`begin`]: no lane has stepped along the surface yet.
+/// The same right after [`begin`]: no lane has stepped along the surface yet. Feet are sought within `reach`; the height
+/// of lanes that do not land is infinite.
 #[multiversion(targets = "simd")]
-pub(super) fn judge_first(lanes: &mut Lanes, gradients: &Gradients, unit: f32) {
-    judge_trials::<true>(lanes, gradients, unit);
+pub(super) fn judge_first(lanes: &mut Lanes, gradients: &Gradients, unit: f32, reach: f32) {
+    judge_trials::<true>(lanes, gradients, unit, reach);
 }
 
 #[inline(always)]
-fn judge_trials<const FIRST: bool>(lanes: &mut Lanes, gradients: &Gradients, unit: f32) {
+fn judge_trials<const FIRST: bool>(lanes: &mut Lanes, gradients: &Gradients, unit: f32, reach: f32) {
     let (near, slide) = (LAST_STEP * unit, LAST_SLIDE * unit);
     let [least, greatest] = lanes.bounds;
     for first in (0..lanes.points.len).step_by(WIDTH) {
@@ -168,7 +171,7 @@ fn judge_trials<const FIRST: bool>(lanes: &mut Lanes, gradients: &Gradients, uni
             if FIRST { ([1.0; WIDTH], [1.0; WIDTH]) } else { (load(&lanes.along, first), load(&lanes.across, first)) };
         let mut landing = [[0.0; WIDTH]; 3];
         let mut height = [0.0; WIDTH];
-        let mut verdict = [0u32; WIDTH];
+        let mut verdicts = [0; WIDTH];
         for l in 0..WIDTH {
             let dot = |a: [f32; 3], b: [f32; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
             let at = |a: &[Wide; 3]| [a[0][l], a[1][l], a[2][l]];
@@ -226,7 +229,16 @@ fn judge_trials<const FIRST: bool>(lanes: &mut Lanes, gradients: &Gradients, uni
             along[l] = if taken { share } else { along[l] };
             across[l] = if taken { 1.0 } else { across[l] };
             height[l] = (e_ahead + up).abs();
-            verdict[l] = if lands { 1 } else { 2 - 2 * u32::from(taken) };
+            let not_landed = if taken { verdict::MOVES } else { verdict::FAILS };
+            verdicts[l] = if lands { verdict::LANDS } else { not_landed };
+            if FIRST {
+                // The foot is where F leads from q, but for what was left across and along the surface, twice over.
+                let doubt = 2.0 * (e.abs() + tangent[0].abs() + tangent[1].abs() + tangent[2].abs());
+                let farthest = reach + doubt;
+                let is_beyond = taken & !lands & (dot(towards, towards) > farthest * farthest);
+                verdicts[l] = if is_beyond { verdict::IS_BEYOND } else { verdicts[l] };
+                height[l] = if lands { height[l] } else { f32::INFINITY };
+            }
         }
         for axis in 0..3 {
             store(base[axis], &mut lanes.base[axis], first);
@@ -242,8 +254,6 @@ fn judge_trials<const FIRST: bool>(lanes: &mut Lanes, gradients: &Gradients, uni
         store(along, &mut lanes.along, first);
         store(across, &mut lanes.across, first);
         store(height, &mut lanes.height, first);
-        for (l, verdict) in verdict.into_iter().enumerate() {
-            lanes.verdict[first + l] = [Verdict::Moves, Verdict::Lands, Verdict::Fails][verdict as usize];
-        }
+        lanes.verdict[first..first + WIDTH].copy_from_slice(&verdicts);
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::field::{BATCH, Points};
 
-use super::{Request, kernel::Verdict};
+use super::{Request, kernel::verdict};
 
 pub(super) type Lane = [f32; BATCH];
 
@@ -30,7 +30,7 @@ pub(super) struct Lanes {
     /// See `along`.
     pub across: Lane,
     /// What became of the last trial points, and where those that landed did.
-    pub verdict: [Verdict; BATCH],
+    pub verdict: [u8; BATCH],
     /// See `verdict`.
     pub landing: [Lane; 3],
     /// See `verdict`.
@@ -61,7 +61,7 @@ impl Default for Lanes {
             residual: ZERO,
             along: ZERO,
             across: ZERO,
-            verdict: [Verdict::Moves; BATCH],
+            verdict: [verdict::MOVES; BATCH],
             landing: [ZERO; 3],
             height: ZERO,
             bounds: [[0.0; 3]; 2],

@@ -6,7 +6,7 @@ use crate::field::{BATCH, Gradients, Points};
 
 use super::{
     Request,
-    kernel::{self, Verdict},
+    kernel::{self, verdict},
     lanes::{Lane, Lanes},
 };
 
@@ -49,35 +49,31 @@ impl Lanes {
         self.points.len = ROW * count;
         kernel::begin(self, gradients);
         evaluate(&self.points, gradients);
-        kernel::judge_first(self, gradients, request.unit);
+        kernel::judge_first(self, gradients, request.unit, request.reach);
         for (from, to) in self.landing.iter().zip(&mut self.foot) {
             scatter(rows, from, to);
         }
         scatter(rows, &self.height, &mut self.distance);
-        let asked = |query: usize| query < queries.len && near[query >> 6] >> (query & 63) & 1 == 1;
-        self.keep_moving(request, rows, asked);
+        self.keep_moving(request, rows, queries.len);
         self.solve(request, gradients, evaluate);
     }
 
-    /// Closes up the lanes that have not landed. `rows` tells where each row's queries are.
-    fn keep_moving(&mut self, request: &Request, rows: &[usize], asked: impl Fn(usize) -> bool) {
+    /// Closes up the lanes of the first `queries` that are not done. `rows` tells where each row's queries are.
+    fn keep_moving(&mut self, request: &Request, rows: &[usize], queries: usize) {
         let mut kept = 0;
         for (lanes, &row) in (0..).step_by(ROW).map(|first| first..first + ROW).zip(rows) {
-            // The usual row has landed as a whole.
-            if self.verdict[lanes.clone()] == [Verdict::Lands; ROW] {
+            // The usual row is done as a whole.
+            if self.verdict[lanes.clone()].iter().all(|&verdict| verdict >= verdict::DONE) {
                 continue;
             }
-            for (lane, query) in lanes.zip(row..) {
-                if self.verdict[lane] == Verdict::Lands {
-                    continue;
-                }
-                self.distance[query] = f32::INFINITY;
+            for (lane, query) in lanes.zip(row..queries) {
                 self.query[lane] = query as u16;
                 let moves = match self.verdict[lane] {
-                    Verdict::Moves => !self.is_beyond(request, lane),
-                    _ => self.retreat(request, lane),
+                    verdict::MOVES => true,
+                    verdict::FAILS => self.retreat(request, lane),
+                    _ => false,
                 };
-                if moves && asked(query) {
+                if moves {
                     self.move_lane(lane, kept);
                     kept += 1;
                 }

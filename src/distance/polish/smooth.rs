@@ -6,7 +6,7 @@ use crate::field::{BATCH, Gradients, Points};
 
 use super::{
     Request,
-    kernel::{self, Verdict},
+    kernel::{self, verdict},
     lanes::Lanes,
 };
 
@@ -63,13 +63,13 @@ impl Lanes {
         let mut finished = false;
         for lane in 0..self.points.len {
             match self.verdict[lane] {
-                Verdict::Moves => continue,
-                Verdict::Lands => {
+                verdict::MOVES => continue,
+                verdict::LANDS => {
                     let landing = vector(&self.landing, lane).to_array();
                     self.finish(lane, landing, self.height[lane]);
                     keep[lane] = false;
                 }
-                Verdict::Fails => keep[lane] = self.retreat(request, lane),
+                _ => keep[lane] = self.retreat(request, lane),
             }
             finished |= !keep[lane];
         }
@@ -91,12 +91,6 @@ impl Lanes {
         }
         self.try_step(lane);
         true
-    }
-
-    /// Whether the foot of an accepted lane is sure to be out of reach.
-    pub(super) fn is_beyond(&self, request: &Request, lane: usize) -> bool {
-        let doubt = 2.0 * (self.residual[lane] + vector(&self.tangent_step, lane).length());
-        vector(&self.base, lane).distance(vector(&self.p, lane)) - doubt > request.reach
     }
 
     fn try_step(&mut self, lane: usize) {
