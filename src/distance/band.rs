@@ -2,6 +2,7 @@
 
 mod neighbours;
 mod pass;
+mod pool;
 
 use std::{fmt, sync::atomic::AtomicBool};
 

@@ -79,7 +79,7 @@ pub trait Field: Send + Sync {
 
 /// Evaluates one field on one thread. Regions nest: everything evaluated between [`Evaluator::enter`] and the
 /// matching [`Evaluator::leave`] must lie in the region entered.
-pub trait Evaluator {
+pub trait Evaluator: Send {
     /// Bounds of F over the region, rounded outward, and pruning for all calls until the matching `leave`.
     ///
     /// Pruning keeps the zero set, the sign, and value and gradient *on* the zero set; F away from the surface

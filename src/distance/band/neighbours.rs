@@ -1,9 +1,8 @@
 //! What the blocks of a chunk have for each other, and what earlier chunks left for them.
 
-use std::collections::HashMap;
-
 use glam::IVec3;
 use rayon::prelude::*;
+use rustc_hash::FxHashMap;
 
 use crate::distance::{
     facing::{Face, Layer, Seed},
@@ -13,8 +12,8 @@ use crate::distance::{
 /// The blocks of a chunk, where each is, and the layers of finished blocks that face them.
 pub struct Neighbours<'a> {
     pub staged: &'a [Staged],
-    pub places: &'a HashMap<IVec3, usize>,
-    pub borders: &'a HashMap<(IVec3, Face), Layer>,
+    pub places: &'a FxHashMap<IVec3, usize>,
+    pub borders: &'a FxHashMap<(IVec3, Face), Box<Layer>>,
     pub voxel: f32,
     pub reach: f32,
 }

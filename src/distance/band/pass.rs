@@ -5,22 +5,23 @@
 //! chunk depends on the field and the lattice only, so the result is the same for any number of threads.
 
 use std::{
-    collections::{BTreeMap, HashMap},
+    collections::BTreeMap,
     sync::atomic::{AtomicBool, Ordering},
 };
 
 use glam::IVec3;
 use rayon::prelude::*;
+use rustc_hash::FxHashMap;
 
 use crate::{
     field::{Field, Slope},
     grid::{BLOCK_EDGE, Band, BlockMask, InsideTile, block_order},
 };
 
-use super::{Error, MeasuredBlock, Report, neighbours::Neighbours};
+use super::{Error, MeasuredBlock, Report, neighbours::Neighbours, pool::Pool};
 use crate::distance::{
     block::Meter,
-    descent::Scope,
+    descent::{NODE_EDGE, Scope},
     facing::{Face, Layer, Seed},
     staged::Staged,
 };
@@ -50,12 +51,13 @@ pub(super) struct Pass<'a, T, M> {
     band: Band,
     visits: Vec<T>,
     report: Report,
+    meters: Pool<Meter<'a>>,
     /// The blocks of the chunk, those of one task together.
     staged: Vec<Staged>,
     /// Layers that later blocks will face.
-    borders: HashMap<(IVec3, Face), Layer>,
+    borders: FxHashMap<(IVec3, Face), Box<Layer>>,
     /// What improved blocks were improved by, to have it when they are measured once more.
-    imports: HashMap<IVec3, Vec<Seed>>,
+    imports: FxHashMap<IVec3, Vec<Seed>>,
     /// What later blocks offer to finished ones, in the order of blocks.
     late: BTreeMap<[i32; 9], (IVec3, Vec<Seed>)>,
 }
@@ -90,16 +92,18 @@ where
             band,
             visits: Vec::with_capacity(all.len()),
             report: Report { opened_blocks: all.len() as u64, ..Report::default() },
+            meters: Pool::new(),
             staged: Vec::new(),
-            borders: HashMap::new(),
-            imports: HashMap::new(),
+            borders: FxHashMap::default(),
+            imports: FxHashMap::default(),
             late: BTreeMap::new(),
         }
     }
 
     /// Takes the next blocks all the way into the band.
     pub fn chunk(&mut self, chunk: &[IVec3]) -> Result<(), Error> {
-        let blocks = by_task(chunk);
+        let order = by_task(chunk);
+        let blocks: Vec<IVec3> = order.iter().map(|&place| chunk[place]).collect();
         self.stage(&blocks)?;
         // Blocks that know their distances by themselves have nothing to offer.
         if !matches!(self.field.slope(), Slope::Exact { inside: true, outside: true }) {
@@ -108,7 +112,7 @@ where
             self.keep_borders(&places);
         }
         let outcomes = self.finish();
-        self.push(outcomes);
+        self.push(outcomes, &order);
         Ok(())
     }
 
@@ -126,7 +130,7 @@ where
             tasks.push((task, staged));
         }
         tasks.into_par_iter().try_for_each_init(
-            || Meter::new(self.field, self.scope),
+            || self.meters.take(|| Meter::new(self.field, self.scope)),
             |meter, (task, staged)| {
                 meter.enter_node(task_node(task[0]), TASK_EDGE);
                 task.iter().zip(staged).try_for_each(|(&origin, staged)| {
@@ -140,7 +144,7 @@ where
     }
 
     /// Measures again those blocks whose neighbours have nearer feet for some of their voxels, until there are none.
-    fn improve(&mut self, places: &HashMap<IVec3, usize>) -> Result<(), Error> {
+    fn improve(&mut self, places: &FxHashMap<IVec3, usize>) -> Result<(), Error> {
         let mut improved: Option<Vec<usize>> = None;
         for _ in 0..ROUNDS {
             let (voxel, reach) = (self.voxel(), self.scope.background());
@@ -149,13 +153,17 @@ where
             if self.cancel.load(Ordering::Relaxed) {
                 return Err(Error::Cancelled);
             }
+            if offers.is_empty() {
+                break;
+            }
             let staged = &self.staged;
             let again: Vec<Staged> = offers
                 .par_iter()
                 .map_init(
-                    || Meter::new(self.field, self.scope),
+                    || self.meters.take(|| Meter::new(self.field, self.scope)),
                     |meter, (place, seeds)| {
                         let mut block = staged[*place].clone();
+                        meter.enter_node(task_node(block.origin), TASK_EDGE);
                         meter.improve(seeds, &mut block);
                         block
                     },
@@ -175,7 +183,7 @@ where
     }
 
     /// Keeps the layers that face later chunks, and offers those that face earlier ones.
-    fn keep_borders(&mut self, places: &HashMap<IVec3, usize>) {
+    fn keep_borders(&mut self, places: &FxHashMap<IVec3, usize>) {
         let (voxel, reach) = (self.voxel(), self.scope.background());
         let (all, borders) = (self.all, &self.borders);
         let at_border = |block: &Staged| {
@@ -189,7 +197,7 @@ where
                 }
                 if block_order(neighbour) > order {
                     if place_of(all, neighbour).is_ok() {
-                        kept.push((face, Layer::new(block, face, voxel)));
+                        kept.push((face, Box::new(Layer::new(block, face, voxel))));
                     }
                 } else if let Some(layer) = borders.get(&(neighbour, face.facing())) {
                     let mut seeds = Vec::new();
@@ -224,12 +232,14 @@ where
         self.staged.par_iter().map_init(self.visitor, |visitor, block| outcome(self.scope, visitor, block)).collect()
     }
 
-    /// Takes the staged blocks into the band. Memory that is touched first is the dear part, so all threads do.
-    fn push(&mut self, outcomes: Vec<Outcome<T>>) {
-        let mut in_order: Vec<_> = self.staged.iter().zip(outcomes).collect();
-        in_order.sort_unstable_by_key(|(block, _)| block_order(block.origin));
+    /// Takes the staged blocks, whose places in the chunk are `order`, into the band. Memory that is touched first is the dear part, so all threads do.
+    fn push(&mut self, outcomes: Vec<Outcome<T>>, order: &[usize]) {
+        let mut in_order: Vec<_> = outcomes.iter().map(|_| None).collect();
+        for ((block, outcome), &place) in self.staged.iter().zip(outcomes).zip(order) {
+            in_order[place] = Some((block, outcome));
+        }
         let mut kept = Vec::with_capacity(in_order.len());
-        for (block, outcome) in in_order {
+        for (block, outcome) in in_order.into_iter().flatten() {
             match outcome {
                 Outcome::Band(active, visit) => {
                     self.band.origins.push(block.origin);
@@ -252,11 +262,12 @@ where
             for (origin, seeds) in &late {
                 self.imports.entry(*origin).or_default().extend(seeds);
             }
-            let worker = || (Meter::new(self.field, self.scope), (self.visitor)());
+            let worker = || (self.meters.take(|| Meter::new(self.field, self.scope)), (self.visitor)());
             let again = late
                 .into_par_iter()
                 .map_init(worker, |(meter, visitor), (origin, _)| {
                     let mut block = Staged::new();
+                    meter.enter_node(task_node(origin), TASK_EDGE);
                     meter.measure(origin, &self.imports[&origin], &mut block)?;
                     Ok((outcome(self.scope, visitor, &block), block))
                 })
@@ -340,9 +351,17 @@ fn task_node(origin: IVec3) -> IVec3 {
     origin & IVec3::splat(!(TASK_EDGE - 1))
 }
 
-/// A chunk's blocks, those of one task together.
-fn by_task(chunk: &[IVec3]) -> Vec<IVec3> {
-    let mut blocks = chunk.to_vec();
-    blocks.sort_by_key(|&origin| block_order(task_node(origin)));
-    blocks
+/// Places of a chunk's blocks, those of one task together.
+fn by_task(chunk: &[IVec3]) -> Vec<usize> {
+    let node = |origin: IVec3| origin & IVec3::splat(!(NODE_EDGE - 1));
+    // Blocks come node after node, so that their tasks need to be told apart within one only.
+    let task = |origin: IVec3| {
+        let at = (origin & IVec3::splat(NODE_EDGE - 1)) / TASK_EDGE;
+        (at.x << 16 | at.y << 8 | at.z) as u32
+    };
+    let mut places: Vec<usize> = (0..chunk.len()).collect();
+    for of_node in places.chunk_by_mut(|&a, &b| node(chunk[a]) == node(chunk[b])) {
+        of_node.sort_by_key(|&place| task(chunk[place]));
+    }
+    places
 }

@@ -1,0 +1,50 @@
+//! Scratch memory that outlives a parallel loop, for the next one.
+
+use std::{
+    ops::{Deref, DerefMut},
+    sync::{Mutex, PoisonError},
+};
+
+/// Values that are costly to make; as many as were ever in use at once.
+pub struct Pool<T> {
+    free: Mutex<Vec<T>>,
+}
+
+impl<T> Pool<T> {
+    pub fn new() -> Self {
+        Self { free: Mutex::new(Vec::new()) }
+    }
+
+    /// One that is free, or a new one. It comes back when dropped.
+    pub fn take(&self, make: impl FnOnce() -> T) -> Taken<'_, T> {
+        let free = self.free.lock().unwrap_or_else(PoisonError::into_inner).pop();
+        Taken { value: Some(free.unwrap_or_else(make)), pool: self }
+    }
+}
+
+/// A value in use.
+pub struct Taken<'a, T> {
+    /// `None` only while it is dropped.
+    value: Option<T>,
+    pool: &'a Pool<T>,
+}
+
+impl<T> Deref for Taken<'_, T> {
+    type Target = T;
+
+    fn deref(&self) -> &T {
+        self.value.as_ref().expect("there until dropped")
+    }
+}
+
+impl<T> DerefMut for Taken<'_, T> {
+    fn deref_mut(&mut self) -> &mut T {
+        self.value.as_mut().expect("there until dropped")
+    }
+}
+
+impl<T> Drop for Taken<'_, T> {
+    fn drop(&mut self) {
+        self.pool.free.lock().unwrap_or_else(PoisonError::into_inner).extend(self.value.take());
+    }
+}
