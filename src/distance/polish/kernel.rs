@@ -29,7 +29,7 @@ pub(super) mod verdict {
     pub const FAILS: u8 = 1;
     /// So near that `landing` is the foot, at `height`.
     pub const LANDS: u8 = 2;
-    /// Its foot is sure to be out of reach; only of first trials.
+    /// Its foot is out of reach, or outside of the region, which holds all feet within reach.
     pub const IS_BEYOND: u8 = 3;
     /// From here on the lane is done.
     pub const DONE: u8 = LANDS;
@@ -141,12 +141,12 @@ pub(super) fn begin(lanes: &mut Lanes, gradients: &Gradients) {
 /// With n the unit gradient and e = F/|∇F| at q, the zero set is near q the plane that p + s·n meets at
 /// s = −(e + (p − q)·n): a full step goes there.
 #[multiversion(targets = "simd")]
-pub(super) fn judge(lanes: &mut Lanes, gradients: &Gradients, unit: f32) {
-    judge_trials::<false>(lanes, gradients, unit, f32::INFINITY);
+pub(super) fn judge(lanes: &mut Lanes, gradients: &Gradients, unit: f32, reach: f32) {
+    judge_trials::<false>(lanes, gradients, unit, reach);
 }
 
-/// The same right after [`begin`]: no lane has stepped along the surface yet. Feet are sought within `reach`; the height
-/// of lanes that do not land is infinite.
+/// The same right after [`begin`]: no lane has stepped along the surface yet. The height of lanes that do not land is
+/// infinite.
 #[multiversion(targets = "simd")]
 pub(super) fn judge_first(lanes: &mut Lanes, gradients: &Gradients, unit: f32, reach: f32) {
     judge_trials::<true>(lanes, gradients, unit, reach);
@@ -215,8 +215,14 @@ fn judge_trials<const FIRST: bool>(lanes: &mut Lanes, gradients: &Gradients, uni
             let first_of_all = (merit[l] == f32::INFINITY) | (dot(before, before) == 0.0) | (size == 0.0);
             let share = if FIRST | first_of_all { 1.0 } else { share };
 
+            // Already at a face of the region, and on its way out through it.
+            let mut leaves = false;
             for axis in 0..3 {
                 let trial = q[axis][l] - n[axis] * e + tangent[axis] * share;
+                let beyond_least = (trial < least[axis]) & (q[axis][l] == least[axis]) & (p[axis][l] - least[axis] >= reach);
+                let beyond_greatest =
+                    (trial > greatest[axis]) & (q[axis][l] == greatest[axis]) & (greatest[axis] - p[axis][l] >= reach);
+                leaves |= beyond_least | beyond_greatest;
                 let trial = trial.max(least[axis]).min(greatest[axis]);
                 base[axis][l] = if taken { q[axis][l] } else { base[axis][l] };
                 q[axis][l] = if taken { trial } else { q[axis][l] };
@@ -235,10 +241,10 @@ fn judge_trials<const FIRST: bool>(lanes: &mut Lanes, gradients: &Gradients, uni
                 // The foot is where F leads from q, but for what was left across and along the surface, twice over.
                 let doubt = 2.0 * (e.abs() + tangent[0].abs() + tangent[1].abs() + tangent[2].abs());
                 let farthest = reach + doubt;
-                let is_beyond = taken & !lands & (dot(towards, towards) > farthest * farthest);
-                verdicts[l] = if is_beyond { verdict::IS_BEYOND } else { verdicts[l] };
+                leaves |= dot(towards, towards) > farthest * farthest;
                 height[l] = if lands { height[l] } else { f32::INFINITY };
             }
+            verdicts[l] = if taken & !lands & leaves { verdict::IS_BEYOND } else { verdicts[l] };
         }
         for axis in 0..3 {
             store(base[axis], &mut lanes.base[axis], first);

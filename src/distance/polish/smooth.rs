@@ -58,7 +58,7 @@ impl Lanes {
 
     /// Takes in the evaluation at all trial points, and chooses the next.
     pub fn step(&mut self, request: &Request, gradients: &Gradients) {
-        kernel::judge(self, gradients, request.unit);
+        kernel::judge(self, gradients, request.unit, request.reach);
         let mut keep = [true; BATCH];
         let mut finished = false;
         for lane in 0..self.points.len {
@@ -69,7 +69,8 @@ impl Lanes {
                     self.finish(lane, landing, self.height[lane]);
                     keep[lane] = false;
                 }
-                _ => keep[lane] = self.retreat(request, lane),
+                verdict::FAILS => keep[lane] = self.retreat(request, lane),
+                _ => keep[lane] = false,
             }
             finished |= !keep[lane];
         }
