@@ -37,6 +37,9 @@ pub const FEW: usize = 6;
 /// Newton steps for a crease or a corner. Planes take two; where more than this are needed two surfaces touch.
 const STEPS: usize = 10;
 
+/// How far beyond reach feet are still of use, in units.
+const BEYOND: f32 = 0.5;
+
 /// The least squared sine of the angle between two branches that still make a crease.
 const LEAST_SINE: f32 = 1e-4;
 
@@ -134,7 +137,7 @@ impl Polisher {
         }
         for branch in 0..branches {
             self.find_single(evaluator, request, queries, branch);
-            let nearer = kernel::nearer(&self.crease.singles[branch].distance, distances);
+            let nearer = kernel::nearer(&self.crease.singles[branch].distance, distances, matters(request));
             self.crease.group.clear();
             self.crease.group.extend(mask::places(&nearer).take_while(|&i| i < queries.points.len).map(|i| i as u16));
             self.judge_single(evaluator, request, queries, branch, &mut Best { feet, distances });
@@ -248,8 +251,7 @@ impl Polisher {
     fn demand_pairs(&mut self, request: &Request, branches: usize, len: usize, best: &Lane) {
         let Scratch { singles, pairs, .. } = &mut self.crease;
         pairs.clear();
-        // Beyond reach a crease does not matter, whether or not there is a nearer foot.
-        let limit_of = |query: usize| best[query].min(request.reach * 1.5) - 1e-3 * request.unit;
+        let limit_of = |query: usize| best[query].min(matters(request)) - 1e-3 * request.unit;
         let limits = std::array::from_fn(limit_of);
         let several = kernel::several(singles[..branches].iter().map(|single| &single.distance), &limits);
         for query in mask::places(&several).take_while(|&query| query < len) {
@@ -372,7 +374,7 @@ impl Polisher {
         self.crease.group.clear();
         for demand in group {
             let query = usize::from(demand.query);
-            if lanes.distance[query] < best.distances[query].min(request.reach * 1.5) {
+            if lanes.distance[query] < best.distances[query].min(matters(request)) {
                 self.crease.group.push(demand.query);
                 lanes.points.push(offset(&lanes.foot, query));
             }
@@ -506,6 +508,11 @@ fn copy_single(lanes: &Lanes, group: &[u16], single: &mut Single) {
             single.foot[axis][i] = lanes.foot[axis][i];
         }
     }
+}
+
+/// How near feet must be to matter: neighbours that are in reach may still take those a little beyond it.
+fn matters(request: &Request) -> f32 {
+    request.reach + BEYOND * request.unit
 }
 
 /// |F|/|∇F| at a point; NaN where both vanish.

@@ -55,12 +55,12 @@ pub(super) fn near(at: &Gradients, far: f32) -> BlockMask {
     mask::pack(&near)
 }
 
-/// Where `distances` are less than `others`.
+/// Where `distances` are less than `others`, and than `most`.
 #[multiversion(targets = "simd")]
-pub(super) fn nearer(distances: &[f32; BATCH], others: &[f32; BATCH]) -> BlockMask {
+pub(super) fn nearer(distances: &[f32; BATCH], others: &[f32; BATCH], most: f32) -> BlockMask {
     let mut nearer = [0; BATCH];
     for i in 0..BATCH {
-        nearer[i] = u8::from(distances[i] < others[i]);
+        nearer[i] = u8::from((distances[i] < others[i]) & (distances[i] < most));
     }
     mask::pack(&nearer)
 }
@@ -69,7 +69,7 @@ pub(super) fn nearer(distances: &[f32; BATCH], others: &[f32; BATCH]) -> BlockMa
 pub(super) fn several<'a>(lists: impl Iterator<Item = &'a [f32; BATCH]>, limits: &[f32; BATCH]) -> BlockMask {
     let (mut one, mut two) = ([0; 8], [0; 8]);
     for distances in lists {
-        let less = nearer(distances, limits);
+        let less = nearer(distances, limits, f32::INFINITY);
         for x in 0..8 {
             two[x] |= one[x] & less[x];
             one[x] |= less[x];
@@ -219,7 +219,8 @@ fn judge_trials<const FIRST: bool>(lanes: &mut Lanes, gradients: &Gradients, uni
             let mut leaves = false;
             for axis in 0..3 {
                 let trial = q[axis][l] - n[axis] * e + tangent[axis] * share;
-                let beyond_least = (trial < least[axis]) & (q[axis][l] == least[axis]) & (p[axis][l] - least[axis] >= reach);
+                let beyond_least =
+                    (trial < least[axis]) & (q[axis][l] == least[axis]) & (p[axis][l] - least[axis] >= reach);
                 let beyond_greatest =
                     (trial > greatest[axis]) & (q[axis][l] == greatest[axis]) & (greatest[axis] - p[axis][l] >= reach);
                 leaves |= beyond_least | beyond_greatest;
