@@ -12,13 +12,16 @@ pub(super) type Lanes<const N: usize> = [[f32; N]; 3];
 /// How many colours a vector loop takes at a time; a batch is a whole number of times as many.
 pub(super) const LANES: usize = 64;
 
-#[inline(always)]
-pub(super) fn each<const N: usize>(lanes: &mut Lanes<N>, convert: impl Fn([f32; 3]) -> [f32; 3]) {
-    let [a, b, c] = lanes;
-    for i in 0..N {
-        [a[i], b[i], c[i]] = convert([a[i], b[i], c[i]]);
-    }
+/// Converts every lane. A macro, because a function that is handed over is not always inlined, and then no vector code.
+macro_rules! each {
+    ($lanes:expr, $convert:path) => {{
+        let [a, b, c] = $lanes;
+        for ((a, b), c) in a.iter_mut().zip(b).zip(c) {
+            [*a, *b, *c] = $convert([*a, *b, *c]);
+        }
+    }};
 }
+pub(super) use each;
 
 /// A space in which colours are mixed, three numbers a colour.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -75,10 +78,10 @@ impl ColourSpace {
     pub(super) fn encode_lanes<const N: usize>(self, lanes: &mut Lanes<N>) {
         match self {
             Self::Rgb => {}
-            Self::Hsv => each(lanes, conversion::hsv_of_linear),
-            Self::Lab => each(lanes, conversion::lab_of_linear),
-            Self::Lch => each(lanes, conversion::lch_of_linear),
-            Self::Oklab => each(lanes, conversion::oklab_of_linear),
+            Self::Hsv => each!(lanes, conversion::hsv_of_linear),
+            Self::Lab => each!(lanes, conversion::lab_of_linear),
+            Self::Lch => each!(lanes, conversion::lch_of_linear),
+            Self::Oklab => each!(lanes, conversion::oklab_of_linear),
         }
     }
 
@@ -87,10 +90,10 @@ impl ColourSpace {
     pub(super) fn decode_lanes<const N: usize>(self, lanes: &mut Lanes<N>) {
         match self {
             Self::Rgb => return,
-            Self::Hsv => each(lanes, conversion::linear_of_hsv),
-            Self::Lab => each(lanes, conversion::linear_of_lab),
-            Self::Lch => each(lanes, conversion::linear_of_lch),
-            Self::Oklab => each(lanes, conversion::linear_of_oklab),
+            Self::Hsv => each!(lanes, conversion::linear_of_hsv),
+            Self::Lab => each!(lanes, conversion::linear_of_lab),
+            Self::Lch => each!(lanes, conversion::linear_of_lch),
+            Self::Oklab => each!(lanes, conversion::linear_of_oklab),
         }
         for value in lanes.as_flattened_mut() {
             *value = if *value < 0.0 { 0.0 } else { *value };

@@ -13,12 +13,12 @@ type Rows = [[f32; 3]; 3];
 const TO_XYZ: Rows = [
     [0.4124564 / 0.95047, 0.3575761 / 0.95047, 0.1804375 / 0.95047],
     [0.2126729, 0.7151522, 0.0721750],
-    [0.0193339 / 1.08883, 0.1191920 / 1.08883, 0.9503041 / 1.08883],
+    [0.0193339 / 1.08883, 0.119_192 / 1.08883, 0.9503041 / 1.08883],
 ];
 /// Its inverse.
 const OF_XYZ: Rows = [
     [3.2404542 * 0.95047, -1.5371385, -0.4985314 * 1.08883],
-    [-0.9692660 * 0.95047, 1.8760108, 0.0415560 * 1.08883],
+    [-0.969_266 * 0.95047, 1.8760108, 0.041_556 * 1.08883],
     [0.0556434 * 0.95047, -0.2040259, 1.0572252 * 1.08883],
 ];
 
@@ -40,12 +40,6 @@ const TO_OKLAB: Rows = [
 ];
 const OF_OKLAB: Rows =
     [[1.0, 0.396_337_78, 0.215_803_76], [1.0, -0.105_561_346, -0.063_854_17], [1.0, -0.089_484_18, -1.291_485_5]];
-
-/// A function of each of three numbers: what an array's own `map` does, but that is not always inlined.
-#[inline(always)]
-pub fn of_three([a, b, c]: [f32; 3], f: impl Fn(f32) -> f32) -> [f32; 3] {
-    [f(a), f(b), f(c)]
-}
 
 #[inline(always)]
 fn times([top, middle, bottom]: &Rows, [x, y, z]: [f32; 3]) -> [f32; 3] {
@@ -69,14 +63,14 @@ fn to_srgb(value: f32) -> f32 {
 
 /// The colour of sRGB-encoded red, green and blue.
 #[inline(always)]
-pub fn linear_of_srgb(encoded: [f32; 3]) -> LinearRgb {
-    of_three(encoded, of_srgb)
+pub fn linear_of_srgb([red, green, blue]: [f32; 3]) -> LinearRgb {
+    [of_srgb(red), of_srgb(green), of_srgb(blue)]
 }
 
 /// Hue in degrees, −60…300 and 0 for greys; saturation and value of the sRGB-encoded colour.
 #[inline(always)]
-pub fn hsv_of_linear(colour: LinearRgb) -> [f32; 3] {
-    let [red, green, blue] = of_three(colour, to_srgb);
+pub fn hsv_of_linear([red, green, blue]: LinearRgb) -> [f32; 3] {
+    let (red, green, blue) = (to_srgb(red), to_srgb(green), to_srgb(blue));
     let (least, most) = if red < green { (red, green) } else { (green, red) };
     let least = if blue < least { blue } else { least };
     let most = if blue > most { blue } else { most };
@@ -97,20 +91,33 @@ pub fn hsv_of_linear(colour: LinearRgb) -> [f32; 3] {
 #[inline(always)]
 pub fn linear_of_hsv([hue, saturation, value]: [f32; 3]) -> LinearRgb {
     let sixths = (hue - 360.0 * (hue / 360.0).floor()) / 60.0;
-    let away = [(sixths - 3.0).abs() - 1.0, 2.0 - (sixths - 2.0).abs(), 2.0 - (sixths - 4.0).abs()];
+    let (by_red, by_green, by_blue) = ((sixths - 3.0).abs() - 1.0, (sixths - 2.0).abs(), (sixths - 4.0).abs());
     let chroma = value * saturation;
-    of_three(away, |ramp| of_srgb(value - chroma * (1.0 - clamp01(ramp))))
+    linear_of_srgb([
+        value - chroma * (1.0 - clamp01(by_red)),
+        value - chroma * (1.0 - clamp01(2.0 - by_green)),
+        value - chroma * (1.0 - clamp01(2.0 - by_blue)),
+    ])
+}
+
+/// The root of which the lightness of L*a*b* is made: a straight line for the darkest.
+#[inline(always)]
+fn lab_root(part: f32) -> f32 {
+    let root = cbrt(part);
+    if part > 216.0 / 24_389.0 { root } else { part * (841.0 / 108.0) + 4.0 / 29.0 }
+}
+
+/// What [`lab_root`] is of.
+#[inline(always)]
+fn of_lab_root(root: f32) -> f32 {
+    if root > 6.0 / 29.0 { root * root * root } else { (root - 4.0 / 29.0) * (108.0 / 841.0) }
 }
 
 /// CIE L*a*b* under D65.
 #[inline(always)]
 pub fn lab_of_linear(colour: LinearRgb) -> [f32; 3] {
-    const LEAST: f32 = 216.0 / 24_389.0;
-    let root = |part: f32| {
-        let cube_root = cbrt(part);
-        if part > LEAST { cube_root } else { part * (841.0 / 108.0) + 4.0 / 29.0 }
-    };
-    let [x, y, z] = of_three(times(&TO_XYZ, colour), root);
+    let [x, y, z] = times(&TO_XYZ, colour);
+    let (x, y, z) = (lab_root(x), lab_root(y), lab_root(z));
     [116.0 * y - 16.0, 500.0 * (x - y), 200.0 * (y - z)]
 }
 
@@ -118,10 +125,8 @@ pub fn lab_of_linear(colour: LinearRgb) -> [f32; 3] {
 #[inline(always)]
 pub fn linear_of_lab([lightness, a, b]: [f32; 3]) -> LinearRgb {
     let y = (lightness + 16.0) * (1.0 / 116.0);
-    let cube = |root: f32| {
-        if root > 6.0 / 29.0 { root * root * root } else { (root - 4.0 / 29.0) * (108.0 / 841.0) }
-    };
-    times(&OF_XYZ, of_three([y + a * (1.0 / 500.0), y, y - b * (1.0 / 200.0)], cube))
+    let (x, z) = (y + a * (1.0 / 500.0), y - b * (1.0 / 200.0));
+    times(&OF_XYZ, [of_lab_root(x), of_lab_root(y), of_lab_root(z)])
 }
 
 /// Lightness, chroma and hue in degrees, −180…180, of L*a*b*.
@@ -141,13 +146,15 @@ pub fn linear_of_lch([lightness, chroma, hue]: [f32; 3]) -> LinearRgb {
 /// Oklab.
 #[inline(always)]
 pub fn oklab_of_linear(colour: LinearRgb) -> [f32; 3] {
-    times(&TO_OKLAB, of_three(times(&TO_CONES, colour), cbrt))
+    let [long, medium, short] = times(&TO_CONES, colour);
+    times(&TO_OKLAB, [cbrt(long), cbrt(medium), cbrt(short)])
 }
 
 /// The colour of Oklab, below 0 where it lies outside Rec.709.
 #[inline(always)]
 pub fn linear_of_oklab(numbers: [f32; 3]) -> LinearRgb {
-    times(&OF_CONES, of_three(times(&OF_OKLAB, numbers), |root| root * root * root))
+    let [long, medium, short] = times(&OF_OKLAB, numbers);
+    times(&OF_CONES, [long * long * long, medium * medium * medium, short * short * short])
 }
 
 #[cfg(test)]

@@ -77,7 +77,7 @@ impl Mixer {
     fn mix_lanes<const N: usize>(&self, from: &mut [LinearRgb; N], to: &[LinearRgb; N], weights: &[f32; N]) {
         let mut mixing = false;
         for i in 0..N {
-            mixing |= !(weights[i] <= 0.0) & !(weights[i] >= 1.0) & !same(from[i], to[i]);
+            mixing |= !((weights[i] <= 0.0) | (weights[i] >= 1.0) | same(from[i], to[i]));
         }
         let mut mixed = [[0.0; N]; 3];
         if mixing {

@@ -128,7 +128,7 @@ fn sample(sampler: &mut dyn ColourSampler, block: &MeasuredBlock, sampled: &mut 
 /// Negative, infinite or not a number.
 #[inline(always)]
 fn is_wrong(channel: f32) -> bool {
-    !((channel >= 0.0) & (channel < f32::INFINITY))
+    !(0.0..f32::INFINITY).contains(&channel)
 }
 
 /// What there is to know about a block's colours.
@@ -171,4 +171,32 @@ fn mean(blocks: &[BlockColours], active_voxels: u64) -> LinearRgb {
         }
     }
     sum.map(|sum| (sum / active_voxels.max(1) as f64) as f32)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_survey_sums_and_notices_in_every_place() {
+        for len in [0, 1, 7, 8, 9, 100, BATCH] {
+            let colours: Vec<LinearRgb> =
+                (0..len).map(|i| [0.001, 0.002, 0.0005].map(|part| part * i as f32)).collect();
+            let plain = survey(colours.as_flattened());
+            assert!(!plain.wrong && plain.bright == (len == BATCH));
+            for channel in 0..3 {
+                let exact: f64 = colours.iter().map(|colour| f64::from(colour[channel])).sum();
+                assert!((plain.sum[channel] - exact).abs() <= 1e-12 * exact);
+            }
+            for place in 0..3 * len {
+                for (value, wrong) in [(-1e-9, true), (f32::NAN, true), (f32::INFINITY, true), (1.5, false)] {
+                    let mut changed = colours.clone();
+                    changed.as_flattened_mut()[place] = value;
+                    let noticed = survey(changed.as_flattened());
+                    assert_eq!(noticed.wrong, wrong, "{value} at {place} of {len}");
+                    assert!(noticed.bright || value <= 1.0 || value.is_nan());
+                }
+            }
+        }
+    }
 }
