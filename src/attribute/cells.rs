@@ -49,13 +49,18 @@ impl CubeLattice {
         if beyond == DVec3::ZERO {
             return cube;
         }
-        let mut cubes = vec![cube];
+        let mut cubes = [cube; 8];
+        let mut count = 1;
         for axis in DVec3::AXES {
             let step = beyond * axis;
             if step != DVec3::ZERO {
-                cubes.extend(cubes.clone().into_iter().map(|cube| cube + step));
+                for i in 0..count {
+                    cubes[count + i] = cubes[i] + step;
+                }
+                count *= 2;
             }
         }
+        let cubes = &mut cubes[..count];
         // The same order from whichever cube it is seen, so that equals are decided alike.
         cubes.sort_by(|a, b| a.to_array().partial_cmp(&b.to_array()).unwrap_or(std::cmp::Ordering::Equal));
         let depth = |cube: &DVec3| self.solid.reference(*cube * self.edge);

@@ -2,9 +2,26 @@
 //!
 //! `palette` is built without the standard library's roots and powers, so that every machine gives the same bits.
 
-use palette::{FromColor, Hsv, Lab, Lch, LinSrgb, Oklab, Srgb};
+use palette::{LinSrgb, Srgb};
 
-use super::LinearRgb;
+use super::{LinearRgb, conversion};
+
+/// Several colours, or their numbers in a space: each component on its own, as vector loops want them.
+pub(super) type Lanes<const N: usize> = [[f32; N]; 3];
+
+/// How many colours a vector loop takes at a time; a batch is a whole number of times as many.
+pub(super) const LANES: usize = 64;
+
+/// Converts every lane. A macro, because a function that is handed over is not always inlined, and then no vector code.
+macro_rules! each {
+    ($lanes:expr, $convert:path) => {{
+        let [a, b, c] = $lanes;
+        for ((a, b), c) in a.iter_mut().zip(b).zip(c) {
+            [*a, *b, *c] = $convert([*a, *b, *c]);
+        }
+    }};
+}
+pub(super) use each;
 
 /// A space in which colours are mixed, three numbers a colour.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -44,33 +61,43 @@ impl ColourSpace {
 
     /// A colour in this space.
     pub fn encode(self, colour: LinearRgb) -> [f32; 3] {
-        let linear = LinSrgb::from(colour);
-        match self {
-            Self::Rgb => colour,
-            Self::Hsv => {
-                let hsv = Hsv::from_color(Srgb::<f32>::from_linear(linear));
-                [hsv.hue.into_degrees(), hsv.saturation, hsv.value]
-            }
-            Self::Lab => Lab::from_color(linear).into(),
-            Self::Lch => {
-                let lch = Lch::from_color(linear);
-                [lch.l, lch.chroma, lch.hue.into_degrees()]
-            }
-            Self::Oklab => Oklab::from_color(linear).into(),
-        }
+        let mut lanes = colour.map(|component| [component]);
+        self.encode_lanes(&mut lanes);
+        lanes.map(|[number]| number)
     }
 
     /// The colour that this space's numbers stand for; what lies outside Rec.709 is clamped to its border at 0.
     pub fn decode(self, numbers: [f32; 3]) -> LinearRgb {
-        let [a, b, c] = numbers;
-        let linear: LinSrgb<f32> = match self {
-            Self::Rgb => return numbers,
-            Self::Hsv => Srgb::from_color(Hsv::<palette::encoding::Srgb, f32>::new(a, b, c)).into_linear(),
-            Self::Lab => LinSrgb::from_color(Lab::<palette::white_point::D65, f32>::new(a, b, c)),
-            Self::Lch => LinSrgb::from_color(Lch::<palette::white_point::D65, f32>::new(a, b, c)),
-            Self::Oklab => LinSrgb::from_color(Oklab::new(a, b, c)),
-        };
-        <[f32; 3]>::from(linear).map(|component| component.max(0.0))
+        let mut lanes = numbers.map(|number| [number]);
+        self.decode_lanes(&mut lanes);
+        lanes.map(|[component]| component)
+    }
+
+    /// As [`Self::encode`]. Inlined, so that it is compiled for its caller's vector width.
+    #[inline(always)]
+    pub(super) fn encode_lanes<const N: usize>(self, lanes: &mut Lanes<N>) {
+        match self {
+            Self::Rgb => {}
+            Self::Hsv => each!(lanes, conversion::hsv_of_linear),
+            Self::Lab => each!(lanes, conversion::lab_of_linear),
+            Self::Lch => each!(lanes, conversion::lch_of_linear),
+            Self::Oklab => each!(lanes, conversion::oklab_of_linear),
+        }
+    }
+
+    /// As [`Self::decode`]. Inlined, so that it is compiled for its caller's vector width.
+    #[inline(always)]
+    pub(super) fn decode_lanes<const N: usize>(self, lanes: &mut Lanes<N>) {
+        match self {
+            Self::Rgb => return,
+            Self::Hsv => each!(lanes, conversion::linear_of_hsv),
+            Self::Lab => each!(lanes, conversion::linear_of_lab),
+            Self::Lch => each!(lanes, conversion::linear_of_lch),
+            Self::Oklab => each!(lanes, conversion::linear_of_oklab),
+        }
+        for value in lanes.as_flattened_mut() {
+            *value = if *value < 0.0 { 0.0 } else { *value };
+        }
     }
 
     pub(super) fn hue_axis(self) -> Option<HueAxis> {

@@ -1,8 +1,9 @@
 //! Two colours mixed by weight, in a chosen space.
 
-use super::colour_space::HueAxis;
+use super::colour_space::{HueAxis, LANES, Lanes};
 use super::{ColourSpace, LinearRgb};
 use crate::field::BATCH;
+use crate::field::lane_math::{clamp01, smooth};
 
 /// Hues further apart than this have no short way that a small change could not turn round: they go the decided way.
 const NEARLY_OPPOSITE: f32 = 150.0;
@@ -56,16 +57,12 @@ impl Mixer {
 
     /// `from` at weight 0, `to` at weight 1.
     pub fn mix(&self, from: LinearRgb, to: LinearRgb, weight: f32) -> LinearRgb {
-        if weight <= 0.0 || from == to {
-            return from;
-        }
-        if weight >= 1.0 {
-            return to;
-        }
-        self.mix_encoded(self.space.encode(from), self.space.encode(to), weight)
+        let mut mixed = [from];
+        self.mix_lanes(&mut mixed, &[to], &[weight]);
+        mixed[0]
     }
 
-    /// Mixes a batch into `from`.
+    /// Mixes a batch into `from`; entries past `len` are unspecified.
     pub fn mix_batch(
         &self,
         from: &mut [LinearRgb; BATCH],
@@ -73,70 +70,116 @@ impl Mixer {
         weights: &[f32; BATCH],
         len: usize,
     ) {
-        // Neighbours mostly share their colour: what was encoded last serves again.
-        let mut last = [([f32::NAN; 3], [0.0; 3]); 2];
-        let space = self.space;
-        let mut encode = |side: usize, colour: LinearRgb| {
-            if last[side].0 != colour {
-                last[side] = (colour, space.encode(colour));
+        mix_chunks(self, from, to, weights, len);
+    }
+
+    #[inline(always)]
+    fn mix_lanes<const N: usize>(&self, from: &mut [LinearRgb; N], to: &[LinearRgb; N], weights: &[f32; N]) {
+        let mut mixing = false;
+        for i in 0..N {
+            mixing |= !((weights[i] <= 0.0) | (weights[i] >= 1.0) | same(from[i], to[i]));
+        }
+        let mut mixed = [[0.0; N]; 3];
+        if mixing {
+            self.mix_encoded(&self.encoded(from), &self.encoded(to), weights, &mut mixed);
+        }
+        for i in 0..N {
+            let (stays, goes) = ((weights[i] <= 0.0) | same(from[i], to[i]), weights[i] >= 1.0);
+            for channel in 0..3 {
+                let moved = if goes { to[i][channel] } else { mixed[channel][i] };
+                from[i][channel] = if stays { from[i][channel] } else { moved };
             }
-            last[side].1
-        };
-        for i in 0..len {
-            let (one, two, weight) = (from[i], to[i], weights[i]);
-            if weight <= 0.0 || one == two {
-                continue;
-            }
-            from[i] = if weight >= 1.0 { two } else { self.mix_encoded(encode(0, one), encode(1, two), weight) };
         }
     }
 
-    fn mix_encoded(&self, from: [f32; 3], to: [f32; 3], weight: f32) -> LinearRgb {
-        let straight: [f32; 3] = std::array::from_fn(|i| from[i] + (to[i] - from[i]) * weight);
-        let Some(axis) = self.space.hue_axis() else { return self.space.decode(straight) };
-        let apart = half_turn(to[axis.hue] - from[axis.hue]);
-        let by = |apart: f32| {
-            let mut mixed = straight;
-            mixed[axis.hue] = hue_between(axis, from, to, apart, weight);
-            self.space.decode(mixed)
-        };
-        // Degrees by which the short way goes against the decided one.
-        let against = -apart * self.turn.degrees().signum();
-        let long = ((against - (NEARLY_OPPOSITE - MIXED_WAYS)) / MIXED_WAYS).clamp(0.0, 1.0);
-        if long <= 0.0 {
-            return by(apart);
+    /// Colours in the mixer's space; neighbours often share theirs, which is then encoded once.
+    #[inline(always)]
+    fn encoded<const N: usize>(&self, colours: &[LinearRgb; N]) -> Lanes<N> {
+        let mut one = true;
+        for colour in colours {
+            one &= same(*colour, colours[0]);
         }
-        let round = by(apart + self.turn.degrees());
-        if long >= 1.0 {
-            return round;
+        if one {
+            return self.space.encode(colours[0]).map(|number| [number; N]);
         }
-        let short = by(apart);
-        std::array::from_fn(|i| short[i] + (round[i] - short[i]) * long)
+        let mut lanes = [[0.0; N]; 3];
+        for i in 0..N {
+            [lanes[0][i], lanes[1][i], lanes[2][i]] = colours[i];
+        }
+        self.space.encode_lanes(&mut lanes);
+        lanes
+    }
+
+    #[inline(always)]
+    fn mix_encoded<const N: usize>(&self, from: &Lanes<N>, to: &Lanes<N>, weights: &[f32; N], mixed: &mut Lanes<N>) {
+        for part in 0..3 {
+            for i in 0..N {
+                mixed[part][i] = from[part][i] + (to[part][i] - from[part][i]) * weights[i];
+            }
+        }
+        let Some(axis) = self.space.hue_axis() else { return self.space.decode_lanes(mixed) };
+        let mut round = *mixed;
+        let mut long = [0.0; N];
+        let mut both = false;
+        for i in 0..N {
+            let apart = half_turn(to[axis.hue][i] - from[axis.hue][i]);
+            let ends = [(from[axis.hue][i], from[axis.strength][i]), (to[axis.hue][i], to[axis.strength][i])];
+            // Degrees by which the short way goes against the decided one.
+            let against = -apart * self.turn.degrees().signum();
+            long[i] = clamp01((against - (NEARLY_OPPOSITE - MIXED_WAYS)) / MIXED_WAYS);
+            let decided = hue_between(axis, ends, apart + self.turn.degrees(), weights[i]);
+            let short = hue_between(axis, ends, apart, weights[i]);
+            mixed[axis.hue][i] = if long[i] >= 1.0 { decided } else { short };
+            round[axis.hue][i] = decided;
+            both |= (long[i] > 0.0) & (long[i] < 1.0);
+        }
+        self.space.decode_lanes(mixed);
+        if both {
+            self.space.decode_lanes(&mut round);
+            for part in 0..3 {
+                for i in 0..N {
+                    let between = mixed[part][i] + (round[part][i] - mixed[part][i]) * long[i];
+                    let is_between = (long[i] > 0.0) & (long[i] < 1.0);
+                    mixed[part][i] = if is_between { between } else { mixed[part][i] };
+                }
+            }
+        }
     }
 }
 
-/// The hue at a weight, `apart` degrees being the way to go; a colour with little hue of its own takes the other's.
-fn hue_between(axis: HueAxis, from: [f32; 3], to: [f32; 3], apart: f32, weight: f32) -> f32 {
-    let grey = |colour: [f32; 3]| 1.0 - smooth(colour[axis.strength] / axis.full);
-    let (from_grey, to_grey) = (grey(from), grey(to));
-    from[axis.hue] + apart * (from_grey + weight * (1.0 - from_grey) * (1.0 - to_grey))
+#[multiversion::multiversion(targets = "simd")]
+fn mix_chunks(
+    mixer: &Mixer,
+    from: &mut [LinearRgb; BATCH],
+    to: &[LinearRgb; BATCH],
+    weights: &[f32; BATCH],
+    len: usize,
+) {
+    let from = from.as_chunks_mut::<LANES>().0.iter_mut();
+    let (to, weights) = (to.as_chunks::<LANES>().0, weights.as_chunks::<LANES>().0);
+    for ((from, to), weights) in from.zip(to).zip(weights).take(len.div_ceil(LANES)) {
+        mixer.mix_lanes(from, to, weights);
+    }
 }
 
-fn smooth(share: f32) -> f32 {
-    let share = share.clamp(0.0, 1.0);
-    share * share * (3.0 - 2.0 * share)
+#[inline(always)]
+fn same(one: LinearRgb, two: LinearRgb) -> bool {
+    (one[0] == two[0]) & (one[1] == two[1]) & (one[2] == two[2])
 }
 
-/// The same angle in (−180, 180].
+/// The hue at a weight, `apart` degrees being the way to go, between two hues with their strengths; a colour with
+/// little hue of its own takes the other's.
+#[inline(always)]
+fn hue_between(axis: HueAxis, [from, to]: [(f32, f32); 2], apart: f32, weight: f32) -> f32 {
+    let (from_grey, to_grey) = (1.0 - smooth(from.1 / axis.full), 1.0 - smooth(to.1 / axis.full));
+    from.0 + apart * (from_grey + weight * (1.0 - from_grey) * (1.0 - to_grey))
+}
+
+/// A difference of two hues, less than a whole turn, as the same angle in (−180, 180].
+#[inline(always)]
 fn half_turn(degrees: f32) -> f32 {
-    let turned = degrees % 360.0;
-    if turned > 180.0 {
-        turned - 360.0
-    } else if turned <= -180.0 {
-        turned + 360.0
-    } else {
-        turned
-    }
+    let down = if degrees > 180.0 { degrees - 360.0 } else { degrees };
+    if down <= -180.0 { down + 360.0 } else { down }
 }
 
 #[cfg(test)]

@@ -6,6 +6,7 @@ mod bands;
 mod cells;
 mod colour_space;
 mod constant;
+mod conversion;
 mod formula;
 mod mapped;
 mod mesh_colour;

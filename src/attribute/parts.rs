@@ -2,7 +2,10 @@
 
 use std::sync::Arc;
 
+use multiversion::multiversion;
+
 use super::{Colour, ColourSampler, LinearRgb};
+use crate::field::lane_math::clamp01;
 use crate::field::{Aabb, BATCH, Evaluator, Field, Points};
 
 /// A solid with its colour. Distances, or fields that are nearly so: their values are compared between parts.
@@ -53,51 +56,90 @@ impl Parts {
 }
 
 /// 1/|f_j| over their sum; the later part alone where several are 0.
+#[multiversion(targets = "simd")]
 fn inverse_distances(distances: &[[f32; BATCH]], weights: &mut [[f32; BATCH]], len: usize) {
-    for i in 0..len {
-        let nearest = distances.iter().fold(f32::INFINITY, |least, distance| least.min(distance[i].abs()));
-        if nearest < f32::MIN_POSITIVE {
-            let touched = distances.iter().rposition(|distance| distance[i].abs() == nearest);
-            weights
-                .iter_mut()
-                .enumerate()
-                .for_each(|(part, weight)| weight[i] = f32::from(u8::from(touched == Some(part))));
-            continue;
+    let len = len.min(BATCH);
+    let (mut nearest, mut touched, mut sum) = ([f32::INFINITY; BATCH], [0; BATCH], [0.0; BATCH]);
+    for (part, distance) in (0u32..).zip(distances) {
+        for i in 0..len {
+            let near = distance[i].abs();
+            touched[i] = if near <= nearest[i] { part } else { touched[i] };
+            nearest[i] = if near < nearest[i] { near } else { nearest[i] };
         }
-        let mut sum = 0.0;
-        for (weight, distance) in weights.iter_mut().zip(distances) {
-            weight[i] = nearest / distance[i].abs();
-            sum += weight[i];
+    }
+    for ((part, distance), weight) in (0u32..).zip(distances).zip(&mut *weights) {
+        for i in 0..len {
+            let alone = if touched[i] == part { 1.0 } else { 0.0 };
+            let share = nearest[i] / distance[i].abs();
+            weight[i] = if nearest[i] < f32::MIN_POSITIVE { alone } else { share };
+            sum[i] += weight[i];
         }
-        weights.iter_mut().for_each(|weight| weight[i] /= sum);
+    }
+    for weight in weights {
+        for i in 0..len {
+            weight[i] /= sum[i];
+        }
     }
 }
 
 /// The last part that holds the point takes it all.
+#[multiversion(targets = "simd")]
 fn sharp_union(distances: &[[f32; BATCH]], weights: &mut [[f32; BATCH]], len: usize, tolerance: f32) {
-    for i in 0..len {
-        if let Some(inside) = distances.iter().rposition(|distance| distance[i] >= -tolerance) {
-            weights.iter_mut().enumerate().for_each(|(part, weight)| weight[i] = f32::from(u8::from(part == inside)));
+    let len = len.min(BATCH);
+    let mut inside = [u32::MAX; BATCH];
+    for (part, distance) in (0u32..).zip(distances) {
+        for i in 0..len {
+            inside[i] = if distance[i] >= -tolerance { part } else { inside[i] };
+        }
+    }
+    for (part, weight) in (0u32..).zip(weights) {
+        for i in 0..len {
+            let own = if inside[i] == part { 1.0 } else { 0.0 };
+            weight[i] = if inside[i] == u32::MAX { weight[i] } else { own };
         }
     }
 }
 
 /// Parts painted over one another with edges `seam` wide, their middle on the surface. What is painted counts by its
 /// own weights as soon as the point is inside a part; on the way out the weights there go over into those outside.
+#[multiversion(targets = "simd")]
 fn soft_union(distances: &[[f32; BATCH]], weights: &mut [[f32; BATCH]], len: usize, seam: f32, tolerance: f32) {
-    for i in 0..len {
-        let cover = |distance: &[f32; BATCH]| (0.5 + (distance[i] + tolerance) / seam).clamp(0.0, 1.0);
-        let bare = distances.iter().fold(1.0, |bare, distance| bare * (1.0 - cover(distance)));
-        let painted = 1.0 - bare;
-        if painted <= 0.0 {
-            continue;
+    let len = len.min(BATCH);
+    let cover = |distance: f32| clamp01(0.5 + (distance + tolerance) / seam);
+    let (mut bare, mut above) = ([1.0; BATCH], [1.0; BATCH]);
+    for distance in distances {
+        for i in 0..len {
+            bare[i] *= 1.0 - cover(distance[i]);
         }
-        let share = (2.0 * painted).min(1.0);
-        let mut above = 1.0;
-        for (weight, distance) in weights.iter_mut().zip(distances).rev() {
-            let own = cover(distance) * above;
-            above *= 1.0 - cover(distance);
-            weight[i] += (own / painted - weight[i]) * share;
+    }
+    for (weight, distance) in weights.iter_mut().zip(distances).rev() {
+        for i in 0..len {
+            let painted = 1.0 - bare[i];
+            let share = if 2.0 * painted < 1.0 { 2.0 * painted } else { 1.0 };
+            let cover = cover(distance[i]);
+            let own = cover * above[i];
+            above[i] *= 1.0 - cover;
+            let shared = weight[i] + (own / painted - weight[i]) * share;
+            weight[i] = if painted > 0.0 { shared } else { weight[i] };
+        }
+    }
+}
+
+/// Adds a part's colours by their weights, and keeps each channel's brightest.
+#[multiversion(targets = "simd")]
+fn add(
+    colours: &[LinearRgb; BATCH],
+    weights: &[f32; BATCH],
+    len: usize,
+    out: &mut [LinearRgb; BATCH],
+    brightest: &mut [LinearRgb; BATCH],
+) {
+    for i in 0..len.min(BATCH) {
+        let counts = weights[i] > 0.0;
+        for channel in 0..3 {
+            let (part, sum, most) = (colours[i][channel], out[i][channel], brightest[i][channel]);
+            out[i][channel] = if counts { sum + weights[i] * part } else { sum };
+            brightest[i][channel] = if counts & (part > most) { part } else { most };
         }
     }
 }
@@ -148,12 +190,7 @@ impl ColourSampler for PartsSampler<'_> {
                 continue;
             }
             sampler.sample(points, &mut self.colours);
-            for i in (0..points.len).filter(|&i| weights[i] > 0.0) {
-                for (channel, part) in self.colours[i].into_iter().enumerate() {
-                    out[i][channel] += weights[i] * part;
-                    self.brightest[i][channel] = self.brightest[i][channel].max(part);
-                }
-            }
+            add(&self.colours, weights, points.len, out, &mut self.brightest);
         }
         // Weights sum to 1 but for rounding, which must not make a mean brighter than all that is in it.
         for (out, brightest) in out[..points.len].iter_mut().zip(&self.brightest) {

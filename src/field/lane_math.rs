@@ -53,13 +53,13 @@ pub(super) fn displacement(first: f32, second: f32) -> f32 {
 
 /// `3v² − 2v³` of the value clamped to 0..1.
 #[inline(always)]
-pub(super) fn smooth(value: f32) -> f32 {
+pub(crate) fn smooth(value: f32) -> f32 {
     let value = clamp01(value);
     value * value * (3.0 - 2.0 * value)
 }
 
 #[inline(always)]
-pub(super) fn clamp01(value: f32) -> f32 {
+pub(crate) fn clamp01(value: f32) -> f32 {
     let value = if value > 0.0 { value } else { 0.0 };
     if value < 1.0 { value } else { 1.0 }
 }
@@ -86,7 +86,7 @@ pub(super) fn powi(value: f32, exponent: u32) -> f32 {
 
 /// The cube root by two of Halley's steps from a third of the exponent.
 #[inline(always)]
-pub(super) fn cbrt(value: f32) -> f32 {
+pub(crate) fn cbrt(value: f32) -> f32 {
     /// Two thirds of the exponent's bias, and a little less for the mantissa's mean error.
     const BIAS: u32 = 709_960_000;
     let size = value.abs();
@@ -130,13 +130,13 @@ fn turned(value: f32, quarters: u64) -> f64 {
 
 /// The sine, to `f32` accuracy for arguments up to 10⁷.
 #[inline(always)]
-pub(super) fn sin(value: f32) -> f32 {
+pub(crate) fn sin(value: f32) -> f32 {
     turned(value, 0) as f32
 }
 
 /// The cosine, as [`sin`].
 #[inline(always)]
-pub(super) fn cos(value: f32) -> f32 {
+pub(crate) fn cos(value: f32) -> f32 {
     turned(value, 1) as f32
 }
 
@@ -211,9 +211,35 @@ pub(super) fn pow(base: f32, exponent: f32) -> f32 {
     if base >= 0.0 && !exponent.is_nan() { result } else { f32::NAN }
 }
 
+/// A power of a positive number with a positive exponent, in `f32` throughout: several times as fast as [`pow`]. The
+/// relative error is below 1.2·10⁻⁷ · (2 + |exponent · log₂ base|). Zero, infinity, what is less than zero and what is
+/// no number come back as they are.
+#[inline(always)]
+pub(crate) fn short_pow(base: f32, exponent: f32) -> f32 {
+    /// As `ROUND`, for an `f32` under 2²².
+    const ROUND: f32 = 12_582_912.0;
+    const HALF_ROOT: u32 = 0x3F35_04F3;
+    let bits = base.to_bits().wrapping_sub(HALF_ROOT);
+    let whole = (bits as i32 >> 23) as f32;
+    let mantissa = f32::from_bits((bits & 0x007F_FFFF).wrapping_add(HALF_ROOT));
+    let s = (mantissa - 1.0) / (mantissa + 1.0);
+    let square = s * s;
+    // As in `log_of_positive`; the next term is under 2⁻²⁷ of the sum.
+    let series = (((2.0 / 9.0 * square + 2.0 / 7.0) * square + 2.0 / 5.0) * square + 2.0 / 3.0) * square + 2.0;
+    let power = exponent * (whole + s * series * std::f32::consts::LOG2_E);
+    let power = if power > -127.0 { power } else { -127.0 };
+    let power = if power < 128.0 { power } else { 128.0 };
+    let shifted = power + ROUND;
+    let scale = f32::from_bits((shifted.to_bits() << 23).wrapping_add(127 << 23));
+    let rest = (power - (shifted - ROUND)) * std::f32::consts::LN_2;
+    let upper = ((1.0 / 5_040.0 * rest + 1.0 / 720.0) * rest + 1.0 / 120.0) * rest + 1.0 / 24.0;
+    let fraction = (((upper * rest + 1.0 / 6.0) * rest + 0.5) * rest + 1.0) * rest + 1.0;
+    if (base > 0.0) & (base < f32::INFINITY) { fraction * scale } else { base }
+}
+
 /// The angle of (x, y), in −π..π.
 #[inline(always)]
-pub(super) fn atan2(y: f32, x: f32) -> f32 {
+pub(crate) fn atan2(y: f32, x: f32) -> f32 {
     use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
     /// tan(π/8): above it the angle is measured from π/4.
     const EIGHTH: f64 = 0.414_213_562_373_095_03;
@@ -265,6 +291,23 @@ mod tests {
         assert!(worst(spread(0.0, 9.0), |v| pow(v, 2.5), |v| libm::pow(v, 2.5), 0.0) < 0.6);
         assert!(worst(spread(-4.0, 4.0), |v| atan2(v, -0.7), |v| libm::atan2(v, f64::from(-0.7f32)), 0.0) < 0.6);
         assert!(worst(spread(-4.0, 4.0), |v| atan2(0.3, v), |v| libm::atan2(f64::from(0.3f32), v), 0.0) < 0.6);
+    }
+
+    #[test]
+    fn the_short_power_is_as_near_as_it_says() {
+        for exponent in [2.4f32, 1.0 / 2.4] {
+            for base in spread(1e-4, 1.5).chain(spread(1.5, 70_000.0)) {
+                let wanted = libm::pow(f64::from(base), f64::from(exponent));
+                let error = (f64::from(short_pow(base, exponent)) / wanted - 1.0).abs();
+                let bound = 1.2e-7 * (2.0 + f64::from(exponent) * libm::log2(f64::from(base)).abs());
+                assert!(error < bound, "{base} to the {exponent}: {error} of {bound}");
+            }
+            for kept in [0.0, 1.0, f32::INFINITY, -2.0] {
+                assert_eq!(short_pow(kept, exponent), kept);
+            }
+            assert!(short_pow(f32::NAN, exponent).is_nan());
+        }
+        assert_eq!((short_pow(1e38, 2.4), short_pow(1e-30, 2.4)), (f32::INFINITY, 0.0));
     }
 
     #[test]

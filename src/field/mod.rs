@@ -18,7 +18,7 @@ mod graph;
 mod interval;
 mod kernel;
 mod kernel_gradient;
-mod lane_math;
+pub(crate) mod lane_math;
 mod leaf;
 mod machine;
 mod op;

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use glam::{DAffine3, DVec3, Vec3};
+use glam::{DAffine3, DMat3, DVec3, Vec3};
 
 use crate::attribute::{Colour, ColourSampler, MappedSampler, SpaceMap};
 use crate::field::{Aabb, Points};
@@ -57,14 +57,27 @@ impl SpaceMap for Way {
     fn points(&self, points: &Points, out: &mut Points) {
         out.len = points.len;
         out.origin = self.position(points.origin);
-        for i in 0..points.len {
-            let offset = match self {
-                Self::Back(map) => map.transform_vector3(points.offset(i).as_dvec3()),
-                Self::Folded(_) => self.position(points.position(i)) - out.origin,
-            };
-            let Vec3 { x, y, z } = offset.as_vec3();
-            (out.x[i], out.y[i], out.z[i]) = (x, y, z);
+        match self {
+            Self::Back(map) => turned(&map.matrix3, points, out),
+            Self::Folded(_) => {
+                for i in 0..points.len {
+                    let Vec3 { x, y, z } = (self.position(points.position(i)) - out.origin).as_vec3();
+                    (out.x[i], out.y[i], out.z[i]) = (x, y, z);
+                }
+            }
         }
+    }
+}
+
+/// The offsets turned and stretched, in `f64`.
+#[multiversion::multiversion(targets = "simd")]
+fn turned(matrix: &DMat3, points: &Points, out: &mut Points) {
+    let [a, b, c] = matrix.to_cols_array_2d();
+    for i in 0..points.len {
+        let (x, y, z) = (f64::from(points.x[i]), f64::from(points.y[i]), f64::from(points.z[i]));
+        out.x[i] = (a[0] * x + b[0] * y + c[0] * z) as f32;
+        out.y[i] = (a[1] * x + b[1] * y + c[1] * z) as f32;
+        out.z[i] = (a[2] * x + b[2] * y + c[2] * z) as f32;
     }
 }
 
