@@ -126,14 +126,21 @@ impl ClosestPoint for FieldFeet<'_> {
             queries: Points::new(DVec3::ZERO),
             open: Vec::new(),
         };
-        for (positions, feet) in positions.chunks(BATCH).zip(feet.chunks_mut(BATCH)) {
-            self.batch(positions, feet, &mut work);
+        for (start, chunk) in (0..).step_by(BATCH).zip(positions.chunks(BATCH)) {
+            self.start(start, chunk, &mut feet[start..start + chunk.len()], &mut work);
+        }
+        let Work { evaluator, around, open, .. } = &mut work;
+        around.closest(&mut **evaluator, self.spacing, open);
+        for open in open {
+            self.finish(positions[open.query], open.foot, &mut feet[open.query]);
         }
     }
 }
 
 impl FieldFeet<'_> {
-    fn batch(&self, positions: &[DVec3], feet: &mut [Foot], work: &mut Work) {
+    /// Finds what the field itself tells of at most [`BATCH`] positions, of which `start` is the first's number, and
+    /// the seeds of those whose feet it does not tell.
+    fn start(&self, start: usize, positions: &[DVec3], feet: &mut [Foot], work: &mut Work) {
         let around = box_of(positions.iter().copied());
         work.queries.origin = around.centre();
         work.queries.len = 0;
@@ -149,7 +156,6 @@ impl FieldFeet<'_> {
         if prune {
             work.evaluator.leave();
         }
-        work.open.clear();
         let mut last = None;
         for (query, (position, foot)) in positions.iter().zip(feet.iter_mut()).enumerate() {
             let (value, slope) = (f64::from(work.at.value[query]), work.at.gradient(query).as_dvec3());
@@ -163,12 +169,8 @@ impl FieldFeet<'_> {
                 foot.point = *position - gradient * value;
             } else if let Some((index, seed)) = self.seeds.nearest(*position, last) {
                 last = Some(index);
-                work.open.push(Approach::new(query, *position, value >= 0.0, seed));
+                work.open.push(Approach::new(start + query, *position, value >= 0.0, seed));
             }
-        }
-        work.around.closest(&mut *work.evaluator, self.spacing, &mut work.open);
-        for open in &work.open {
-            self.finish(positions[open.query], open.foot, &mut feet[open.query]);
         }
     }
 

@@ -12,7 +12,7 @@ use glam::DVec3;
 use super::DistanceObject;
 use super::bounds::Bounded;
 use super::evaluate::Place;
-use super::patch::{self, AXIS_BIT, PatchBounds};
+use super::patch::{self, AXIS_BIT, Patch, PatchBounds};
 use crate::field::{Aabb, Interval};
 
 /// What bounds need to know about the root's faces.
@@ -65,11 +65,11 @@ impl Border {
 }
 
 impl DistanceObject {
-    /// F, ∂x, ∂y, ∂z at a position outside the root.
-    pub(super) fn beyond(&self, position: DVec3) -> [f64; 4] {
+    /// F, ∂x, ∂y, ∂z at a position outside the root; `last` keeps the patch of the position before.
+    pub(super) fn beyond(&self, position: DVec3, last: &mut Option<(Place, Patch)>) -> [f64; 4] {
         let root = self.root_box();
         let q = position.clamp(root.min, root.max);
-        let jet = self.jet(q);
+        let jet = self.jet_beside(q, last);
         let gone = (position - q).to_array();
         let (mut a, mut rate, mut excess) = ([0.0; 3], [1.0; 3], [0.0; 3]);
         for axis in 0..3 {

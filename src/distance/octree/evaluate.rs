@@ -22,6 +22,11 @@ impl Place {
         Self { node: first + child as u32, origin, size }
     }
 
+    /// Whether it holds a smallest cell.
+    pub(super) fn holds(&self, at: [i32; 3]) -> bool {
+        (0..3).all(|axis| at[axis] & -self.size == self.origin[axis])
+    }
+
     /// The child that holds a smallest cell.
     #[inline]
     pub(super) fn child(self, first: u32, at: [i32; 3]) -> Self {
@@ -95,7 +100,7 @@ impl<'a> OctreeEvaluator<'a> {
         for i in 0..len.min(BATCH) {
             let here = [cell[0][i], cell[1][i], cell[2][i]];
             // Points stand in rows: often the cell is that of the point before.
-            if (0..3).any(|axis| here[axis] & -place.size != place.origin[axis]) {
+            if !place.holds(here) {
                 place = start;
                 let mut node = object.nodes[place.node as usize];
                 while node & LEAF == 0 {
@@ -147,10 +152,11 @@ impl Evaluator for OctreeEvaluator<'_> {
             None => kernel::values(&object.leaves, &object.numbers, located, &mut out[..points.len]),
         }
         if outside {
+            let mut last = None;
             for (i, out) in out.iter_mut().enumerate().take(points.len) {
                 let position = points.position(i);
                 if !object.holds(position) {
-                    *out = object.beyond(position)[0] as f32;
+                    *out = object.beyond(position, &mut last)[0] as f32;
                 }
             }
         }
@@ -175,10 +181,11 @@ impl Evaluator for OctreeEvaluator<'_> {
             }
         }
         if outside {
+            let mut last = None;
             for i in 0..len {
                 let position: DVec3 = points.position(i);
                 if !object.holds(position) {
-                    let [value, dx, dy, dz] = object.beyond(position).map(|number| number as f32);
+                    let [value, dx, dy, dz] = object.beyond(position, &mut last).map(|number| number as f32);
                     (out.value[i], out.dx[i], out.dy[i], out.dz[i]) = (value, dx, dy, dz);
                 }
             }

@@ -293,15 +293,25 @@ impl DistanceObject {
 
     /// The leaf that holds a position of the root, and where in it.
     fn find(&self, position: DVec3) -> (Place, [f64; 3]) {
-        let last = self.root_size() as i32 - 1;
-        let at = ((position - self.origin) * self.inverse_step).to_array();
-        let cell = at.map(|at| (at as i32).clamp(0, last));
+        let cell = self.smallest_cell(position);
         let mut place = self.root();
         while self.nodes[place.node as usize] & LEAF == 0 {
             place = place.child(self.nodes[place.node as usize], cell);
         }
+        (place, self.within(place, position))
+    }
+
+    /// The smallest cell that holds a position of the root.
+    fn smallest_cell(&self, position: DVec3) -> [i32; 3] {
+        let last = self.root_size() as i32 - 1;
+        ((position - self.origin) * self.inverse_step).to_array().map(|at| (at as i32).clamp(0, last))
+    }
+
+    /// Where in a leaf a position is, \[0, 1\] on each axis.
+    fn within(&self, place: Place, position: DVec3) -> [f64; 3] {
+        let at = ((position - self.origin) * self.inverse_step).to_array();
         let scale = 1.0 / f64::from(place.size);
-        (place, std::array::from_fn(|axis| ((at[axis] - f64::from(place.origin[axis])) * scale).clamp(0.0, 1.0)))
+        std::array::from_fn(|axis| ((at[axis] - f64::from(place.origin[axis])) * scale).clamp(0.0, 1.0))
     }
 
     /// F and its derivatives at a position of the root, in `f64`.
@@ -310,10 +320,23 @@ impl DistanceObject {
         self.patch(place).jet(t)
     }
 
+    /// The same for one of many positions: `last` keeps the patch of the one before.
+    fn jet_beside(&self, position: DVec3, last: &mut Option<(Place, Patch)>) -> Jet {
+        let at = self.smallest_cell(position);
+        let (place, patch) = match last {
+            Some((place, patch)) if place.holds(at) => (*place, patch),
+            _ => {
+                let place = self.find(position).0;
+                (place, &mut last.insert((place, self.patch(place))).1)
+            }
+        };
+        patch.jet(self.within(place, position))
+    }
+
     /// F and ∇F in `f64`.
     pub fn value_and_gradient(&self, position: DVec3) -> (f64, DVec3) {
         if !self.holds(position) {
-            let [value, x, y, z] = self.beyond(position);
+            let [value, x, y, z] = self.beyond(position, &mut None);
             return (value, DVec3::new(x, y, z));
         }
         let jet = self.jet(position);

@@ -36,27 +36,26 @@ fn hermite(t: f64, edge: f64) -> [[[f64; 2]; 2]; 2] {
     ]
 }
 
+/// The jet between two corners along one axis, by the [`hermite`] weights there.
+#[inline(always)]
+fn contracted(low: &Jet, high: &Jet, bit: usize, weight: &[[[f64; 2]; 2]; 2]) -> Jet {
+    let mut out = [0.0; 8];
+    for (slot, out) in out.iter_mut().enumerate() {
+        let [[a, b], [c, d]] = weight[usize::from(slot & bit != 0)];
+        *out = low[slot & !bit] * a + low[slot | bit] * b + high[slot & !bit] * c + high[slot | bit] * d;
+    }
+    out
+}
+
 impl Patch {
     /// The jet at a point given in the cell's own \[0, 1\]³.
     pub fn jet(&self, t: [f64; 3]) -> Jet {
         let weight = t.map(|t| hermite(t, self.edge));
         // One axis after the other: the two corners along the axis are contracted to the wanted order.
-        let mut data = self.corners;
-        for axis in 0..3 {
-            let bit = AXIS_BIT[axis];
-            let mut next = [[0.0; 8]; 8];
-            for corner in (0..8).filter(|corner| corner & bit == 0) {
-                for slot in 0..8 {
-                    let order = usize::from(slot & bit != 0);
-                    let (low, high) = (&data[corner], &data[corner | bit]);
-                    let [[a, b], [c, d]] = weight[axis][order];
-                    next[corner][slot] =
-                        low[slot & !bit] * a + low[slot | bit] * b + high[slot & !bit] * c + high[slot | bit] * d;
-                }
-            }
-            data = next;
-        }
-        data[0]
+        let c = &self.corners;
+        let x: [Jet; 4] = std::array::from_fn(|i| contracted(&c[i], &c[i | 4], AXIS_BIT[0], &weight[0]));
+        let [near, far] = [0, 1].map(|i| contracted(&x[i], &x[i | 2], AXIS_BIT[1], &weight[1]));
+        contracted(&near, &far, AXIS_BIT[2], &weight[2])
     }
 
     /// The Bernstein coefficients of the whole cell.

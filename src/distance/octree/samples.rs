@@ -10,8 +10,9 @@ use super::BuildError;
 use crate::distance::Foot;
 use crate::distance::nearest::{ClosestPoint, Watch};
 
-/// Positions asked for in one call: enough to share the cost of a call, few enough to lie close together.
-const BATCH: usize = 256;
+/// Positions asked for in one call: enough to share the cost of a call and of the surface that they have in common, few
+/// enough to give all threads some.
+const BATCH: usize = 1024;
 
 /// The order of points along a Morton curve: bits of x, y, z interleaved, x the highest.
 pub fn morton(place: [u32; 3]) -> u64 {

@@ -21,6 +21,14 @@ const ROOM: f64 = 0.75;
 /// The least group, in units: a region of four units.
 const LEAST_GROUP: f64 = 1.0;
 
+/// A foot this near to where its last approach tells it to be, in units, has been found. Smaller would meet the rounding
+/// of positions, larger leaves feet along creases short of where they belong.
+const SETTLED: f64 = 5e-4;
+
+/// How often a foot is sought along its face or crease before it is sought from its position. More pays only for feet
+/// far from their seeds.
+const RELAXED: usize = 2;
+
 /// A position on the way to its foot, and the point of the surface it has so far.
 #[derive(Clone, Copy, Debug)]
 pub struct Approach {
@@ -34,12 +42,21 @@ pub struct Approach {
     pub foot: DVec3,
     /// That before the last approach.
     before: DVec3,
+    /// The cube of the group it belongs to.
+    cube: [i64; 3],
 }
 
 impl Approach {
     /// Starts from a point of the surface.
     pub fn new(query: usize, position: DVec3, inside: bool, foot: DVec3) -> Self {
-        Self { query, position, inside, foot, before: foot }
+        Self { query, position, inside, foot, before: foot, cube: [0; 3] }
+    }
+
+    /// Whether the last approach, from a stand-in `room` from the foot, tells that the foot is found. The foot of a
+    /// stand-in has gone the stand-in's share of what is missing.
+    fn is_settled(&self, room: f64, tolerance: f64) -> bool {
+        let missing = self.foot.distance(self.before) * (self.before.distance(self.position) / room);
+        missing <= tolerance
     }
 }
 
@@ -76,16 +93,17 @@ impl Around {
         }
     }
 
-    /// Moves the feet of at most [`BATCH`] positions to nearer points of the surface around them. They come back in
-    /// another order.
+    /// Moves the feet of positions to nearer points of the surface around them. They come back in another order.
     pub fn closest(&mut self, evaluator: &mut dyn Evaluator, unit: f64, open: &mut [Approach]) {
         self.closest_by_groups(evaluator, unit, GROUP, open);
     }
 
     fn closest_by_groups(&mut self, evaluator: &mut dyn Evaluator, unit: f64, edge: f64, open: &mut [Approach]) {
-        let cube = |open: &Approach| (open.foot / (edge * unit)).floor().as_i64vec3().to_array();
-        open.sort_unstable_by_key(|open| (cube(open), open.query));
-        for group in open.chunk_by_mut(|a, b| cube(a) == cube(b)) {
+        for open in open.iter_mut() {
+            open.cube = (open.foot / (edge * unit)).floor().as_i64vec3().to_array();
+        }
+        open.sort_unstable_by_key(|open| (open.cube, open.query));
+        for group in open.chunk_by_mut(|a, b| a.cube == b.cube).flat_map(|cube| cube.chunks_mut(BATCH)) {
             let region = box_of(group.iter().map(|open| open.foot)).grown(2.0 * ROOM * edge * unit);
             evaluator.enter(&region);
             if evaluator.branches() > FEW && edge > LEAST_GROUP {
@@ -98,14 +116,22 @@ impl Around {
     }
 
     fn polish(&mut self, evaluator: &mut dyn Evaluator, unit: f64, edge: f64, region: Aabb, group: &mut [Approach]) {
+        let mut open = group;
         if evaluator.branches() > 1 {
             // Creases and corners are sought from a stand-in near the surface, on the way to the position. What is
-            // found so from twice is on the right crease or face; the third time finds how far along it.
-            for relaxed in [false, false, true] {
-                self.approach(evaluator, unit, edge, region, Aim::StandIn { relaxed }, group);
+            // found so is on the right crease or face; the relaxed one finds how far along it, and the third approach
+            // tells whether that was far enough: what is the foot of one point on the way is the foot of all of them.
+            let room = ROOM * edge * unit;
+            self.approach(evaluator, unit, edge, region, Aim::StandIn { relaxed: false }, open);
+            // A position near the surface was its own stand-in.
+            open = kept(open, |open| open.before.distance(open.position) > room);
+            for _ in 0..RELAXED {
+                self.approach(evaluator, unit, edge, region, Aim::StandIn { relaxed: true }, open);
+                self.approach(evaluator, unit, edge, region, Aim::StandIn { relaxed: false }, open);
+                open = kept(open, |open| !open.is_settled(room, SETTLED * unit));
             }
         }
-        self.approach(evaluator, unit, edge, region, Aim::Position, group);
+        self.approach(evaluator, unit, edge, region, Aim::Position, open);
     }
 
     /// Moves points of the surface towards being the feet of positions, where that brings them nearer to those.
@@ -118,6 +144,9 @@ impl Around {
         aim: Aim,
         group: &mut [Approach],
     ) {
+        if group.is_empty() {
+            return;
+        }
         let origin = region.centre();
         (self.queries.origin, self.feet.origin) = (origin, origin);
         (self.queries.len, self.feet.len) = (0, 0);
@@ -153,6 +182,18 @@ impl Default for Around {
     }
 }
 
+/// Brings those that pass to the front, and returns them.
+fn kept(group: &mut [Approach], passes: impl Fn(&Approach) -> bool) -> &mut [Approach] {
+    let mut count = 0;
+    for i in 0..group.len() {
+        if passes(&group[i]) {
+            group.swap(count, i);
+            count += 1;
+        }
+    }
+    &mut group[..count]
+}
+
 /// The point towards a position, no farther than `room` units from the point of the surface. Along a straight face or
 /// crease the foot of such a stand-in has gone a part of the way only, the stand-in's share of the distance: relaxed, it
 /// starts as far along as the last approach would have gone in full.
@@ -165,7 +206,7 @@ fn stand_in(open: &Approach, relaxed: bool, unit: f64, room: f64) -> DVec3 {
     let mut start = open.foot;
     if relaxed {
         let rest = (open.foot - open.before) * (distance / room - 1.0);
-        start += rest.clamp_length_max(2.0 / 3.0 * room);
+        start += rest.clamp_length_max(room);
     }
     start + (open.position - start).clamp_length_max(room)
 }

@@ -51,11 +51,23 @@ struct Single {
     distance: Lane,
 }
 
-/// One query that asks for the foot on the common zeros of `branches` (a pair repeats its last).
+/// One query that asks for the foot on the common zeros of three branches, or of two, the last repeated. Packed, the
+/// query last: many are sorted.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-struct Demand {
-    branches: [u16; 3],
-    query: u16,
+struct Demand(u64);
+
+impl Demand {
+    fn new([a, b, c]: [u16; 3], query: u16) -> Self {
+        Self(u64::from(a) << 48 | u64::from(b) << 32 | u64::from(c) << 16 | u64::from(query))
+    }
+
+    fn branches(self) -> [u16; 3] {
+        [(self.0 >> 48) as u16, (self.0 >> 32) as u16, (self.0 >> 16) as u16]
+    }
+
+    fn query(self) -> u16 {
+        self.0 as u16
+    }
 }
 
 /// Scratch memory for the candidates of a batch.
@@ -137,7 +149,8 @@ impl Polisher {
         }
         for branch in 0..branches {
             self.find_single(evaluator, request, queries, branch);
-            let nearer = kernel::nearer(&self.crease.singles[branch].distance, distances, matters(request));
+            let single = &self.crease.singles[branch].distance;
+            let nearer = kernel::nearer(single, distances, matters(request), queries.points.len);
             self.crease.group.clear();
             self.crease.group.extend(mask::places(&nearer).take_while(|&i| i < queries.points.len).map(|i| i as u16));
             self.judge_single(evaluator, request, queries, branch, &mut Best { feet, distances });
@@ -187,8 +200,11 @@ impl Polisher {
         let evaluate = |points: &Points, out: &mut Gradients| evaluator.branch(branch, points, out);
         let far = FAR * request.reach;
         self.lanes.solve_known(request, queries.points, &parts[0], far, &mut self.gradients, evaluate);
-        singles[branch].foot.clone_from_slice(&self.lanes.foot);
-        singles[branch].distance.copy_from_slice(&self.lanes.distance);
+        let (single, len) = (&mut singles[branch], queries.points.len);
+        for (to, from) in single.foot.iter_mut().zip(&self.lanes.foot) {
+            to[..len].copy_from_slice(&from[..len]);
+        }
+        single.distance[..len].copy_from_slice(&self.lanes.distance[..len]);
     }
 
     /// Takes the feet of the group on one branch that lie on F = 0; they are nearer than the best.
@@ -251,9 +267,12 @@ impl Polisher {
     fn demand_pairs(&mut self, request: &Request, branches: usize, len: usize, best: &Lane) {
         let Scratch { singles, pairs, .. } = &mut self.crease;
         pairs.clear();
-        let limit_of = |query: usize| best[query].min(matters(request)) - 1e-3 * request.unit;
-        let limits = std::array::from_fn(limit_of);
-        let several = kernel::several(singles[..branches].iter().map(|single| &single.distance), &limits);
+        let most = matters(request);
+        let mut limits = [0.0; BATCH];
+        for (limit, best) in limits.iter_mut().zip(best).take(len) {
+            *limit = best.min(most) - 1e-3 * request.unit;
+        }
+        let several = kernel::several(singles[..branches].iter().map(|single| &single.distance), &limits, len);
         for query in mask::places(&several).take_while(|&query| query < len) {
             let mut near = [0u16; COMBINED];
             let mut count = 0;
@@ -273,7 +292,7 @@ impl Polisher {
             for (i, &b) in near[..count].iter().enumerate() {
                 for &c in &near[i + 1..count] {
                     let (b, c) = (b.min(c), b.max(c));
-                    pairs.push(Demand { branches: [b, c, c], query: query as u16 });
+                    pairs.push(Demand::new([b, c, c], query as u16));
                 }
             }
         }
@@ -284,18 +303,18 @@ impl Polisher {
     fn demand_triples(&mut self, best: &Lane) {
         let Scratch { triples, open, .. } = &mut self.crease;
         triples.clear();
-        open.sort_unstable_by_key(|demand| (demand.query, demand.branches));
-        for of_query in open.chunk_by(|a, b| a.query == b.query) {
-            let query = of_query[0].query;
+        open.sort_unstable_by_key(|demand| demand.0.rotate_right(16));
+        for of_query in open.chunk_by(|a, b| a.query() == b.query()) {
+            let query = of_query[0].query();
             if best[usize::from(query)] == 0.0 {
                 continue;
             }
             for (i, first) in of_query.iter().enumerate() {
-                let [b, c, _] = first.branches;
-                for second in of_query[i + 1..].iter().take_while(|second| second.branches[0] == b) {
-                    let e = second.branches[1];
-                    if of_query.iter().any(|third| third.branches == [c, e, e]) {
-                        triples.push(Demand { branches: [b, c, e], query });
+                let [b, c, _] = first.branches();
+                for second in of_query[i + 1..].iter().take_while(|second| second.branches()[0] == b) {
+                    let e = second.branches()[1];
+                    if of_query.contains(&Demand::new([c, e, e], query)) {
+                        triples.push(Demand::new([b, c, e], query));
                     }
                 }
             }
@@ -313,7 +332,7 @@ impl Polisher {
         best: &mut Best,
     ) {
         let demands = std::mem::take(if order == 2 { &mut self.crease.pairs } else { &mut self.crease.triples });
-        for group in demands.chunk_by(|a, b| a.branches == b.branches) {
+        for group in demands.chunk_by(|a, b| a.branches() == b.branches()) {
             self.solve_group(evaluator, request, queries, group, order, best);
         }
         *(if order == 2 { &mut self.crease.pairs } else { &mut self.crease.triples }) = demands;
@@ -328,13 +347,13 @@ impl Polisher {
         order: usize,
         best: &mut Best,
     ) {
-        let branches = group[0].branches;
+        let branches = group[0].branches();
         let lanes = &mut *self.lanes;
         // The foot on the farther branch is the better start: the crease cannot be nearer than it.
         let singles = &self.crease.singles;
-        lanes.load(request, queries.points, queries.points, group.iter().map(|demand| usize::from(demand.query)));
+        lanes.load(request, queries.points, queries.points, group.iter().map(|demand| usize::from(demand.query())));
         for (lane, demand) in group.iter().enumerate() {
-            let query = usize::from(demand.query);
+            let query = usize::from(demand.query());
             let farther = |a: &u16, b: &u16| {
                 let distance = |c: &u16| singles[usize::from(*c)].distance[query];
                 distance(a).total_cmp(&distance(b))
@@ -373,20 +392,20 @@ impl Polisher {
         lanes.points.len = 0;
         self.crease.group.clear();
         for demand in group {
-            let query = usize::from(demand.query);
+            let query = usize::from(demand.query());
             if lanes.distance[query] < best.distances[query].min(matters(request)) {
-                self.crease.group.push(demand.query);
+                self.crease.group.push(demand.query());
                 lanes.points.push(offset(&lanes.foot, query));
             }
         }
         if self.crease.group.is_empty() {
             return;
         }
-        let branches = group[0].branches;
+        let branches = group[0].branches();
         let mut open = std::mem::take(&mut self.crease.open);
         let rejected = |query| {
             if order == 2 {
-                open.push(Demand { branches, query });
+                open.push(Demand::new(branches, query));
             }
         };
         self.keep_feet(evaluator, request, queries, &branches[..order], rejected);

@@ -35,19 +35,38 @@ pub(super) mod verdict {
     pub const DONE: u8 = LANDS;
 }
 
+#[inline(always)]
 fn load(from: &[f32; BATCH], first: usize) -> Wide {
     *from[first..].first_chunk().expect("passes divide the batch")
 }
 
+// Spelt out: a `map` is not inlined here.
+#[inline(always)]
+fn load_each([x, y, z]: [&[f32; BATCH]; 3], first: usize) -> [Wide; 3] {
+    [load(x, first), load(y, first), load(z, first)]
+}
+
+#[inline(always)]
+fn load_axes([x, y, z]: &[[f32; BATCH]; 3], first: usize) -> [Wide; 3] {
+    [load(x, first), load(y, first), load(z, first)]
+}
+
+/// The lanes of the whole passes that hold the first `len`.
+fn whole_passes(len: usize) -> usize {
+    len.next_multiple_of(WIDTH)
+}
+
+#[inline(always)]
 fn store(wide: Wide, to: &mut [f32; BATCH], first: usize) {
     to[first..first + WIDTH].copy_from_slice(&wide);
 }
 
-/// The queries that |F|/|∇F| puts no farther than `far`; where F has no gradient nothing is known, and they count.
+/// Of the first `len` queries those that |F|/|∇F| puts no farther than `far`; where F has no gradient nothing is known,
+/// and they count. Bits past `len` are unspecified.
 #[multiversion(targets = "simd")]
-pub(super) fn near(at: &Gradients, far: f32) -> BlockMask {
+pub(super) fn near(at: &Gradients, len: usize, far: f32) -> BlockMask {
     let mut near = [0; BATCH];
-    for i in 0..BATCH {
+    for i in 0..whole_passes(len) {
         let square = at.dx[i] * at.dx[i] + at.dy[i] * at.dy[i] + at.dz[i] * at.dz[i];
         let is_far = at.value[i] * at.value[i] > far * far * square;
         near[i] = u8::from(!is_far);
@@ -55,21 +74,25 @@ pub(super) fn near(at: &Gradients, far: f32) -> BlockMask {
     mask::pack(&near)
 }
 
-/// Where `distances` are less than `others`, and than `most`.
+/// Where the first `len` of `distances` are less than `others`, and than `most`. Bits past `len` are unspecified.
 #[multiversion(targets = "simd")]
-pub(super) fn nearer(distances: &[f32; BATCH], others: &[f32; BATCH], most: f32) -> BlockMask {
+pub(super) fn nearer(distances: &[f32; BATCH], others: &[f32; BATCH], most: f32, len: usize) -> BlockMask {
     let mut nearer = [0; BATCH];
-    for i in 0..BATCH {
+    for i in 0..whole_passes(len) {
         nearer[i] = u8::from((distances[i] < others[i]) & (distances[i] < most));
     }
     mask::pack(&nearer)
 }
 
-/// Where at least two of the lists of distances are less than the limits.
-pub(super) fn several<'a>(lists: impl Iterator<Item = &'a [f32; BATCH]>, limits: &[f32; BATCH]) -> BlockMask {
+/// Where at least two of the lists of distances are less than the limits, of the first `len`.
+pub(super) fn several<'a>(
+    lists: impl Iterator<Item = &'a [f32; BATCH]>,
+    limits: &[f32; BATCH],
+    len: usize,
+) -> BlockMask {
     let (mut one, mut two) = ([0; 8], [0; 8]);
     for distances in lists {
-        let less = nearer(distances, limits, f32::INFINITY);
+        let less = nearer(distances, limits, f32::INFINITY, len);
         for x in 0..8 {
             two[x] |= one[x] & less[x];
             one[x] |= less[x];
@@ -82,7 +105,7 @@ pub(super) fn several<'a>(lists: impl Iterator<Item = &'a [f32; BATCH]>, limits:
 #[multiversion(targets = "simd")]
 pub(super) fn steps_onward(lanes: &mut Lanes, length: f32) {
     let Lanes { points, p: [px, py, pz], normal_step: [sx, sy, sz], .. } = lanes;
-    for i in 0..BATCH {
+    for i in 0..whole_passes(points.len) {
         let (x, y, z) = (points.x[i] - px[i], points.y[i] - py[i], points.z[i] - pz[i]);
         let square = x * x + y * y + z * z;
         let scale = if square > 0.0 { length / square.sqrt() } else { 0.0 };
@@ -96,7 +119,7 @@ pub(super) fn stepped(lanes: &Lanes, count: f32, out: &mut Points) {
     let [least, greatest] = lanes.bounds;
     let (from, steps) = ([&lanes.points.x, &lanes.points.y, &lanes.points.z], &lanes.normal_step);
     for (axis, out) in [&mut out.x, &mut out.y, &mut out.z].into_iter().enumerate() {
-        for i in 0..BATCH {
+        for i in 0..whole_passes(lanes.points.len) {
             out[i] = (from[axis][i] + count * steps[axis][i]).max(least[axis]).min(greatest[axis]);
         }
     }
@@ -157,14 +180,13 @@ fn judge_trials<const FIRST: bool>(lanes: &mut Lanes, gradients: &Gradients, uni
     let (near, slide) = (LAST_STEP * unit, LAST_SLIDE * unit);
     let [least, greatest] = lanes.bounds;
     for first in (0..lanes.points.len).step_by(WIDTH) {
-        let p = [0, 1, 2].map(|axis| load(&lanes.p[axis], first));
-        let mut q = [&lanes.points.x, &lanes.points.y, &lanes.points.z].map(|array| load(array, first));
+        let p = load_axes(&lanes.p, first);
+        let mut q = load_each([&lanes.points.x, &lanes.points.y, &lanes.points.z], first);
         let value = load(&gradients.value, first);
-        let slope = [&gradients.dx, &gradients.dy, &gradients.dz].map(|array| load(array, first));
-        let mut base = [0, 1, 2].map(|axis| load(&lanes.base[axis], first));
-        let mut normal_step = [0, 1, 2].map(|axis| load(&lanes.normal_step[axis], first));
-        let mut tangent_step =
-            if FIRST { [[0.0; WIDTH]; 3] } else { [0, 1, 2].map(|axis| load(&lanes.tangent_step[axis], first)) };
+        let slope = load_each([&gradients.dx, &gradients.dy, &gradients.dz], first);
+        let mut base = load_axes(&lanes.base, first);
+        let mut normal_step = load_axes(&lanes.normal_step, first);
+        let mut tangent_step = if FIRST { [[0.0; WIDTH]; 3] } else { load_axes(&lanes.tangent_step, first) };
         let mut merit = load(&lanes.merit, first);
         let mut residual = load(&lanes.residual, first);
         let (mut along, mut across) =

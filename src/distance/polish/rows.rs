@@ -26,7 +26,7 @@ impl Lanes {
         mut evaluate: impl FnMut(&Points, &mut Gradients),
     ) {
         self.distance.fill(f32::INFINITY);
-        let near = kernel::near(at_queries, far);
+        let near = kernel::near(at_queries, queries.len, far);
         let mut rows = [0; BATCH / ROW];
         let mut count = 0;
         for row in 0..queries.len.div_ceil(ROW) {
