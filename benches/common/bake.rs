@@ -2,7 +2,9 @@
 
 use std::path::Path;
 
-use hfvdb::bake::{self, Bytes, Computed, FramePattern, Interrupt, Output, Record};
+use hfvdb::bake::{
+    self, Bytes, Computed, Existing, FramePattern, Identity, Interrupt, Output, Record, Sampling, Sequence,
+};
 use hfvdb::scene::Prepared;
 use hfvdb::vdb::{self, Compression, Frame, Grid};
 
@@ -21,14 +23,19 @@ pub fn hand_over(computed: &Computed) -> vdb::Prepared {
 
 /// Computes and writes frames into a folder, in flight as `hfvdb bake` has them.
 pub fn write(prepared: &Prepared, frames: &[i64], folder: &Path) -> Vec<Record> {
+    let voxel_size = Sampling::VoxelSize(prepared.lattice.voxel_size.get());
+    let compression = Compression::Blosc;
     let output = Output {
-        pattern: FramePattern::new(&folder.join("ours.####.vdb"), "vdb").expect("a pattern"),
-        half: Vec::new(),
-        compression: Compression::Blosc,
-        overwrite: true,
+        sequence: Sequence { pattern: FramePattern::new(&folder.join("ours.####.vdb"), "vdb").expect("a pattern") },
+        identity: Identity::new(String::new(), voxel_size, f64::from(prepared.half_width), Vec::new(), compression),
+        compression,
+        existing: Existing::Overwrite,
         allow_empty: false,
         max_memory: Bytes(u64::MAX),
-        scene_hash: String::new(),
     };
-    bake::bake(prepared, frames, &output, &Interrupt::default(), &|_| {}).unwrap_or_else(|error| panic!("{error}"))
+    let baked = bake::bake(prepared, frames, &output, &Interrupt::default(), &|_| {});
+    if let Some(error) = baked.stopped.or(baked.failed.into_iter().next().map(|(_, error)| error)) {
+        panic!("{error}");
+    }
+    baked.written
 }
