@@ -38,6 +38,7 @@ GOALS = {
     "written": ("a ready frame with colour on the disk, rate against `io::File`", "handover", ""),
 }
 STAGES = ["find", "fill", "distances", "colour", "hand_over", "encode", "disk"]
+MISSING = "Not in the logs that this page was made from."
 PROGRAM = {
     "cubism-256": ("`hfvdb bake cubism -o out/m.####.vdb`: 48 frames at 256 with colour", "90 s; 2 GiB"),
     "cubism-1024": ("`hfvdb bake cubism --resolution 1024 --frames 24 -o m.vdb`", "8 GiB"),
@@ -105,7 +106,7 @@ def goals(rows):
         if what == "processor" or ":_" in what:
             continue
         job, bench, floor = GOALS[name]
-        processor = rows.get((name, scene, resolution, "processor"), (goal, []))[1] if what == "clock" else []
+        processor = rows.get((name, scene, resolution, "processor"), (goal, []))[1] if what == "clock" and not name.startswith("18") else []
         where = f"{scene} {resolution}" if what in ("clock", "leaves", "memory") else f"{scene}, {what}"
         lines.append([
             name.partition("-")[0].replace("written", ""), job, where.replace(",_", ", ").replace(":_", ": "), floor,
@@ -166,9 +167,10 @@ def main():
         "machine": machine(),
         "goals": goals(rows),
         "errors": errors(rows),
-        "stages": stages(others["STAGE"]),
-        "growth": growth(others["GROWTH"], others["EXPONENT"]),
-        "program": program(others["PROGRAM"]),
+        "runs": {1: "one run", 3: "three runs"}.get(len(sys.argv) - 1, f"{len(sys.argv) - 1} runs"),
+        "stages": stages(others["STAGE"]) if others["STAGE"] else MISSING,
+        "growth": growth(others["GROWTH"], others["EXPONENT"]) if others["GROWTH"] else MISSING,
+        "program": program(others["PROGRAM"]) if others["PROGRAM"] else MISSING,
     }
     for name, text in parts.items():
         page = page.replace("{" + name + "}", text)
