@@ -5,7 +5,8 @@
 #
 #     scripts/bench-guard.sh COMMIT [ROUNDS]
 #
-# 5 rounds without ROUNDS: minutes after the builds, most of them cubism's. The commit's build is kept in target/guard for the next time.
+# 5 rounds without ROUNDS: minutes after the builds, most of them cubism's. The commit's build is kept in target/guard
+# for the next time.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 

@@ -144,7 +144,7 @@ pub(super) fn manifest_lock(sequence: &Sequence, interrupt: &Interrupt) -> Resul
 /// under the manifest's lock, under which alone such locks are made.
 fn alone(sequence: &Sequence, lock: &FileLock) -> Result<bool, Refusal> {
     let mut alone = lock.enforced();
-    for name in names(sequence)?.iter().filter(|name| sequence.is_run_lock(name)) {
+    for name in sequence.names().map_err(Refusal::Damaged)?.iter().filter(|name| sequence.is_run_lock(name)) {
         let lock = FileLock::try_take(&path(sequence, name)).map_err(Refusal::Disk)?;
         alone &= lock.is_some();
     }
@@ -153,7 +153,7 @@ fn alone(sequence: &Sequence, lock: &FileLock) -> Result<bool, Refusal> {
 
 /// Deletes what processes that were killed have left.
 fn sweep(sequence: &Sequence, _alone: &FileLock) {
-    for name in names(sequence).unwrap_or_default().iter().filter(|name| sequence.is_leftover(name)) {
+    for name in sequence.names().unwrap_or_default().iter().filter(|name| sequence.is_leftover(name)) {
         // What cannot be deleted holds nobody up.
         let _ = std::fs::remove_file(path(sequence, name));
     }
@@ -168,10 +168,6 @@ fn forget(sequence: &Sequence, known: &mut Known, ours: &Identity) {
         }
         keep
     });
-}
-
-fn names(sequence: &Sequence) -> Result<Vec<String>, Refusal> {
-    sequence.names().map_err(|error| Refusal::Damaged(sealed::SealedError::System(sequence.folder().into(), error)))
 }
 
 fn path(sequence: &Sequence, name: &str) -> PathBuf {

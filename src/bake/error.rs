@@ -35,7 +35,9 @@ impl Error {
     pub fn is_of_frame(&self) -> bool {
         match self {
             Self::Scene(_) | Self::Frame(..) => true,
-            Self::Write(error) => !matches!(error, vdb::Error::System { .. } | vdb::Error::Damaged { .. }),
+            Self::Write(error) => {
+                !matches!(error, vdb::Error::Disk(disk::Error::System { .. }) | vdb::Error::Damaged { .. })
+            }
             Self::Memory { .. } | Self::Interrupted => false,
         }
     }

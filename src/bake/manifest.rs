@@ -87,7 +87,7 @@ impl Known {
     /// # Errors
     /// When the system refuses.
     pub fn with_manifest(sequence: &Sequence, manifest: Option<Manifest>) -> Result<Self, SealedError> {
-        let names = sequence.names().map_err(|error| SealedError::System(sequence.folder().into(), error))?;
+        let names = sequence.names()?;
         let paths = names.par_iter().filter(|name| sequence.is_record(name)).map(|name| sequence.folder().join(name));
         let read: Vec<_> = paths.filter_map(|path| sealed::read::<RecordFile>(&path).transpose()).collect();
         let mut frames = BTreeMap::new();

@@ -13,7 +13,7 @@ use super::record::{Record, RecordFile};
 use super::sealed;
 use super::sequence::Sequence;
 use super::{Bytes, Error, Interrupt};
-use crate::disk::FileLock;
+use crate::disk::{self, FileLock};
 use crate::distance::band;
 use crate::scene::Prepared;
 use crate::vdb;
@@ -240,7 +240,7 @@ fn meanwhile(frame: i64, output: &Output, interrupt: &Interrupt) -> Result<Optio
     match judge(&path, frame, known.as_ref(), &output.identity, interrupt) {
         Some(State::Done(record)) => Ok(Some(*record)),
         _ if output.existing.replaces() || interrupt.is_raised() => Ok(None),
-        _ => Err(Error::Write(vdb::Error::Exists { path })),
+        _ => Err(disk::Error::Exists { path }.into()),
     }
 }
 

@@ -8,6 +8,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use super::FramePattern;
+use super::sealed::SealedError;
 use crate::disk::temporary_target;
 
 const RECORD: &str = ".hfvdb-record.json";
@@ -105,15 +106,20 @@ impl Sequence {
     }
 
     /// The names in the folder; none where it is not there.
-    pub fn names(&self) -> io::Result<Vec<String>> {
+    ///
+    /// # Errors
+    /// When the system refuses to list them.
+    pub fn names(&self) -> Result<Vec<String>, SealedError> {
+        let unreadable = |error| SealedError::System(self.folder().into(), error);
         let entries = match std::fs::read_dir(self.folder()) {
             Ok(entries) => entries,
             Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(Vec::new()),
-            Err(error) => return Err(error),
+            Err(error) => return Err(unreadable(error)),
         };
         // Names that are not UTF-8 are none of ours.
         let names = entries.map(|entry| Ok(entry?.file_name().into_string().ok()));
-        let mut names: Vec<String> = names.filter_map(io::Result::transpose).collect::<io::Result<_>>()?;
+        let mut names: Vec<String> =
+            names.filter_map(io::Result::transpose).collect::<io::Result<_>>().map_err(unreadable)?;
         names.sort();
         Ok(names)
     }

@@ -176,7 +176,7 @@ fn damaged(error: &SealedError) -> Finding {
 
 /// Files that fit the pattern and that nothing is known of.
 fn foreign(sequence: &Sequence, known: &Known) -> Result<Vec<Finding>, SealedError> {
-    let names = sequence.names().map_err(|error| SealedError::System(sequence.folder().into(), error))?;
+    let names = sequence.names()?;
     let foreign = names.iter().filter(|name| !known.frames.contains_key(*name)).filter_map(|name| {
         let frame = sequence.pattern.frame_of(name)?;
         let path = sequence.pattern.folder().join(name);

@@ -31,7 +31,7 @@ impl Error {
 }
 
 /// What to do about a system's answer.
-pub(crate) fn advice(error: &io::Error) -> &'static str {
+fn advice(error: &io::Error) -> &'static str {
     match error.kind() {
         io::ErrorKind::StorageFull => ": make room on that disk, or write elsewhere",
         io::ErrorKind::QuotaExceeded => ": free some of your quota, or write elsewhere",

@@ -17,7 +17,5 @@ pub use lock::FileLock;
 pub use register::remove_registered;
 pub use temporary::{Temporary, folder_of, temporary_target, write_whole};
 
-pub(crate) use error::advice;
-
 #[cfg(test)]
 mod tests;

@@ -4,7 +4,7 @@ use std::fmt;
 use std::io;
 use std::path::{Path, PathBuf};
 
-use crate::disk::{self, advice};
+use crate::disk;
 
 /// An error of this room.
 #[derive(Debug)]
@@ -16,20 +16,8 @@ pub enum Error {
         /// What is wrong with it.
         problem: String,
     },
-    /// There is a file of that name, and the options do not allow to replace it.
-    Exists {
-        /// The file.
-        path: PathBuf,
-    },
-    /// The system refused.
-    System {
-        /// The file or folder.
-        path: PathBuf,
-        /// What was tried, as in "cannot `action`".
-        action: &'static str,
-        /// The system's answer.
-        source: io::Error,
-    },
+    /// The system refused, or there is a file of that name and the options do not allow to replace it.
+    Disk(disk::Error),
     /// A file is not whole, or not what it says it is.
     Damaged {
         /// The file.
@@ -66,16 +54,13 @@ impl Error {
     }
 
     pub(super) fn system(path: &Path, action: &'static str, source: io::Error) -> Self {
-        Self::System { path: path.into(), action, source }
+        Self::Disk(disk::Error::system(path, action, source))
     }
 }
 
 impl From<disk::Error> for Error {
     fn from(error: disk::Error) -> Self {
-        match error {
-            disk::Error::Exists { path } => Self::Exists { path },
-            disk::Error::System { path, action, source } => Self::System { path, action, source },
-        }
+        Self::Disk(error)
     }
 }
 
@@ -83,12 +68,7 @@ impl fmt::Display for Error {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Grid { grid, problem } => write!(f, "grid '{grid}': {problem}"),
-            Self::Exists { path } => {
-                write!(f, "{} exists: allow to overwrite it, or choose another name", path.display())
-            }
-            Self::System { path, action, source } => {
-                write!(f, "{}: cannot {action}: {source}{}", path.display(), advice(source))
-            }
+            Self::Disk(error) => error.fmt(f),
             Self::Damaged { path, offset, problem } => {
                 write!(f, "{}: damaged at byte {offset}: {problem}: write or fetch it again", path.display())
             }
@@ -102,7 +82,7 @@ impl fmt::Display for Error {
 impl std::error::Error for Error {
     fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
         match self {
-            Self::System { source, .. } => Some(source),
+            Self::Disk(error) => error.source(),
             _ => None,
         }
     }

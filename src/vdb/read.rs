@@ -115,7 +115,7 @@ pub struct Tile<T> {
 /// Reads a file: walked first, so that damage is an error here and not a crash in OpenVDB.
 ///
 /// # Errors
-/// [`Error::System`] when it cannot be read; [`Error::Damaged`] and [`Error::Unsupported`] from the walk;
+/// [`Error::Disk`] when it cannot be read; [`Error::Damaged`] and [`Error::Unsupported`] from the walk;
 /// [`Error::File`] when a buffer cannot be decompressed.
 pub fn read(path: impl AsRef<Path>) -> Result<Contents, Error> {
     let opened = Opened::open(path.as_ref())?;

@@ -8,7 +8,7 @@ use sha2::{Digest, Sha256};
 use super::bridge::ffi;
 use super::walk::walk_bytes;
 use super::{Error, Frame};
-use crate::disk::{Temporary, folder_of};
+use crate::disk::{self, Temporary, folder_of};
 
 /// How a file's buffers are compressed. In all cases inactive voxels are not stored where they can be restored.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -90,8 +90,8 @@ impl Prepared {
     /// synced and renamed. Whatever fails, nothing is left behind and a file of that name is as it was.
     ///
     /// # Errors
-    /// [`Error::Exists`] unless overwriting is allowed; [`Error::System`] when the system refuses, such as on a full
-    /// disk; [`Error::Damaged`] when the disk does not hold what was written.
+    /// [`Error::Disk`] when there is a file of that name unless overwriting is allowed, and when the system refuses, such
+    /// as on a full disk; [`Error::Damaged`] when the disk does not hold what was written.
     pub fn write(&self, path: impl AsRef<Path>, options: &WriteOptions) -> Result<Written, Error> {
         let path = path.as_ref();
         check_target(path, options)?;
@@ -142,7 +142,7 @@ fn check_target(path: &Path, options: &WriteOptions) -> Result<(), Error> {
         Ok(_) => {}
     }
     if !options.overwrite && path.symlink_metadata().is_ok() {
-        return Err(Error::Exists { path: path.into() });
+        return Err(disk::Error::Exists { path: path.into() }.into());
     }
     Ok(())
 }

@@ -232,7 +232,8 @@ where
         self.staged.par_iter().map_init(self.visitor, |visitor, block| outcome(self.scope, visitor, block)).collect()
     }
 
-    /// Takes the staged blocks, whose places in the chunk are `order`, into the band. Memory that is touched first is the dear part, so all threads do.
+    /// Takes the staged blocks, whose places in the chunk are `order`, into the band. Memory that is touched first is
+    /// the dear part, so all threads do.
     fn push(&mut self, outcomes: Vec<Outcome<T>>, order: &[usize]) {
         let mut in_order: Vec<_> = outcomes.iter().map(|_| None).collect();
         for ((block, outcome), &place) in self.staged.iter().zip(outcomes).zip(order) {

@@ -23,7 +23,7 @@ const BESIDE: f32 = 0.04;
 /// this are taken for walls.
 const ACROSS: f32 = 0.01;
 
-/// Sign patterns of up to three planes: the sectors into which they divide the neighbourhood of a common zero.
+/// Sign patterns of three planes: the sectors into which they divide the neighbourhood of a common zero.
 const SECTORS: usize = 8;
 
 /// Candidates that are still in doubt.
@@ -91,8 +91,8 @@ impl Scratch {
         keep_lanes(&mut lanes.points, group, |lane| self.confirmed[lane], |_| {});
     }
 
-    /// Leaves out the candidates on walls. `points` are candidates on the common zeros of `branches`, of the queries in
-    /// `group`; `parts` and `values` are scratch memory.
+    /// Leaves out the candidates on walls. `points` are candidates on the common zeros of two or three `branches`, of the
+    /// queries in `group`; `parts` and `values` are scratch memory.
     #[expect(clippy::too_many_arguments, reason = "the parts of one scratch memory")]
     pub fn leave_out(
         &mut self,
@@ -110,7 +110,7 @@ impl Scratch {
         self.confirmed[..group.len()].fill(false);
         self.doubtful.clear();
         self.doubtful.extend(0..group.len() as u16);
-        // Straight on from the query: where the surface is smooth, and on most creases, the other side is there.
+        // Straight on from the query: on most creases the other side is there.
         let straight_on = |lane: usize| {
             let query = queries.points.offset(usize::from(group[lane]));
             points.offset(lane) - query
@@ -118,7 +118,7 @@ impl Scratch {
         self.probe(evaluator, request, points, group, queries.inside, values, |lane| {
             straight_on(lane).normalize_or_zero() * beside
         });
-        if branches.len() > 1 && !self.doubtful.is_empty() {
+        if !self.doubtful.is_empty() {
             for (part, &branch) in parts.iter_mut().zip(branches) {
                 evaluator.branch(usize::from(branch), points, part);
             }

@@ -5,6 +5,7 @@ use std::process::Command;
 use glam::IVec3;
 
 use super::support::*;
+use crate::disk;
 use crate::grid::*;
 use crate::vdb::read::Opened;
 use crate::vdb::*;
@@ -136,7 +137,7 @@ fn what_is_no_vdb_is_said_to_be_none() {
         let text = read(&path).expect_err("refused").to_string();
         assert!(text.contains("x.vdb") && text.contains(part), "{text}");
     }
-    assert!(matches!(read(folder.path().join("missing.vdb")), Err(Error::System { .. })));
+    assert!(matches!(read(folder.path().join("missing.vdb")), Err(Error::Disk(disk::Error::System { .. }))));
 }
 
 #[test]

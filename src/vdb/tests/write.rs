@@ -5,6 +5,7 @@ use glam::IVec3;
 use serde_json::json;
 
 use super::support::*;
+use crate::disk;
 use crate::grid::*;
 use crate::vdb::*;
 
@@ -213,7 +214,7 @@ fn an_existing_file_stays_unless_overwriting_is_allowed() {
     fs::write(&path, "precious").unwrap();
     let frame = Frame { grids: vec![Grid::level_set("surface", &band)], ..Default::default() };
     let error = write(&path, &frame, &WriteOptions::default()).expect_err("refused");
-    assert!(matches!(error, Error::Exists { .. }), "{error}");
+    assert!(matches!(error, Error::Disk(disk::Error::Exists { .. })), "{error}");
     assert_eq!(fs::read(&path).unwrap(), b"precious");
     write(&path, &frame, &WriteOptions { overwrite: true, ..Default::default() }).unwrap();
     assert_eq!(&fs::read(&path).unwrap()[..4], b" BDV");

@@ -95,7 +95,7 @@ pub struct CompressionFlags {
 /// Walks a file.
 ///
 /// # Errors
-/// [`Error::System`] when it cannot be read, [`Error::Damaged`] and [`Error::Unsupported`] for what is in it.
+/// [`Error::Disk`] when it cannot be read, [`Error::Damaged`] and [`Error::Unsupported`] for what is in it.
 pub fn walk(path: impl AsRef<Path>) -> Result<Layout, Error> {
     let path = path.as_ref();
     let bytes = std::fs::read(path).map_err(|error| Error::system(path, "read it", error))?;
