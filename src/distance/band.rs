@@ -1,5 +1,6 @@
 //! The narrow band of a field: exact signed distances, with closest points handed to a visitor on the way.
 
+mod chunk;
 mod neighbours;
 mod pass;
 mod pool;
@@ -15,11 +16,12 @@ use crate::{
 
 use super::descent::{self, Scope};
 pub use super::staged::MeasuredBlock;
+use chunk::Measuring;
 use pass::Pass;
 
-/// Blocks measured between two reports of progress; their feet wait in memory, 8 KiB each. Smaller starves many
-/// threads, larger costs memory beyond the band's own.
-const CHUNK: usize = 2048;
+/// Blocks that improve each other at once; their feet wait in memory, 8 KiB each, and twice as many in the cache run at
+/// their best: those being finished and those of the next chunk.
+const CHUNK: usize = 512;
 
 /// What to measure.
 #[derive(Clone, Copy)]
@@ -142,11 +144,9 @@ where
     let scope = Scope { lattice, half_width, region };
     check_size(&scope)?;
     let found = descent::descend(field, &scope, cancel).ok_or(Error::Cancelled)?;
-    let mut pass = Pass::new(field, &scope, cancel, visitor, &found.blocks);
-    for (number, blocks) in found.blocks.chunks(chunk).enumerate() {
-        progress((number * chunk) as f64 / found.blocks.len() as f64);
-        pass.chunk(blocks)?;
-    }
+    let measuring = Measuring::new(field, &scope, cancel);
+    let mut pass = Pass::new(&measuring, visitor, &found.blocks);
+    pass.run(chunk, progress)?;
     pass.redo()?;
     progress(1.0);
     let (mut band, visits, mut report) = pass.done();

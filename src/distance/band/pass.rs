@@ -1,37 +1,38 @@
-//! One pass over all blocks: chunk after chunk is measured, improved by its neighbours, finished and visited.
+//! One pass over all blocks: chunk after chunk is measured, improved by its neighbours, finished and visited, while the
+//! next one is measured already.
 //!
 //! Feet live only as long as a chunk. Of blocks whose neighbour comes in a later chunk the facing layer is kept; where
 //! the later one turns out to offer nearer feet, the earlier block is measured again at the end. Which blocks make a
 //! chunk depends on the field and the lattice only, so the result is the same for any number of threads.
 
-use std::{
-    collections::BTreeMap,
-    sync::atomic::{AtomicBool, Ordering},
-};
+use std::collections::BTreeMap;
 
 use glam::IVec3;
 use rayon::prelude::*;
 use rustc_hash::FxHashMap;
 
 use crate::{
-    field::{Field, Slope},
+    field::Slope,
     grid::{BLOCK_EDGE, Band, BlockMask, InsideTile, block_order},
 };
 
-use super::{Error, MeasuredBlock, Report, neighbours::Neighbours, pool::Pool};
+use super::{
+    Error, MeasuredBlock, Report,
+    chunk::{Chunk, Measuring, enter_task},
+    neighbours::Neighbours,
+};
 use crate::distance::{
-    block::Meter,
-    descent::{NODE_EDGE, Scope},
+    descent::Scope,
     facing::{Face, Layer, Seed},
     staged::Staged,
 };
 
-/// Edge in voxels of the nodes whose blocks one task measures, cut from one shortened tape.
-const TASK_EDGE: i32 = 32;
-
 /// How often blocks are measured again for what their neighbours offer. What one round brings in may be of use to the
 /// blocks beyond, hardly ever farther than the second: a foot is within reach of blocks that touch.
 const ROUNDS: usize = 4;
+
+/// How many threads measuring one chunk keeps busy.
+const THREADS_OF_CHUNK: usize = 4;
 
 /// What became of a block.
 enum Outcome<T> {
@@ -41,19 +42,17 @@ enum Outcome<T> {
     Inside,
 }
 
-pub(super) struct Pass<'a, T, M> {
-    field: &'a dyn Field,
+pub(super) struct Pass<'a, 'f, T, M> {
+    measuring: &'a Measuring<'f>,
     scope: &'a Scope,
-    cancel: &'a AtomicBool,
     visitor: &'a M,
     /// All blocks of the pass, in order.
     all: &'a [IVec3],
     band: Band,
     visits: Vec<T>,
     report: Report,
-    meters: Pool<Meter<'a>>,
-    /// The blocks of the chunk, those of one task together.
-    staged: Vec<Staged>,
+    /// How many of all blocks are done with.
+    taken: usize,
     /// Layers that later blocks will face.
     borders: FxHashMap<(IVec3, Face), Box<Layer>>,
     /// What improved blocks were improved by, to have it when they are measured once more.
@@ -62,19 +61,14 @@ pub(super) struct Pass<'a, T, M> {
     late: BTreeMap<[i32; 9], (IVec3, Vec<Seed>)>,
 }
 
-impl<'a, T, V, M> Pass<'a, T, M>
+impl<'a, 'f, T, V, M> Pass<'a, 'f, T, M>
 where
     T: Send + Sync,
     V: FnMut(&MeasuredBlock) -> T,
     M: Fn() -> V + Sync,
 {
-    pub fn new(
-        field: &'a dyn Field,
-        scope: &'a Scope,
-        cancel: &'a AtomicBool,
-        visitor: &'a M,
-        all: &'a [IVec3],
-    ) -> Self {
+    pub fn new(measuring: &'a Measuring<'f>, visitor: &'a M, all: &'a [IVec3]) -> Self {
+        let scope = measuring.scope();
         let band = Band {
             lattice: scope.lattice,
             half_width: scope.half_width,
@@ -84,86 +78,76 @@ where
             inside_tiles: Vec::new(),
         };
         Self {
-            field,
+            measuring,
             scope,
-            cancel,
             visitor,
             all,
             band,
             visits: Vec::with_capacity(all.len()),
             report: Report { opened_blocks: all.len() as u64, ..Report::default() },
-            meters: Pool::new(),
-            staged: Vec::new(),
+            taken: 0,
             borders: FxHashMap::default(),
             imports: FxHashMap::default(),
             late: BTreeMap::new(),
         }
     }
 
-    /// Takes the next blocks all the way into the band.
-    pub fn chunk(&mut self, chunk: &[IVec3]) -> Result<(), Error> {
-        let order = by_task(chunk);
-        let blocks: Vec<IVec3> = order.iter().map(|&place| chunk[place]).collect();
-        self.stage(&blocks)?;
-        // Blocks that know their distances by themselves have nothing to offer.
-        if !matches!(self.field.slope(), Slope::Exact { inside: true, outside: true }) {
-            let places = blocks.iter().enumerate().map(|(place, &origin)| (origin, place)).collect();
-            self.improve(&places)?;
-            self.keep_borders(&places);
+    /// Takes all blocks into the band, in chunks. While one thread does what it must do alone for a chunk, the others
+    /// measure the next: as many at a time as keep them busy.
+    pub fn run(&mut self, chunk: usize, progress: &(dyn Fn(f64) + Sync)) -> Result<(), Error> {
+        let (all, measuring) = (self.all, self.measuring);
+        let at_a_time = chunk * rayon::current_num_threads().div_ceil(THREADS_OF_CHUNK);
+        let mut groups = all.chunks(at_a_time);
+        let mut measured = measuring.stage(groups.next().unwrap_or(&[]), chunk, Vec::new())?;
+        let mut left = Vec::new();
+        loop {
+            progress(self.taken as f64 / all.len() as f64);
+            let next = groups.next().unwrap_or(&[]);
+            let (taken, staged) = rayon::join(
+                || measured.iter_mut().try_for_each(|chunk| self.take(chunk)),
+                || measuring.stage(next, chunk, std::mem::take(&mut left)),
+            );
+            taken?;
+            left = std::mem::replace(&mut measured, staged?);
+            if next.is_empty() {
+                return Ok(());
+            }
         }
-        let outcomes = self.finish();
-        self.push(outcomes, &order);
+    }
+
+    /// Takes the next blocks all the way into the band.
+    fn take(&mut self, chunk: &mut Chunk) -> Result<(), Error> {
+        let staged = &mut chunk.staged;
+        // Blocks that know their distances by themselves have nothing to offer.
+        if !matches!(self.measuring.field().slope(), Slope::Exact { inside: true, outside: true }) {
+            let places = staged.iter().enumerate().map(|(place, block)| (block.origin, place)).collect();
+            self.improve(staged, &places)?;
+            self.keep_borders(staged, &places);
+        }
+        let outcomes = self.finish(staged);
+        self.push(staged, outcomes, &chunk.order);
+        self.taken += staged.len();
         Ok(())
     }
 
-    /// Measures blocks, each by itself.
-    fn stage(&mut self, blocks: &[IVec3]) -> Result<(), Error> {
-        while self.staged.len() < blocks.len() {
-            self.staged.push(Staged::new());
-        }
-        self.staged.truncate(blocks.len());
-        let mut tasks = Vec::new();
-        let mut rest = &mut self.staged[..];
-        for task in blocks.chunk_by(|a, b| task_node(*a) == task_node(*b)) {
-            let (staged, after) = std::mem::take(&mut rest).split_at_mut(task.len());
-            rest = after;
-            tasks.push((task, staged));
-        }
-        tasks.into_par_iter().try_for_each_init(
-            || self.meters.take(|| Meter::new(self.field, self.scope)),
-            |meter, (task, staged)| {
-                meter.enter_node(task_node(task[0]), TASK_EDGE);
-                task.iter().zip(staged).try_for_each(|(&origin, staged)| {
-                    if self.cancel.load(Ordering::Relaxed) {
-                        return Err(Error::Cancelled);
-                    }
-                    meter.measure(origin, &[], staged)
-                })
-            },
-        )
-    }
-
     /// Measures again those blocks whose neighbours have nearer feet for some of their voxels, until there are none.
-    fn improve(&mut self, places: &FxHashMap<IVec3, usize>) -> Result<(), Error> {
+    fn improve(&mut self, staged: &mut [Staged], places: &FxHashMap<IVec3, usize>) -> Result<(), Error> {
         let mut improved: Option<Vec<usize>> = None;
         for _ in 0..ROUNDS {
             let (voxel, reach) = (self.voxel(), self.scope.background());
-            let neighbours = Neighbours { staged: &self.staged, places, borders: &self.borders, voxel, reach };
+            let neighbours = Neighbours { staged, places, borders: &self.borders, voxel, reach };
             let offers = improved.map_or_else(|| neighbours.compare(), |improved| neighbours.offers_of(&improved));
-            if self.cancel.load(Ordering::Relaxed) {
-                return Err(Error::Cancelled);
-            }
+            self.measuring.stop_if_cancelled()?;
             if offers.is_empty() {
                 break;
             }
-            let staged = &self.staged;
             let again: Vec<Staged> = offers
                 .par_iter()
                 .map_init(
-                    || self.meters.take(|| Meter::new(self.field, self.scope)),
+                    || self.measuring.meter(),
                     |meter, (place, seeds)| {
                         let mut block = staged[*place].clone();
-                        meter.enter_node(task_node(block.origin), TASK_EDGE);
+                        enter_task(meter, block.origin);
                         meter.improve(seeds, &mut block);
                         block
                     },
@@ -172,7 +156,7 @@ where
             improved = Some(offers.iter().map(|(place, _)| *place).collect());
             for ((place, seeds), block) in offers.into_iter().zip(again) {
                 self.imports.entry(block.origin).or_default().extend(seeds);
-                self.staged[place] = block;
+                staged[place] = block;
             }
         }
         Ok(())
@@ -183,7 +167,7 @@ where
     }
 
     /// Keeps the layers that face later chunks, and offers those that face earlier ones.
-    fn keep_borders(&mut self, places: &FxHashMap<IVec3, usize>) {
+    fn keep_borders(&mut self, staged: &[Staged], places: &FxHashMap<IVec3, usize>) {
         let (voxel, reach) = (self.voxel(), self.scope.background());
         let (all, borders) = (self.all, &self.borders);
         let at_border = |block: &Staged| {
@@ -207,8 +191,8 @@ where
             }
             (kept, offered)
         };
-        let found: Vec<_> = self.staged.par_iter().map(at_border).collect();
-        for (block, (kept, offered)) in self.staged.iter().zip(found) {
+        let found: Vec<_> = staged.par_iter().map(at_border).collect();
+        for (block, (kept, offered)) in staged.iter().zip(found) {
             for (face, layer) in kept {
                 self.borders.insert((block.origin, face), layer);
             }
@@ -224,19 +208,19 @@ where
     }
 
     /// Masks and visits the staged blocks.
-    fn finish(&mut self) -> Vec<Outcome<T>> {
-        for block in &self.staged {
+    fn finish(&mut self, staged: &[Staged]) -> Vec<Outcome<T>> {
+        for block in staged {
             self.report.thin_voxels += u64::from(block.thin);
             self.report.thin_at = self.report.thin_at.or(block.thin_at);
         }
-        self.staged.par_iter().map_init(self.visitor, |visitor, block| outcome(self.scope, visitor, block)).collect()
+        staged.par_iter().map_init(self.visitor, |visitor, block| outcome(self.scope, visitor, block)).collect()
     }
 
     /// Takes the staged blocks, whose places in the chunk are `order`, into the band. Memory that is touched first is
     /// the dear part, so all threads do.
-    fn push(&mut self, outcomes: Vec<Outcome<T>>, order: &[usize]) {
+    fn push(&mut self, staged: &[Staged], outcomes: Vec<Outcome<T>>, order: &[usize]) {
         let mut in_order: Vec<_> = outcomes.iter().map(|_| None).collect();
-        for ((block, outcome), &place) in self.staged.iter().zip(outcomes).zip(order) {
+        for ((block, outcome), &place) in staged.iter().zip(outcomes).zip(order) {
             in_order[place] = Some((block, outcome));
         }
         let mut kept = Vec::with_capacity(in_order.len());
@@ -263,12 +247,12 @@ where
             for (origin, seeds) in &late {
                 self.imports.entry(*origin).or_default().extend(seeds);
             }
-            let worker = || (self.meters.take(|| Meter::new(self.field, self.scope)), (self.visitor)());
+            let worker = || (self.measuring.meter(), (self.visitor)());
             let again = late
                 .into_par_iter()
                 .map_init(worker, |(meter, visitor), (origin, _)| {
                     let mut block = Staged::new();
-                    meter.enter_node(task_node(origin), TASK_EDGE);
+                    enter_task(meter, origin);
                     meter.measure(origin, &self.imports[&origin], &mut block)?;
                     Ok((outcome(self.scope, visitor, &block), block))
                 })
@@ -346,23 +330,4 @@ fn outcome<T>(scope: &Scope, visitor: &mut impl FnMut(&MeasuredBlock) -> T, bloc
     }
     let visit = visitor(&MeasuredBlock::new(scope, block, &active));
     Outcome::Band(active, visit)
-}
-
-fn task_node(origin: IVec3) -> IVec3 {
-    origin & IVec3::splat(!(TASK_EDGE - 1))
-}
-
-/// Places of a chunk's blocks, those of one task together.
-fn by_task(chunk: &[IVec3]) -> Vec<usize> {
-    let node = |origin: IVec3| origin & IVec3::splat(!(NODE_EDGE - 1));
-    // Blocks come node after node, so that their tasks need to be told apart within one only.
-    let task = |origin: IVec3| {
-        let at = (origin & IVec3::splat(NODE_EDGE - 1)) / TASK_EDGE;
-        (at.x << 16 | at.y << 8 | at.z) as u32
-    };
-    let mut places: Vec<usize> = (0..chunk.len()).collect();
-    for of_node in places.chunk_by_mut(|&a, &b| node(chunk[a]) == node(chunk[b])) {
-        of_node.sort_by_key(|&place| task(chunk[place]));
-    }
-    places
 }

@@ -1,0 +1,115 @@
+//! The blocks of a chunk, measured each by itself.
+
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use glam::IVec3;
+use rayon::prelude::*;
+
+use super::{
+    Error,
+    pool::{Pool, Taken},
+};
+use crate::{
+    distance::{
+        block::Meter,
+        descent::{NODE_EDGE, Scope},
+        staged::Staged,
+    },
+    field::Field,
+};
+
+/// Edge in voxels of the nodes whose blocks one task measures, cut from one shortened tape.
+const TASK_EDGE: i32 = 32;
+
+/// Blocks that were measured, not yet improved by their neighbours.
+#[derive(Default)]
+pub struct Chunk {
+    /// Those of one task together.
+    pub staged: Vec<Staged>,
+    /// The place of each in the order of blocks.
+    pub order: Vec<usize>,
+}
+
+/// What measures blocks, on any thread.
+pub struct Measuring<'a> {
+    field: &'a dyn Field,
+    scope: &'a Scope,
+    cancel: &'a AtomicBool,
+    meters: Pool<Meter<'a>>,
+}
+
+impl<'a> Measuring<'a> {
+    pub fn new(field: &'a dyn Field, scope: &'a Scope, cancel: &'a AtomicBool) -> Self {
+        Self { field, scope, cancel, meters: Pool::new() }
+    }
+
+    pub fn field(&self) -> &'a dyn Field {
+        self.field
+    }
+
+    pub fn scope(&self) -> &'a Scope {
+        self.scope
+    }
+
+    pub fn stop_if_cancelled(&self) -> Result<(), Error> {
+        if self.cancel.load(Ordering::Relaxed) { Err(Error::Cancelled) } else { Ok(()) }
+    }
+
+    pub fn meter(&self) -> Taken<'_, Meter<'a>> {
+        self.meters.take(|| Meter::new(self.field, self.scope))
+    }
+
+    /// Measures blocks, chunk after chunk, into memory that others left.
+    pub fn stage(&self, blocks: &[IVec3], chunk: usize, mut left: Vec<Chunk>) -> Result<Vec<Chunk>, Error> {
+        left.resize_with(blocks.len().div_ceil(chunk), Chunk::default);
+        let measured = blocks.par_chunks(chunk).zip(left).map(|(blocks, left)| self.stage_chunk(blocks, left.staged));
+        measured.collect()
+    }
+
+    fn stage_chunk(&self, blocks: &[IVec3], mut staged: Vec<Staged>) -> Result<Chunk, Error> {
+        let order = by_task(blocks);
+        staged.resize_with(blocks.len(), Staged::new);
+        let mut tasks = Vec::new();
+        let mut rest = &mut staged[..];
+        for task in order.chunk_by(|&a, &b| task_node(blocks[a]) == task_node(blocks[b])) {
+            let (of_task, after) = std::mem::take(&mut rest).split_at_mut(task.len());
+            rest = after;
+            tasks.push((task, of_task));
+        }
+        tasks.into_par_iter().try_for_each_init(
+            || self.meter(),
+            |meter, (task, staged)| {
+                enter_task(meter, blocks[task[0]]);
+                task.iter().zip(staged).try_for_each(|(&place, staged)| {
+                    self.stop_if_cancelled()?;
+                    meter.measure(blocks[place], &[], staged)
+                })
+            },
+        )?;
+        Ok(Chunk { staged, order })
+    }
+}
+
+/// Readies a meter for a block and those of the same task.
+pub fn enter_task(meter: &mut Meter, origin: IVec3) {
+    meter.enter_node(task_node(origin), TASK_EDGE);
+}
+
+fn task_node(origin: IVec3) -> IVec3 {
+    origin & IVec3::splat(!(TASK_EDGE - 1))
+}
+
+/// Places of a chunk's blocks, those of one task together.
+fn by_task(chunk: &[IVec3]) -> Vec<usize> {
+    let node = |origin: IVec3| origin & IVec3::splat(!(NODE_EDGE - 1));
+    // Blocks come node after node, so that their tasks need to be told apart within one only.
+    let task = |origin: IVec3| {
+        let at = (origin & IVec3::splat(NODE_EDGE - 1)) / TASK_EDGE;
+        (at.x << 16 | at.y << 8 | at.z) as u32
+    };
+    let mut places: Vec<usize> = (0..chunk.len()).collect();
+    for of_node in places.chunk_by_mut(|&a, &b| node(chunk[a]) == node(chunk[b])) {
+        of_node.sort_by_key(|&place| task(chunk[place]));
+    }
+    places
+}
