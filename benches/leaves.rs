@@ -84,7 +84,8 @@ fn ours(field: &dyn Field, scope: &Scope, mut found: Leaves) -> Leaves {
 }
 
 fn walk(evaluator: &mut dyn Evaluator, scope: &Scope, origin: IVec3, edge: i32, found: &mut Leaves) {
-    let bounds = evaluator.enter(&scope.centres(origin, edge, HALF_WIDTH));
+    evaluator.enter(&scope.centres(origin, edge, HALF_WIDTH));
+    let bounds = evaluator.bounds();
     if bounds.lo <= 0.0 && bounds.hi >= 0.0 {
         if edge == BLOCK_EDGE {
             found.origins.push(origin);

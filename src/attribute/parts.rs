@@ -234,7 +234,9 @@ mod tests {
     struct BallEvaluator<'a>(&'a Ball);
 
     impl Evaluator for BallEvaluator<'_> {
-        fn enter(&mut self, _region: &Aabb) -> Interval {
+        fn enter(&mut self, _region: &Aabb) {}
+
+        fn bounds(&mut self) -> Interval {
             Interval::ALL
         }
 

@@ -141,7 +141,8 @@ impl<'a> Walk<'a> {
             return;
         }
         let region = self.scope.centres(origin, edge, f64::from(self.scope.half_width));
-        let bounds = self.evaluator.enter(&region);
+        self.evaluator.enter(&region);
+        let bounds = self.evaluator.bounds();
         if bounds.lo > 0.0 {
             self.tile(origin, edge);
         } else if bounds.hi >= 0.0 {

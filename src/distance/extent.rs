@@ -135,7 +135,8 @@ impl Extreme<'_> {
         if self.best.is_some_and(|best| if self.least { promise >= best } else { promise <= best }) {
             return;
         }
-        let bounds = self.evaluator.enter(&cell);
+        self.evaluator.enter(&cell);
+        let bounds = self.evaluator.bounds();
         self.budget = self.budget.saturating_sub(1);
         if bounds.lo >= 0.0 || (bounds.hi >= 0.0 && (edge <= self.step || self.budget == 0)) {
             self.best = Some(promise);
@@ -245,7 +246,8 @@ impl Count<'_> {
             return;
         }
         self.budget -= 1;
-        let bounds = self.evaluator.enter(&cell.grown(self.margin));
+        self.evaluator.enter(&cell.grown(self.margin));
+        let bounds = self.evaluator.bounds();
         if bounds.lo <= 0.0 && bounds.hi >= 0.0 {
             if depth == 0 {
                 self.maybe += 1;

@@ -128,17 +128,24 @@ impl Field for Joined {
     }
 
     fn evaluator(&self) -> Box<dyn Evaluator + '_> {
-        Box::new(JoinedEvaluator { field: self, kept: vec![(0..self.leaves.len()).collect()] })
+        Box::new(JoinedEvaluator { field: self, kept: vec![(0..self.leaves.len()).collect()], bounds: Vec::new() })
     }
 }
 
 struct JoinedEvaluator<'a> {
     field: &'a Joined,
     kept: Vec<Vec<usize>>,
+    bounds: Vec<Interval>,
+}
+
+fn joined_bounds(field: &Joined, bounds: &[Interval]) -> Interval {
+    let low = bounds.iter().map(|bound| (bound.lo, DVec3::ZERO)).reduce(|a, b| field.join(a, b)).unwrap().0;
+    let high = bounds.iter().map(|bound| (bound.hi, DVec3::ZERO)).reduce(|a, b| field.join(a, b)).unwrap().0;
+    Interval::new(low, high)
 }
 
 impl Evaluator for JoinedEvaluator<'_> {
-    fn enter(&mut self, region: &Aabb) -> Interval {
+    fn enter(&mut self, region: &Aabb) {
         let field = self.field;
         let parent = self.kept.last().unwrap();
         let bounds: Vec<Interval> = parent.iter().map(|&leaf| field.leaves[leaf].bounds(region)).collect();
@@ -149,13 +156,16 @@ impl Evaluator for JoinedEvaluator<'_> {
             kept.push(parent[0]);
         }
         self.kept.push(kept);
-        let low = bounds.iter().map(|bound| (bound.lo, DVec3::ZERO)).reduce(|a, b| field.join(a, b)).unwrap().0;
-        let high = bounds.iter().map(|bound| (bound.hi, DVec3::ZERO)).reduce(|a, b| field.join(a, b)).unwrap().0;
-        Interval::new(low, high)
+        self.bounds.push(joined_bounds(field, &bounds));
+    }
+
+    fn bounds(&mut self) -> Interval {
+        self.bounds.last().copied().unwrap_or(Interval::ALL)
     }
 
     fn leave(&mut self) {
         self.kept.pop();
+        self.bounds.pop();
     }
 
     fn values(&mut self, points: &Points, out: &mut [f32; BATCH]) {
@@ -213,8 +223,12 @@ struct SaturatedEvaluator<'a> {
 }
 
 impl Evaluator for SaturatedEvaluator<'_> {
-    fn enter(&mut self, region: &Aabb) -> Interval {
-        self.inner.enter(region)
+    fn enter(&mut self, region: &Aabb) {
+        self.inner.enter(region);
+    }
+
+    fn bounds(&mut self) -> Interval {
+        self.inner.bounds()
     }
 
     fn leave(&mut self) {

@@ -158,12 +158,16 @@ impl WithoutEvaluator<'_> {
 }
 
 impl Evaluator for WithoutEvaluator<'_> {
-    fn enter(&mut self, region: &Aabb) -> Interval {
+    fn enter(&mut self, region: &Aabb) {
         let near = self.near() && self.without.reaches(region);
         self.near.push(near);
-        let bounds = self.inner.enter(region);
+        self.inner.enter(region);
+    }
+
+    fn bounds(&mut self) -> Interval {
+        let bounds = self.inner.bounds();
         let least = -ROOM * self.without.lattice.voxel_size.get();
-        if near { Interval::new(bounds.lo.min(least), bounds.hi) } else { bounds }
+        if self.near() { Interval::new(bounds.lo.min(least), bounds.hi) } else { bounds }
     }
 
     fn leave(&mut self) {
@@ -275,7 +279,8 @@ mod tests {
         assert_eq!(without.reference(DVec3::splat(2.0)), field.reference(DVec3::splat(2.0)));
         let mut evaluator = without.evaluator();
         let region = Aabb::new(DVec3::splat(-0.5), DVec3::splat(0.5));
-        let bounds = evaluator.enter(&region);
+        evaluator.enter(&region);
+        let bounds = evaluator.bounds();
         assert!(bounds.lo <= -ROOM && bounds.hi >= 0.0);
         evaluator.leave();
     }

@@ -325,7 +325,8 @@ impl Builder<'_> {
 
 /// Where a box is, asking smaller boxes where the bounds of the whole are too loose to tell.
 fn place(evaluator: &mut dyn Evaluator, bounds: Aabb, levels: u32) -> Place {
-    let interval = evaluator.enter(&bounds);
+    evaluator.enter(&bounds);
+    let interval = evaluator.bounds();
     let place = if interval.lo > 0.0 {
         Place::Inside
     } else if interval.hi < 0.0 {
@@ -379,19 +380,26 @@ mod tests {
         }
 
         fn evaluator(&self) -> Box<dyn Evaluator + '_> {
-            Box::new(BallEvaluator(self))
+            Box::new(BallEvaluator(self, Vec::new()))
         }
     }
 
-    struct BallEvaluator<'a>(&'a Ball);
+    struct BallEvaluator<'a>(&'a Ball, Vec<Aabb>);
 
     impl Evaluator for BallEvaluator<'_> {
-        fn enter(&mut self, region: &Aabb) -> Interval {
+        fn enter(&mut self, region: &Aabb) {
+            self.1.push(*region);
+        }
+
+        fn bounds(&mut self) -> Interval {
+            let region = self.1.last().expect("a region was entered");
             let (value, reach) = (self.0.reference(region.centre()), region.size().length() * 0.5);
             Interval::new(value - reach, value + reach)
         }
 
-        fn leave(&mut self) {}
+        fn leave(&mut self) {
+            self.1.pop();
+        }
 
         fn values(&mut self, points: &Points, out: &mut [f32; BATCH]) {
             (0..points.len).for_each(|i| out[i] = self.0.reference(points.position(i)) as f32);

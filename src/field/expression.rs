@@ -86,6 +86,8 @@ impl Field for Expression {
 struct Level {
     /// The level whose program this is: itself, or an outer one where nothing could be pruned.
     owner: usize,
+    /// Of F over the region.
+    bounds: Option<Interval>,
     ops: Vec<Op>,
     tape: Tape,
     compiled: bool,
@@ -149,7 +151,7 @@ fn zero_leaf(program: &Program) -> impl Fn(u32) -> bool {
 }
 
 impl Evaluator for ExpressionEvaluator<'_> {
-    fn enter(&mut self, region: &Aabb) -> Interval {
+    fn enter(&mut self, region: &Aabb) {
         let owner = self.owner();
         self.depth += 1;
         if self.levels.len() == self.depth {
@@ -179,7 +181,11 @@ impl Evaluator for ExpressionEvaluator<'_> {
         }
         level.branches_known.set(false);
         level.branch_tapes.iter_mut().for_each(|(_, compiled)| *compiled = false);
-        self.bounds.last().copied().unwrap_or(Interval::ALL)
+        level.bounds = self.bounds.last().copied();
+    }
+
+    fn bounds(&mut self) -> Interval {
+        self.levels[self.depth].bounds.unwrap_or(Interval::ALL)
     }
 
     fn leave(&mut self) {

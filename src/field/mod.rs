@@ -80,12 +80,15 @@ pub trait Field: Send + Sync {
 /// Evaluates one field on one thread. Regions nest: everything evaluated between [`Evaluator::enter`] and the
 /// matching [`Evaluator::leave`] must lie in the region entered.
 pub trait Evaluator: Send {
-    /// Bounds of F over the region, rounded outward, and pruning for all calls until the matching `leave`.
+    /// Prunes for all calls until the matching `leave`.
     ///
     /// Pruning keeps the zero set, the sign, and value and gradient *on* the zero set; F away from the surface
-    /// may change (an operand that cannot matter for the sign is dropped). The bounds returned are of the
-    /// unpruned F or tighter in sign; they never miss a zero.
-    fn enter(&mut self, region: &Aabb) -> Interval;
+    /// may change (an operand that cannot matter for the sign is dropped).
+    fn enter(&mut self, region: &Aabb);
+
+    /// Bounds of F over the innermost region entered, rounded outward: of the unpruned F or tighter in sign; they
+    /// never miss a zero.
+    fn bounds(&mut self) -> Interval;
 
     /// Leaves the innermost region.
     fn leave(&mut self);

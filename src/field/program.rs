@@ -125,7 +125,9 @@ impl Program {
                 Op::External { leaf, at } => {
                     let [x, y, z] = at.map(|argument| bounds[argument as usize]);
                     let read = Aabb::new(DVec3::new(x.lo, y.lo, z.lo), DVec3::new(x.hi, y.hi, z.hi));
-                    externals[leaf as usize].enter(&read)
+                    let external = &mut externals[leaf as usize];
+                    external.enter(&read);
+                    external.bounds()
                 }
                 Op::Unary(operation, a) => unary(operation, bounds[a as usize]),
                 Op::Binary(operation, a, b) => binary(operation, bounds[a as usize], bounds[b as usize]),

@@ -30,6 +30,7 @@ struct Region {
     centre: DVec3,
     /// No point of the region is farther from the surface than this plus its distance to the centre.
     centre_distance: f64,
+    centre_inside: bool,
     /// All triangles that can be closest to a point of the region, in rising order; `None` when they are many.
     few: Option<Vec<u32>>,
     /// The side all of the region is on.
@@ -167,18 +168,32 @@ fn planes(mesh: &MeshDistance, region: &Region) -> Vec<Plane> {
 }
 
 impl Evaluator for MeshEvaluator<'_> {
-    fn enter(&mut self, region: &Aabb) -> Interval {
+    fn enter(&mut self, region: &Aabb) {
         let centre = region.centre();
         let reach = region.size().length() * 0.5;
         let (nearest, centre_inside) = self.located(centre);
         let distance = nearest.distance_squared.sqrt();
         let outer = self.regions.last().and_then(|outer| outer.inside);
         let inside = outer.or_else(|| self.side(centre, reach, distance, centre_inside));
-        // The distance changes by no more than the way walked.
-        let farthest = (distance + reach) * (1.0 + 1e-9);
         let few = self.few_within(centre, (distance + 2.0 * reach) * (1.0 + 1e-9));
         let planes = OnceCell::new();
-        self.regions.push(Region { bounds: *region, centre, centre_distance: distance, few, inside, planes });
+        self.regions.push(Region {
+            bounds: *region,
+            centre,
+            centre_distance: distance,
+            centre_inside,
+            few,
+            inside,
+            planes,
+        });
+    }
+
+    fn bounds(&mut self) -> Interval {
+        let Some(region) = self.regions.last() else { return Interval::ALL };
+        let &Region { bounds, centre_distance: distance, centre_inside, inside, .. } = region;
+        let reach = bounds.size().length() * 0.5;
+        // The distance changes by no more than the way walked.
+        let farthest = (distance + reach) * (1.0 + 1e-9);
         let least = (distance - reach - 1e-9 * farthest).max(0.0);
         match inside {
             Some(true) => Interval::new(least, farthest),

@@ -189,8 +189,10 @@ fn regions_change_nothing() {
             let middle = numbers.position() * 1.2;
             let outer = Aabb::new(middle, middle).grown(0.3 + 0.3 * numbers.next());
             let inner = Aabb::new(middle, middle).grown(0.05).intersection(outer).unwrap();
-            let first = evaluator.enter(&outer);
-            let second = evaluator.enter(&inner);
+            evaluator.enter(&outer);
+            let first = evaluator.bounds();
+            evaluator.enter(&inner);
+            let second = evaluator.bounds();
             for (region, interval) in [(inner, second), (outer, first)] {
                 let mut points = Points::new(region.centre());
                 for _ in 0..40 {
@@ -219,7 +221,8 @@ fn intervals_leave_out_what_is_far() {
         let mut evaluator = field.evaluator();
         let sides = [(DVec3::splat(0.3), 1.0), (DVec3::splat(2.0), -1.0), (DVec3::new(0.95, 0.0, 0.0), -1.0)];
         for (middle, side) in sides {
-            let interval = evaluator.enter(&Aabb::new(middle, middle).grown(0.05));
+            evaluator.enter(&Aabb::new(middle, middle).grown(0.05));
+            let interval = evaluator.bounds();
             assert!(interval.lo * side > 0.0 && interval.hi * side > 0.0, "{interval:?} at {middle}");
             evaluator.leave();
         }

@@ -128,8 +128,12 @@ struct ExactEvaluator<'a> {
 }
 
 impl Evaluator for ExactEvaluator<'_> {
-    fn enter(&mut self, region: &Aabb) -> Interval {
+    fn enter(&mut self, region: &Aabb) {
         self.regions.push(*region);
+    }
+
+    fn bounds(&mut self) -> Interval {
+        let Some(region) = self.regions.last() else { return Interval::ALL };
         let (middle, reach) = (self.exact.at(region.centre()).0, region.size().length() * 0.5 + 1e-6);
         Interval::new(middle - reach, middle + reach)
     }

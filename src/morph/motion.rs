@@ -236,8 +236,12 @@ impl MovedEvaluator<'_> {
 }
 
 impl Evaluator for MovedEvaluator<'_> {
-    fn enter(&mut self, region: &Aabb) -> Interval {
-        let bounds = self.inner.enter(&self.placement.box_to_object(*region));
+    fn enter(&mut self, region: &Aabb) {
+        self.inner.enter(&self.placement.box_to_object(*region));
+    }
+
+    fn bounds(&mut self) -> Interval {
+        let bounds = self.inner.bounds();
         let scaled = Interval::new(bounds.lo * self.placement.scale, bounds.hi * self.placement.scale);
         if self.placement.scale == 1.0 { scaled } else { widened(scaled) }
     }

@@ -74,6 +74,7 @@ impl Field for Stb {
             stb: self,
             first: self.first.evaluator(),
             second: self.second.evaluator(),
+            regions: Vec::new(),
             values: [0.0; BATCH],
             gradients: Gradients::new(),
             centre: Points::new(DVec3::ZERO),
@@ -85,6 +86,7 @@ struct StbEvaluator<'a> {
     stb: &'a Stb,
     first: Box<dyn Evaluator + 'a>,
     second: Box<dyn Evaluator + 'a>,
+    regions: Vec<Aabb>,
     values: [f32; BATCH],
     gradients: Gradients,
     centre: Points,
@@ -116,17 +118,24 @@ impl StbEvaluator<'_> {
 }
 
 impl Evaluator for StbEvaluator<'_> {
-    fn enter(&mut self, region: &Aabb) -> Interval {
+    fn enter(&mut self, region: &Aabb) {
+        self.regions.push(*region);
+        self.first.enter(region);
+        self.second.enter(region);
+    }
+
+    fn bounds(&mut self) -> Interval {
+        let Some(region) = self.regions.last().copied() else { return Interval::ALL };
         let unit = self.stb.unit;
         let scaled = |bounds: Interval, by: f64| Interval::new(bounds.lo * by, bounds.hi * by);
-        let first = scaled(self.first.enter(region), 1.0 / unit);
-        let second = scaled(self.second.enter(region), 1.0 / unit);
+        let first = scaled(self.first.bounds(), 1.0 / unit);
+        let second = scaled(self.second.bounds(), 1.0 / unit);
         let mut bounds = self.stb.exact.bounds(first, second);
         let finite = [first.lo, first.hi, second.lo, second.hi].iter().all(|end| end.is_finite());
         if bounds.contains(0.0)
             && finite
             && self.stb.exact.rises()
-            && let Some(other) = self.mean_value_bounds(region, first, second)
+            && let Some(other) = self.mean_value_bounds(&region, first, second)
         {
             bounds = Interval::new(bounds.lo.max(other.lo), bounds.hi.min(other.hi));
         }
@@ -134,6 +143,7 @@ impl Evaluator for StbEvaluator<'_> {
     }
 
     fn leave(&mut self) {
+        self.regions.pop();
         self.first.leave();
         self.second.leave();
     }

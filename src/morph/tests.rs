@@ -324,7 +324,8 @@ fn bounds_hold_all_samples() {
         for _ in 0..60 {
             let centre = DVec3::new(next() - 0.5, next() - 0.5, next() - 0.5) * 3.0;
             let half = 10f64.powf(-2.5 * next());
-            let bounds = evaluator.enter(&Aabb::new(centre - half, centre + half));
+            evaluator.enter(&Aabb::new(centre - half, centre + half));
+            let bounds = evaluator.bounds();
             let mut points = random_points((next() * 1e9) as u64, half);
             points.origin = centre;
             let mut values = [0.0; BATCH];
@@ -367,7 +368,8 @@ fn leaves(field: &dyn Field, aabb: Aabb, voxel: f64) -> [usize; 2] {
         out: &mut [usize; 2],
     ) {
         let node = Aabb::new(corner, corner + edge);
-        let bounds = evaluator.enter(&node.grown(2.5 * voxel));
+        evaluator.enter(&node.grown(2.5 * voxel));
+        let bounds = evaluator.bounds();
         if bounds.contains(0.0) && edge > 8.5 * voxel {
             for child in Aabb::new(corner, corner + edge * 0.5).corners() {
                 descend(evaluator, child, edge * 0.5, voxel, out);

@@ -77,7 +77,8 @@ impl Meter<'_> {
         let least = (corner[0] << 6) | (corner[1] << 3) | corner[2];
         let greatest = least + (edge - 1) * 0b1001001;
         let region = Aabb::new(self.points.position(least), self.points.position(greatest)).grown(reach);
-        let bounds = self.evaluator.enter(&region);
+        self.evaluator.enter(&region);
+        let bounds = self.evaluator.bounds();
         if bounds.lo <= 0.0 && bounds.hi >= 0.0 {
             let branches = self.evaluator.branches();
             if branches <= FEW || edge == LEAST_CUBE {

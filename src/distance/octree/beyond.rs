@@ -105,13 +105,12 @@ impl DistanceObject {
         out
     }
 
-    /// Bounds over a box that may reach beyond the root, and the innermost node under `from` that holds the part of
-    /// the root nearest to it.
-    pub(super) fn region(&self, region: &Aabb, from: Place) -> (Place, Bounded) {
-        let (place, mut bounded) = self.bounds_in_root(region, from);
+    /// Bounds over a box that may reach beyond the root; `from` is a node that holds the part of the root nearest to it.
+    pub(super) fn bounds_from(&self, region: &Aabb, from: Place) -> Bounded {
+        let mut bounded = self.bounds_in_root(region, from);
         let root = self.root_box();
         if region.min.cmpge(root.min).all() && region.max.cmple(root.max).all() {
-            return (place, bounded);
+            return bounded;
         }
         let (mut a, mut excess) = ([0.0_f64; 3], [(0.0, 0.0); 3]);
         let mut rate = [(1.0, 1.0); 3];
@@ -156,7 +155,7 @@ impl DistanceObject {
             );
         }
         bounded.value = patch::padded(Interval::new(lo, hi), lo.abs().max(hi.abs()));
-        (place, bounded)
+        bounded
     }
 
     pub(super) fn measure_border(&self, places: &[Place], bounds: &[PatchBounds], slopes: &[f64]) -> Border {

@@ -72,6 +72,14 @@ impl Bounded {
         self.gradient = std::array::from_fn(|axis| wider(self.gradient[axis], gradient[axis]));
     }
 
+    /// Whether bounds lie within these.
+    fn holds(&self, stored: &Stored) -> bool {
+        [self.value, self.gradient[0], self.gradient[1], self.gradient[2]]
+            .iter()
+            .zip(&stored.0)
+            .all(|(mine, other)| mine.lo <= f64::from(other[0]) && f64::from(other[1]) <= mine.hi)
+    }
+
     fn add_stored(&mut self, stored: &Stored) {
         self.add(stored.interval(0), [stored.interval(1), stored.interval(2), stored.interval(3)]);
     }
@@ -100,9 +108,11 @@ impl Walk<'_> {
         if !met {
             return;
         }
-        let node = self.object.nodes[place.node as usize];
+        let (node, bounds) = (self.object.nodes[place.node as usize], &self.object.bounds[place.node as usize]);
         if whole {
-            self.found.add_stored(&self.object.bounds[place.node as usize]);
+            self.found.add_stored(bounds);
+        } else if self.found.holds(bounds) {
+            // Whatever is met in it adds nothing.
         } else if node & LEAF == 0 {
             for child in 0..8 {
                 self.visit(place.nth_child(node, child));
@@ -111,7 +121,7 @@ impl Walk<'_> {
             if self.count < CUT {
                 self.partly[self.count] = place;
             } else {
-                self.found.add_stored(&self.object.bounds[place.node as usize]);
+                self.found.add_stored(bounds);
             }
             self.count += 1;
         }
@@ -176,14 +186,20 @@ impl DistanceObject {
         patch::bounds(&tensor, std::array::from_fn(|axis| (to[axis] - from[axis]) * patch.edge), patch.edge)
     }
 
-    /// Bounds over the part of the root that is nearest to a box (the hull of the cells met, and the mean value
-    /// theorem from the box's middle: F(c) + ∇F·(p − c) with ∇F somewhere in its bounds), and the innermost node under `from` that holds it.
-    pub(super) fn bounds_in_root(&self, region: &Aabb, from: Place) -> (Place, Bounded) {
+    /// The part of the root that is nearest to a box, in smallest cells.
+    fn in_root(&self, region: &Aabb) -> [[f64; 3]; 2] {
         let top = f64::from(self.root_size());
         let lattice = |corner: DVec3| ((corner - self.origin) * self.inverse_step).to_array();
         // A hair more, for the rounding of positions.
-        let lo = lattice(region.min).map(|x| (x - 1e-6).clamp(0.0, top));
-        let hi = lattice(region.max).map(|x| (x + 1e-6).clamp(0.0, top));
+        [
+            lattice(region.min).map(|x| (x - 1e-6).clamp(0.0, top)),
+            lattice(region.max).map(|x| (x + 1e-6).clamp(0.0, top)),
+        ]
+    }
+
+    /// The innermost node under `from` that holds the part of the root nearest to a box.
+    pub(super) fn node_around(&self, region: &Aabb, from: Place) -> Place {
+        let [lo, hi] = self.in_root(region);
         let inside = |place: &Place| {
             (0..3).all(|axis| {
                 let low = f64::from(place.origin[axis]);
@@ -201,6 +217,13 @@ impl DistanceObject {
             }
             break;
         }
+        place
+    }
+
+    /// Bounds over the part of the root that is nearest to a box: the hull of the cells met, and the mean value
+    /// theorem from the box's middle: F(c) + ∇F·(p − c) with ∇F somewhere in its bounds. `place` is a node that holds it.
+    pub(super) fn bounds_in_root(&self, region: &Aabb, place: Place) -> Bounded {
+        let [lo, hi] = self.in_root(region);
         let mut walk = Walk { object: self, lo, hi, found: Bounded::EMPTY, partly: [place; CUT], count: 0 };
         walk.visit(place);
         let mut bounded = walk.finish();
@@ -214,12 +237,12 @@ impl DistanceObject {
             .sum();
         let mean = patch::padded(Interval::new(value - spread, value + spread), value.abs() + spread);
         bounded.value = Interval::new(bounded.value.lo.max(mean.lo), bounded.value.hi.min(mean.hi));
-        (place, bounded)
+        bounded
     }
 
     /// Bounds of F and of its gradient over a box, which may reach beyond the root.
     pub fn bounds(&self, region: &Aabb) -> Bounded {
-        self.region(region, self.root()).1
+        self.bounds_from(region, self.root())
     }
 
     /// Bounds of ∂F/∂x, ∂F/∂y, ∂F/∂z over a box.

@@ -2,6 +2,7 @@
 
 use glam::DVec3;
 
+use super::bounds::Bounded;
 use super::kernel::{self, Extent, Located};
 use super::{DistanceObject, LEAF};
 use crate::field::{Aabb, BATCH, Evaluator, Gradients, Interval, Points};
@@ -41,11 +42,18 @@ impl Place {
     }
 }
 
+/// A region entered.
+struct Region {
+    within: Aabb,
+    /// The innermost node that holds the part of the root nearest to it.
+    place: Place,
+    /// Bounds over it, once they are asked for: they cost more than entering.
+    bounds: Option<Bounded>,
+}
+
 pub(super) struct OctreeEvaluator<'a> {
     object: &'a DistanceObject,
-    regions: Vec<Place>,
-    /// Bounds of the gradient over each of them.
-    slopes: Vec<[Interval; 3]>,
+    regions: Vec<Region>,
     located: Box<Located>,
 }
 
@@ -58,7 +66,7 @@ impl<'a> OctreeEvaluator<'a> {
             leaf: [0; BATCH],
             edge: [0.0; BATCH],
         };
-        Self { object, regions: Vec::new(), slopes: Vec::new(), located: Box::new(located) }
+        Self { object, regions: Vec::new(), located: Box::new(located) }
     }
 
     /// Finds the cells of a batch. Returns the leaf where it is one for all, and whether some points lie out of the
@@ -87,7 +95,13 @@ impl<'a> OctreeEvaluator<'a> {
         let holds = |place: &&Place| {
             (0..3).all(|axis| place.origin[axis] <= low[axis] && high[axis] < place.origin[axis] + place.size)
         };
-        self.regions.iter().rev().find(holds).copied().unwrap_or(self.object.root())
+        self.regions.iter().rev().map(|region| &region.place).find(holds).copied().unwrap_or(self.object.root())
+    }
+
+    /// Bounds over the innermost region.
+    fn bounded(&mut self) -> Option<Bounded> {
+        let region = self.regions.last_mut()?;
+        Some(*region.bounds.get_or_insert_with(|| self.object.bounds_from(&region.within, region.place)))
     }
 
     fn place_each(&mut self, len: usize, start: Place) {
@@ -122,21 +136,21 @@ impl<'a> OctreeEvaluator<'a> {
 }
 
 impl Evaluator for OctreeEvaluator<'_> {
-    fn enter(&mut self, region: &Aabb) -> Interval {
-        let from = self.regions.last().copied().unwrap_or(self.object.root());
-        let (place, bounds) = self.object.region(region, from);
-        self.regions.push(place);
-        self.slopes.push(bounds.gradient);
-        bounds.value
+    fn enter(&mut self, region: &Aabb) {
+        let from = self.regions.last().map_or(self.object.root(), |region| region.place);
+        self.regions.push(Region { within: *region, place: self.object.node_around(region, from), bounds: None });
+    }
+
+    fn bounds(&mut self) -> Interval {
+        self.bounded().map_or(Interval::ALL, |bounded| bounded.value)
     }
 
     fn leave(&mut self) {
         self.regions.pop();
-        self.slopes.pop();
     }
 
     fn gradient_bounds(&mut self) -> Option<[Interval; 3]> {
-        self.slopes.last().copied()
+        self.bounded().map(|bounded| bounded.gradient)
     }
 
     fn values(&mut self, points: &Points, out: &mut [f32; BATCH]) {

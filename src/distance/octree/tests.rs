@@ -365,7 +365,8 @@ fn bounds_hold_and_are_tight() {
             let size = DVec3::splat(VOXEL) * [0.5, 8.0, 30.0, 200.0][i % 4] * (0.5 + random.unit());
             let region = Aabb::new(centre - size, centre + size);
             let bounded = object.bounds(&region);
-            let value = evaluator.enter(&region);
+            evaluator.enter(&region);
+            let value = evaluator.bounds();
             assert_eq!(value, bounded.value);
             let mut met = Interval::new(f64::INFINITY, f64::NEG_INFINITY);
             let (mut points, mut out) = (Points::new(centre), Gradients::new());

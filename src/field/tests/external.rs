@@ -69,7 +69,8 @@ fn pruning_reaches_into_operands_where_only_signs_matter() {
         let outer = Aabb::new(min, min + 0.4);
         let inner = Aabb::new(min + 0.1, min + 0.2);
         evaluator.enter(&outer);
-        let bound = evaluator.enter(&inner);
+        evaluator.enter(&inner);
+        let bound = evaluator.bounds();
         let points = samples.batch(&inner, 20);
         evaluator.values(&points, &mut values);
         for i in 0..points.len {

@@ -63,7 +63,8 @@ proptest! {
             let points = samples.batch(&region, 40);
             let (mut whole, mut values, mut gradients) = ([0.0; BATCH], [0.0; BATCH], Gradients::new());
             evaluator.values(&points, &mut whole);
-            let bound = evaluator.enter(&region.grown(1e-6));
+            evaluator.enter(&region.grown(1e-6));
+            let bound = evaluator.bounds();
             evaluator.values(&points, &mut values);
             evaluator.gradients(&points, &mut gradients);
             for i in 0..points.len {

@@ -99,8 +99,12 @@ proptest! {
         for _ in 0..6 {
             let outer = some_region(&mut samples);
             let inner = some_part(&mut samples, &outer);
-            let wide = [pruned.enter(&outer), kept.enter(&outer)];
-            let tight = [pruned.enter(&inner), kept.enter(&inner)];
+            pruned.enter(&outer);
+            kept.enter(&outer);
+            let wide = [pruned.bounds(), kept.bounds()];
+            pruned.enter(&inner);
+            kept.enter(&inner);
+            let tight = [pruned.bounds(), kept.bounds()];
             let points = samples.batch(&inner, 200);
             whole.values(&points, &mut all);
             pruned.values(&points, &mut some);
