@@ -42,6 +42,8 @@ fn a_full_disk_at_ten_levels() {
             eprintln!("skipped: this needs the right to mount a small disk (root)");
             return;
         };
+        let told = place.hfvdb(&format!("{BAKE} --dry-run")).ok();
+        assert!(told.stderr.contains("all frames need about") && told.stderr.contains("free in disk"), "{}", told.stderr);
         let run = place.hfvdb(BAKE);
         run.fails(1, &["disk/", "No space left on device", "make room"]);
         for name in place.frames("disk") {
@@ -51,6 +53,8 @@ fn a_full_disk_at_ten_levels() {
         let before = place.frames("disk").len();
         assert!(before < 8, "{kib} KiB are no full disk");
         disk.again("size=64m");
+        let told = place.hfvdb(&format!("{BAKE} --dry-run")).ok();
+        assert!(!told.stderr.contains("all frames need about"), "{}", told.stderr);
         let run = place.hfvdb(BAKE).ok();
         let kept = run.stderr.split("resume: ").nth(1).unwrap().split(' ').next().unwrap().parse::<usize>().unwrap();
         // At most the last frame stands without its record.

@@ -11,6 +11,7 @@ use super::job;
 use super::options::{Global, Sampling};
 use super::progress::Progress;
 use crate::bake::{self, Bytes, Existing, Interrupt, Known, Output, Probe, State, Wish, judge_all, refusal};
+use crate::disk::free_bytes;
 use crate::scene::Model;
 
 /// Says what would be written.
@@ -54,6 +55,7 @@ pub fn run(
     let count = to_do.len() as f64;
     let seconds = if to_do.is_empty() { 0.0 } else { prepare_seconds + count * probe.frame_seconds() };
     let total = Bytes((count * probe.file.0 as f64) as u64);
+    let free = free_bytes(sequence.folder()).map(Bytes);
     if global.json {
         let path = |frame: i64| sequence.pattern.file(frame);
         let frames: Vec<_> =
@@ -76,6 +78,7 @@ pub fn run(
                 "seconds": seconds,
             },
             "memory_limit_bytes": output.max_memory.0,
+            "free_disk_bytes": free.map(|free| free.0),
         }))?;
     } else {
         let mut text = String::new();
@@ -88,10 +91,11 @@ pub fn run(
         } else {
             format!("frame {frame}, baked in memory")
         };
+        let room = free.map(|free| format!(" ({free} free on the disk)")).unwrap_or_default();
         let _ = writeln!(
             text,
             "{} frames to bake, {} to keep\nfrom {how}: {:.2e} voxels a frame, {} of memory (limit {}), {} a file\n\
-             in all about {} and {seconds:.0} s on this machine, without the disk's time",
+             in all about {}{room} and {seconds:.0} s on this machine, without the disk's time",
             to_do.len(),
             plan.len() - to_do.len(),
             probe.active_voxels,
@@ -101,6 +105,13 @@ pub fn run(
             total,
         );
         super::print(&text)?;
+    }
+    if let Some(free) = free.filter(|free| total > *free) {
+        let folder = sequence.folder().display();
+        global.warn(&format!(
+            "all frames need about {total}, and {free} are free in {folder}: make room, bake to another disk, or use \
+             larger voxels or --half Cd"
+        ));
     }
     if estimate.memory > output.max_memory {
         let error = bake::Error::Memory { needed: estimate.memory, limit: output.max_memory, voxels: estimate.voxels };
