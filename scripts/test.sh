@@ -30,6 +30,7 @@ step "install" scripts/install.sh --tests
 # Without it the tests in Blender would be skipped. (The step above would take it for a Blender that is there already.)
 export HFVDB_BLENDER_PYTHON=${HFVDB_BLENDER_PYTHON:-$PWD/.venv/bin/python}
 step "format" cargo fmt --check
-step "lint" cargo clippy --locked --all-targets -- -D warnings
+# The benches too, and what they compare with.
+step "lint" cargo clippy --locked --all-targets --all-features -- -D warnings
 step "tests" cargo test --locked
 finish
