@@ -6,6 +6,7 @@
 
 mod coarse;
 mod motion;
+mod over_time;
 mod pace;
 mod plan;
 mod real;
@@ -17,6 +18,7 @@ mod volume;
 
 pub use coarse::CoarseGrid;
 pub use motion::{Motion, Moved, Similarity};
+pub use over_time::OverTime;
 pub use pace::Curve;
 pub use plan::{FrameReport, Morph, MorphObject, Plan, Report, Stage};
 pub use section::{Round, Section};

@@ -10,7 +10,7 @@ use super::coarse::{CoarseGrid, Measured};
 use super::motion::{Motion, Moved};
 use super::pace::{Curve, Even, even};
 use super::section::Section;
-use super::settings::{Error, Mode, Pace, Settings, Side};
+use super::settings::{Ease, Error, Mode, Pace, Settings, Side};
 use super::stb::Stb;
 use super::stti::{MorphColour, Transfer};
 use super::volume::{Enclosing, Volume, difference, object_cells, object_fractions, total};
@@ -45,7 +45,7 @@ pub struct Plan {
     pub unit: f64,
     /// Where volume and change are measured.
     pub grid: CoarseGrid,
-    /// STB's time t over the morph's progress, both in \[0, 1\].
+    /// STB's time t over the morph's eased progress, both in \[0, 1\].
     pub pace: Curve,
     /// The change of volume from each of the plan's steps to the next, cubic world units.
     pub changes: Vec<f64>,
@@ -157,7 +157,7 @@ impl Morph {
 
     /// What the morph shows at scene time τ.
     pub fn stage(&self, time: f64) -> Stage {
-        let (progress, t) = (self.progress(time), self.time_at(time));
+        let t = self.time_at(time);
         if t <= 0.0 {
             return Stage::From;
         }
@@ -165,13 +165,13 @@ impl Morph {
             return Stage::To;
         }
         match &self.settings.mode {
-            Mode::Paper(paper) => Stage::Between(paper.section(t)),
+            Mode::Paper(paper) => Stage::Between(paper.at(time).section(t)),
             Mode::Flow(flow) => {
                 let a0 = match &self.still {
-                    Some(measured) => self.enclosing(measured, progress, t).a0,
-                    None => self.enclosing(&self.measure(time), progress, t).a0,
+                    Some(measured) => self.enclosing(measured, time, t).a0,
+                    None => self.enclosing(&self.measure(time), time, t).a0,
                 };
-                Stage::Between(Section { a0, ..flow.section(t) })
+                Stage::Between(Section { a0, ..flow.section(t, time) })
             }
         }
     }
@@ -209,15 +209,15 @@ impl Morph {
         if t >= 1.0 && colour_time == 1.0 {
             return Arc::new(to);
         }
-        let Settings { alpha, beta, colour_space, .. } = self.settings;
+        let Settings { alpha, beta, colour_space, .. } = &self.settings;
         Arc::new(MorphColour {
             first: Arc::new(distance(&self.from)),
             second: Arc::new(distance(&self.to)),
             from: Arc::new(from),
             to: Arc::new(to),
             unit: self.plan.unit,
-            transfer: Transfer { time: colour_time, alpha, beta },
-            mixer: Mixer::new(colour_space, self.plan.turn),
+            transfer: Transfer { time: colour_time, alpha: alpha.at(time), beta: beta.at(time) },
+            mixer: Mixer::new(*colour_space, self.plan.turn),
         })
     }
 
@@ -248,11 +248,11 @@ impl Morph {
     fn frame_report(&self, time: f64) -> (FrameReport, Vec<f32>) {
         let fresh = if self.still.is_none() { Some(self.measure(time)) } else { None };
         let measured = fresh.as_ref().or(self.still.as_ref()).expect("one of both is there");
-        let (progress, t) = (self.progress(time), self.time_at(time));
-        let Enclosing { a0, fractions } = self.enclosing(measured, progress, t);
+        let t = self.time_at(time);
+        let Enclosing { a0, fractions } = self.enclosing(measured, time, t);
         let cell = self.plan.grid.cell_volume();
         let target = match &self.settings.mode {
-            Mode::Flow(_) => Some(self.target(measured, progress, t) * cell),
+            Mode::Flow(_) => Some(self.target(measured, time, t) * cell),
             Mode::Paper(_) => None,
         };
         let volume = total(&fractions) * cell;
@@ -261,28 +261,15 @@ impl Morph {
 
     /// STB's t at scene time τ, in \[0, 1\].
     fn time_at(&self, time: f64) -> f64 {
-        let progress = self.progress(time);
-        // Even pace has its ease in its curve.
-        self.plan.pace.at(if self.paced() { progress } else { self.settings.ease.at(progress) })
-    }
-
-    /// How far the change of shape is along its span, without ease or pace, in \[0, 1\].
-    fn progress(&self, time: f64) -> f64 {
-        let [start, end] = self.settings.over;
-        ((time - start) / (end - start)).clamp(0.0, 1.0)
-    }
-
-    fn time_of(&self, progress: f64) -> f64 {
-        let [start, end] = self.settings.over;
-        start + progress * (end - start)
+        self.plan.pace.at(self.settings.eased(time))
     }
 
     fn paced(&self) -> bool {
         matches!(&self.settings.mode, Mode::Flow(flow) if flow.pace == Pace::Even)
     }
 
-    /// The blend's amount at t and what it encloses; at the ends, 0 and the object.
-    fn enclosing(&self, measured: &Measured, progress: f64, t: f64) -> Enclosing {
+    /// The blend's amount at t and scene time τ, and what it encloses; at the ends, 0 and the object.
+    fn enclosing(&self, measured: &Measured, time: f64, t: f64) -> Enclosing {
         let grid = &self.plan.grid;
         let own =
             |distances: &[f32]| Enclosing { a0: 0.0, fractions: object_fractions(grid, distances, self.plan.unit) };
@@ -293,20 +280,20 @@ impl Morph {
             return own(&measured.second);
         }
         match &self.settings.mode {
-            Mode::Paper(paper) => Volume::new(grid, measured, self.plan.unit, paper.section(t)).as_it_is(),
+            Mode::Paper(paper) => Volume::new(grid, measured, self.plan.unit, paper.at(time).section(t)).as_it_is(),
             Mode::Flow(flow) => {
-                let volume = Volume::new(grid, measured, self.plan.unit, flow.section(t));
-                volume.enclosing(self.target(measured, progress, t))
+                let volume = Volume::new(grid, measured, self.plan.unit, flow.section(t, time));
+                volume.enclosing(self.target(measured, time, t))
             }
         }
     }
 
-    /// The volume at t, in cells.
-    fn target(&self, measured: &Measured, progress: f64, t: f64) -> f64 {
+    /// The volume at t and scene time τ, in cells.
+    fn target(&self, measured: &Measured, time: f64, t: f64) -> f64 {
         let own = |distances: &[f32]| object_cells(&self.plan.grid, distances, self.plan.unit);
         let (first, second) = (own(&measured.first), own(&measured.second));
         let factor = match &self.settings.mode {
-            Mode::Flow(flow) => flow.volume.as_ref().map_or(1.0, |curve| curve.at(progress)),
+            Mode::Flow(flow) => flow.volume.at(time),
             Mode::Paper(_) => 1.0,
         };
         ((1.0 - t) * first + t * second) * factor
@@ -344,44 +331,57 @@ impl Morph {
     /// Paces the morph and finds its extent. False where it reaches a face of the coarse grid.
     fn make_plan(&mut self) -> Result<bool, Error> {
         self.measure_still();
-        let shares: Vec<f64> = (0..=STEPS).map(|step| step as f64 / STEPS as f64).collect();
+        let progress: Vec<f64> = (0..=STEPS).map(|step| step as f64 / STEPS as f64).collect();
+        let scene: Vec<f64> =
+            self.settings.shares_of(&progress).into_iter().map(|share| self.settings.time_of(share)).collect();
         let samples: Vec<Measured> = match &self.still {
             Some(_) => Vec::new(),
-            None => shares.iter().map(|share| self.measure(self.time_of(*share))).collect(),
+            None => scene.iter().map(|time| self.measure(*time)).collect(),
         };
-        let progress: Vec<f64> = shares.iter().map(|share| self.settings.ease.at(*share)).collect();
         let at = |step: usize| self.still.as_ref().unwrap_or_else(|| &samples[step]);
-        let ends = [self.enclosing(at(0), 0.0, 0.0), self.enclosing(at(STEPS), 1.0, 1.0)];
+        let ends = [self.enclosing(at(0), scene[0], 0.0), self.enclosing(at(STEPS), scene[STEPS], 1.0)];
         if ends.iter().all(|end| total(&end.fractions) <= 0.0) {
             return Err(Error::Empty);
         }
         let all = |times: &[f64]| -> Vec<Vec<f32>> {
-            let step = |step: usize| self.enclosing(at(step), shares[step], times[step]).fractions;
+            let step = |step: usize| self.enclosing(at(step), scene[step], times[step]).fractions;
             (0..=STEPS).into_par_iter().map(step).collect()
         };
         let changes = |times: &[f64]| -> (Vec<f64>, Vec<Vec<f32>>) {
             let fractions = all(times);
             (fractions.par_windows(2).map(|two| difference(&two[0], &two[1])).collect(), fractions)
         };
-        let Even { times, changes: in_cells, measured: fractions } = if self.paced() {
+        let Even { times, changes: in_cells, measured: mut fractions } = if self.paced() {
             even(&progress, changes)
         } else {
             let (changes, measured) = changes(&progress);
-            Even { times: progress, changes, measured }
+            Even { times: progress.clone(), changes, measured }
         };
         let [start, end] = self.settings.over;
         let from = self.mean_colour(&self.from, start, &at(0).first);
         let to = self.mean_colour(&self.to, end, &at(STEPS).second);
         self.plan.turn = Turn::between(self.settings.colour_space, from, to);
+        if self.paced() {
+            let points = progress.iter().zip(&times).map(|(progress, t)| [*progress, *t]).collect();
+            self.plan.pace = Curve::through(points).unwrap_or_else(Curve::line);
+        }
+        if let Ease::Keyed(_) = self.settings.ease {
+            // A progress may be reached several times, while all else goes on.
+            fractions.extend(
+                (0..=STEPS)
+                    .into_par_iter()
+                    .map(|step| {
+                        let time = self.settings.time_of(progress[step]);
+                        self.frame_report(time).1
+                    })
+                    .collect::<Vec<_>>(),
+            );
+        }
         let cell = self.plan.grid.cell_volume();
         let extent = extent(&self.plan.grid, &fractions);
         let clear = !fractions.par_iter().any(|one| touches_a_face(&self.plan.grid, one));
         self.plan.changes = in_cells.into_iter().map(|change| change * cell).collect();
         self.plan.extent = [extent.min.to_array(), extent.max.to_array()];
-        if self.paced() {
-            let points = shares.iter().zip(&times).map(|(share, t)| [*share, *t]).collect();
-            self.plan.pace = Curve::through(points).unwrap_or_else(Curve::line);
-        }
         Ok(clear)
     }
 }

@@ -4,7 +4,6 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
-use crate::attribute::ColourSpace;
 use crate::distance::band;
 use crate::distance::descent::Scope;
 use crate::distance::extent::{Estimate, estimate};
@@ -12,12 +11,13 @@ use crate::distance::nearest::{FieldFeet, Watch};
 use crate::distance::octree::{self, BuildError, DistanceObject};
 use crate::field::{Aabb, Field};
 use crate::grid::{Lattice, VoxelSize};
-use crate::morph::{self, Curve, Ease, Flow, Mode, MorphObject, Motion, Pace, Paper, Side, Similarity};
+use crate::morph::{self, MorphObject, Motion, Side, Similarity};
 
 use super::diagnostic::Diagnostic;
 use super::error::Problem;
-use super::frames::{FrameRange, in_ranges};
+use super::frames::in_ranges;
 use super::model::{Model, Morph, MorphMode, Shape, ShapeId};
+use super::morph_settings::settings;
 use super::number::{Moment, Number};
 use super::paint::Paint;
 use super::prepare::{Stop, box_of, sampled_frames, solid_box};
@@ -176,7 +176,7 @@ pub(super) struct Planned {
 
 /// Measures both objects and plans the morph. `voxel` is about a voxel's edge.
 pub(super) fn plan(
-    model: &Model,
+    model: &Arc<Model>,
     solids: &mut Solids,
     morph: &Morph,
     pair: Pair,
@@ -244,61 +244,6 @@ fn measured(
     Ok(MeasuredSide { distance: Arc::new(distance), paint })
 }
 
-fn settings(model: &Model, morph: &Morph) -> Result<morph::Settings, Problem> {
-    let FrameRange { first, last } = model.shot.range;
-    // Not held: a span may begin before the shot, or end after it.
-    let time = |frame: i64| (frame - first) as f64 / (last - first).max(1) as f64;
-    let span = |range: FrameRange| [time(range.first), time(range.last)];
-    let mode = match &morph.mode {
-        MorphMode::Volume { bridge, volume } => {
-            let pace = if morph.even_pace { Pace::Even } else { Pace::Time };
-            Mode::Flow(Flow { bridge: *bridge, pace, volume: volume_curve(model, morph, volume)? })
-        }
-        MorphMode::Paper { a, s, slab, round } => {
-            Mode::Paper(Paper { slab: *slab, time_scale: *s, a: *a, round: *round })
-        }
-    };
-    Ok(morph::Settings {
-        mode,
-        over: span(morph.over),
-        ease: if morph.smooth { Ease::Smooth } else { Ease::Linear },
-        colour_over: span(morph.colour_over),
-        octopus: morph.octopus,
-        alpha: morph.alpha,
-        beta: morph.beta,
-        colour_space: match morph.colour_space {
-            "rgb" => ColourSpace::Rgb,
-            "hsv" => ColourSpace::Hsv,
-            "lab" => ColourSpace::Lab,
-            "lch" => ColourSpace::Lch,
-            _ => ColourSpace::Oklab,
-        },
-    })
-}
-
-/// The factor on the volume over the morph's progress, exact at every frame; `None` where it is 1 all the way.
-fn volume_curve(model: &Model, morph: &Morph, volume: &Number) -> Result<Option<Curve>, Problem> {
-    /// How far formulas may miss 1 at the ends by rounding.
-    const ROUNDING: f64 = 1e-9;
-    if volume.as_constant() == Some(1.0) {
-        return Ok(None);
-    }
-    let over = morph.over;
-    let mut points = Vec::new();
-    for frame in sampled_frames(over) {
-        let at = volume.at(&model.moment(frame))?;
-        points.push([over.share(frame), if (at - 1.0).abs() < ROUNDING { 1.0 } else { at }]);
-    }
-    for ([_, at], frame) in [(points[0], over.first), (points[points.len() - 1], over.last)] {
-        if at != 1.0 {
-            let problem = format!("`morph.volume` is {at} at frame {frame}, and must be 1 there");
-            return Err(Problem::new(volume.span, problem)
-                .help("a morph begins and ends as its objects: keys such as { 1 = 1, 24 = 1.5, 48 = 1 }"));
-        }
-    }
-    Ok(Curve::through(points))
-}
-
 /// The box of F ≥ 0 over the whole shot: while the shape changes, as the morph knows it; before and after, of the
 /// object that is seen.
 pub(super) fn extent_over_shot(model: &Model, morph: &Morph, planned: &morph::Morph) -> Result<Aabb, Problem> {
@@ -326,7 +271,7 @@ pub(super) fn extent_over_shot(model: &Model, morph: &Morph, planned: &morph::Mo
 
 /// One warning that names the frames that hold nothing, as the papers' mode may have them next to its ends.
 pub(super) fn empty_frames(model: &Model, morph: &Morph, planned: &morph::Morph) -> Option<Diagnostic> {
-    if !matches!(morph.mode, MorphMode::Paper { .. }) {
+    if !matches!(morph.mode, MorphMode::Paper(_)) {
         return None;
     }
     let range = model.shot.range;
