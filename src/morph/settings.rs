@@ -47,6 +47,10 @@ impl Default for Settings {
 pub enum Mode {
     /// The volume goes evenly from one object's to the other's; a₀ follows from it.
     Flow(Flow),
+    /// (1 − t)·f₁ + t·f₂ of the two distances.
+    Linear(Pace),
+    /// Both objects at once between the ends, by max.
+    Union,
     /// All of the blend's parameters by hand, t as it comes; frames may be empty.
     Paper(OverTime<Paper>),
 }
@@ -210,6 +214,7 @@ impl Settings {
             match &self.mode {
                 Mode::Flow(flow) => flow.check(share, time)?,
                 Mode::Paper(paper) => paper.at(time).check()?,
+                Mode::Linear(_) | Mode::Union => {}
             }
             if let Ease::Keyed(progress) = &self.ease {
                 within("ease", progress.at(time), 0.0, 1.0)?;
@@ -282,7 +287,12 @@ pub enum Error {
     /// Neither object holds any volume that the coarse grid can see.
     Empty,
     /// The in-betweens reach too far outside both objects to be measured.
-    Spreads,
+    Spreads {
+        /// The scene time τ at which they first do.
+        time: f64,
+        /// STB's time there.
+        t: f64,
+    },
 }
 
 /// One of a morph's two objects.
@@ -321,9 +331,10 @@ impl fmt::Display for Error {
             Self::Empty => {
                 write!(f, "neither of the morph's objects holds any volume; check their formulas, sizes and places")
             }
-            Self::Spreads => write!(
+            Self::Spreads { t, .. } => write!(
                 f,
-                "the in-betweens spread far outside both objects; use a smaller `bridge` or less `volume` on the way"
+                "the in-betweens spread far outside both objects, first at t = {t:.3}; use a smaller \
+                 `bridge`, `volume` or `a0` there"
             ),
         }
     }

@@ -534,6 +534,43 @@ fn the_papers_mode_is_empty_next_to_its_ends() {
     assert_eq!(morph.stage(0.3).t(), 0.3);
 }
 
+/// The modes without space-time blending: their formulas, their volumes on the coarse grid, and their bounds.
+#[test]
+fn the_plain_modes_are_their_formulas() {
+    let (from, to) = (Exact::cube(-0.3, 0.5), Exact::ball(0.4, 0.6));
+    for (mode, t_of) in [(Mode::Linear(Pace::Time), 0.3), (Mode::Linear(Pace::Even), f64::NAN), (Mode::Union, 0.3)] {
+        let morph = morph_with(from.clone(), to.clone(), Settings { mode: mode.clone(), ..Settings::default() });
+        let (field, t) = (morph.field(0.3), morph.stage(0.3).t());
+        assert!(t_of.is_nan() || t == t_of, "{t}");
+        let points = random_points(12, 1.2);
+        let mut values = [0.0; BATCH];
+        field.evaluator().values(&points, &mut values);
+        for i in 0..BATCH {
+            let (one, two) = (from.reference(points.position(i)), to.reference(points.position(i)));
+            let wanted = if matches!(mode, Mode::Union) { one.max(two) } else { (1.0 - t) * one + t * two };
+            assert!(
+                (f64::from(values[i]) - wanted).abs() < 1e-6
+                    && (field.reference(points.position(i)) - wanted).abs() < 1e-9
+            );
+        }
+        let aabb = field.bounding_box().expect("a box");
+        assert!(points_outside(&aabb).all(|position| field.reference(position) < 0.0));
+        let volume = dense_volume(field.as_ref(), aabb.grown(0.05), 90);
+        let report = morph.report(&[0.0, 0.3, 1.0]);
+        assert!((report.frames[1].volume / volume - 1.0).abs() < 0.005, "{} for {volume}", report.frames[1].volume);
+        assert!((report.frames[0].volume - 1.0).abs() < 1e-3 && report.frames[1].target.is_none());
+        if let Mode::Linear(Pace::Even) = mode {
+            let report = morph.report(&frames(48));
+            assert!(report.largest_over_median < 2.0, "{}", report.largest_over_median);
+        }
+    }
+}
+
+fn points_outside(aabb: &Aabb) -> impl Iterator<Item = DVec3> {
+    let points = (0..20).map(|seed| random_points(seed, 2.0));
+    points.flat_map(|points| (0..BATCH).map(move |i| points.position(i))).filter(|position| !aabb.contains(*position))
+}
+
 #[test]
 fn the_same_bits_on_one_thread_and_two() {
     let plan = |threads: usize| {

@@ -417,6 +417,44 @@ fn a_morphs_ease_by_keys_and_formula() {
 }
 
 #[test]
+fn linear_blending_and_the_plain_union() {
+    let text = "frames = '1-9'\n[shape.a]\nsphere = 1\ncolor = 'red'\n[shape.b]\nbox = 1.4\ncolor = 'blue'\nmove = [0.6, 0, 0]\n\
+                [morph]\nfrom = 'a'\nto = 'b'\npace = 't'\n";
+    let scene =
+        |keys: &str| prepared_with(&format!("{text}{keys}\n"), Some(32)).unwrap_or_else(|error| panic!("{error}"));
+    let linear = scene("mode = 'linear'");
+    assert!(linear.warnings.is_empty(), "{}", linear.warnings);
+    // Along −x both distances are known: 1 − |x| of the ball, 0.7 − |x − 0.6| of the box.
+    for (frame, t) in [(2, 0.125), (5, 0.5), (8, 0.875)] {
+        for x in [-1.3, -0.95, -0.6] {
+            let wanted = (1.0 - t) * (1.0 - f64::abs(x)) + t * (0.7 - f64::abs(x - 0.6));
+            let found = value(&linear.frame(frame).unwrap(), x, 0.0, 0.0);
+            assert!((found - wanted).abs() < 2e-3, "{found} for {wanted} at {x}");
+        }
+    }
+    let union = prepared_with(&format!("{}mode = 'union'\n", text.replace("pace = 't'\n", "")), Some(32));
+    let union = union.unwrap_or_else(|error| panic!("{error}"));
+    let at = |frame: i64, x: f64, y: f64| value(&union.frame(frame).unwrap(), x, y, 0.0) > 0.0;
+    assert_eq!([at(1, -0.9, 0.0), at(1, 1.2, 0.6), at(9, -0.9, 0.0), at(9, 1.2, 0.6)], [true, false, false, true]);
+    for frame in [2, 5, 8] {
+        assert_eq!([at(frame, -0.9, 0.0), at(frame, 1.2, 0.6), at(frame, 1.2, 0.8)], [true, true, false]);
+    }
+    // Apart, nothing is left of a linear blend half way.
+    let apart = prepared_with(&format!("{}mode = 'linear'\n", text.replace("0.6", "5")), Some(32));
+    let warnings = apart.unwrap_or_else(|error| panic!("{error}")).warnings.to_string();
+    assert!(warnings.contains("the morph is empty in frames 3-") && warnings.contains("scene.toml:9:2"), "{warnings}");
+    assert!(warnings.contains("linear blending needs objects that overlap"), "{warnings}");
+}
+
+#[test]
+fn a_blend_without_end_is_said_with_its_frame() {
+    let keys = "mode = 'paper'\nslab = [-1, 2]\na0 = { 1 = 0.1, 5 = 1000 }";
+    let error = prepared_with(&format!("{BALLS}{keys}\n"), None).err().expect("it is refused").to_string();
+    assert!(error.contains("the in-betweens spread far outside both objects, first at t = "), "{error}");
+    assert!(error.contains(" (frame "), "{error}");
+}
+
+#[test]
 fn a_morphs_parameters_by_keys_and_formula() {
     let middle = |keys: &str, frame: i64| {
         let text = format!(
@@ -472,7 +510,11 @@ fn empty_frames_of_the_papers_mode_are_named_once() {
     for round in ["", "round = { a0 = -0.2, depth = 0.3 }\n"] {
         let scene = prepared_with(&format!("{text}{round}"), Some(24)).unwrap_or_else(|error| panic!("{error}"));
         let warnings = scene.warnings.to_string();
-        assert_eq!(warnings.matches("the morph is empty in frames 2-8\n --> scene.toml:6:2").count(), 1, "{warnings}");
+        assert_eq!(
+            warnings.matches("the morph is empty in frames 2-8 (t = 0.125 to 0.875)\n --> scene.toml:6:2").count(),
+            1,
+            "{warnings}"
+        );
     }
     let alive =
         prepared_with(&format!("{text}slab = [-1, 2]\ns = 0.25\na0 = 0.3\na1 = 2.5\na2 = 2.5\na3 = 0.3\n"), Some(24))

@@ -5,7 +5,7 @@ mod colours;
 mod morph;
 
 pub use colours::COLOURS;
-pub use morph::{MORPH, PAPER_ONLY, ROUND, VOLUME_ONLY};
+pub use morph::{BY_MODE, MORPH, ROUND};
 
 /// What a key takes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

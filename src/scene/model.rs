@@ -290,6 +290,10 @@ pub enum MorphMode {
         /// The factor on the volume of the straight way.
         volume: Number,
     },
+    /// (1 − t)·f₁ + t·f₂ of the two distances.
+    Linear,
+    /// Both objects at once on the way.
+    Union,
     /// The STB paper's numbers as given.
     Paper(Box<MorphPaper>),
 }

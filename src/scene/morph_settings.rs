@@ -18,15 +18,15 @@ const MOST_TRIED: usize = 10_000;
 
 /// The settings of a scene's morph, or what is wrong at which frame.
 pub(super) fn settings(model: &Arc<Model>, morph: &Morph) -> Result<morph::Settings, Problem> {
+    let pace = if morph.even_pace { Pace::Even } else { Pace::Time };
     let mode = match &morph.mode {
-        MorphMode::Volume { bridge, volume } => {
-            let pace = if morph.even_pace { Pace::Even } else { Pace::Time };
-            Mode::Flow(Flow {
-                bridge: over_time(model, bridge)?,
-                pace,
-                volume: volume_over_time(model, morph, volume)?,
-            })
-        }
+        MorphMode::Volume { bridge, volume } => Mode::Flow(Flow {
+            bridge: over_time(model, bridge)?,
+            pace,
+            volume: volume_over_time(model, morph, volume)?,
+        }),
+        MorphMode::Linear => Mode::Linear(pace),
+        MorphMode::Union => Mode::Union,
         MorphMode::Paper(numbers) => Mode::Paper(paper(model, numbers)?),
     };
     Ok(morph::Settings {
@@ -93,8 +93,7 @@ fn paper(model: &Arc<Model>, numbers: &MorphPaper) -> Result<OverTime<Paper>, Pr
             return Err(Problem::new(slab[0].span, problem));
         }
     }
-    let mut all = a.iter().chain([&s]).chain(&ends).chain(round.iter().flatten());
-    let still = all.all(OverTime::is_still);
+    let still = a.iter().chain([&s]).chain(&ends).chain(round.iter().flatten()).all(OverTime::is_still);
     let at = move |time: f64| Paper {
         slab: ends.each_ref().map(|end| end.at(time)),
         time_scale: s.at(time),

@@ -15,7 +15,7 @@ use crate::morph::{self, MorphObject, Motion, Side, Similarity};
 
 use super::diagnostic::Diagnostic;
 use super::error::Problem;
-use super::frames::in_ranges;
+use super::frames::{in_ranges, plain};
 use super::model::{Model, Morph, MorphMode, Shape, ShapeId};
 use super::morph_settings::settings;
 use super::number::{Moment, Number};
@@ -197,7 +197,11 @@ pub(super) fn plan(
             morph::Error::Unbounded(Side::To) => model.shape(morph.to).span,
             _ => morph.span,
         };
-        Problem::new(span, error.to_string())
+        let frame = match error {
+            morph::Error::Spreads { time, .. } => format!(" (frame {})", plain(model.shot.frame_at(time).round())),
+            _ => String::new(),
+        };
+        Problem::new(span, format!("{error}{frame}"))
     })?;
     Ok(Planned { morph: planned, has_colour, from: from_brush, to: to_brush, bytes })
 }
@@ -269,24 +273,30 @@ pub(super) fn extent_over_shot(model: &Model, morph: &Morph, planned: &morph::Mo
     all.ok_or_else(|| Problem::new(morph.span, "nothing is inside in any frame of the morph"))
 }
 
-/// One warning that names the frames that hold nothing, as the papers' mode may have them next to its ends.
+/// One warning that names the frames that hold nothing. Where a₀ follows from the volume there are none.
 pub(super) fn empty_frames(model: &Model, morph: &Morph, planned: &morph::Morph) -> Option<Diagnostic> {
-    if !matches!(morph.mode, MorphMode::Paper(_)) {
-        return None;
-    }
+    let help = match &morph.mode {
+        MorphMode::Volume { .. } | MorphMode::Union => return None,
+        MorphMode::Linear => {
+            "linear blending needs objects that overlap: move them together, or use `mode = \"volume\"`"
+        }
+        MorphMode::Paper(_) => {
+            "a wider `slab` such as [-1, 2], a smaller s and a3, greater a1 and a2, or `mode = \"volume\"`"
+        }
+    };
     let range = model.shot.range;
     let frames: Vec<i64> = sampled_frames(range).into_iter().map(|frame| frame.round() as i64).collect();
     let times: Vec<f64> = frames.iter().map(|frame| range.share(*frame as f64)).collect();
     let report = planned.report(&times);
-    let volumes = frames.into_iter().zip(&report.frames);
-    let empty: Vec<i64> = volumes.filter(|(_, report)| report.volume == 0.0).map(|(frame, _)| frame).collect();
-    if empty.is_empty() {
-        return None;
-    }
+    let empty: Vec<(i64, f64)> = frames
+        .into_iter()
+        .zip(&report.frames)
+        .filter(|(_, report)| report.volume == 0.0)
+        .map(|(frame, report)| (frame, report.t))
+        .collect();
+    let (first, last) = (empty.first()?.1, empty.last()?.1);
+    let numbers: Vec<i64> = empty.iter().map(|(frame, _)| *frame).collect();
     let count = if empty.len() == 1 { "frame" } else { "frames" };
-    let problem = format!("the morph is empty in {count} {}", in_ranges(&empty));
-    Some(
-        Diagnostic::warning(morph.span, problem)
-            .help("a wider `slab` such as [-1, 2], a smaller s and a3, greater a1 and a2, or `mode = \"volume\"`"),
-    )
+    let problem = format!("the morph is empty in {count} {} (t = {first:.3} to {last:.3})", in_ranges(&numbers));
+    Some(Diagnostic::warning(morph.span, problem).help(help))
 }

@@ -195,7 +195,7 @@ fn what_is_output() {
     only(&format!("{morph}[output]\nshape='b'\n"), "10:8 `output.shape` is not used: the morph is what is baked");
     only(&morph.replace("frames='1-9'", ""), "6:2 a morph needs the scene's `frames`; such as frames = \"1-48\"");
     only(&format!("{morph}a1 = 2\n"), "9:1 `a1` is for `mode = \"paper\"` only");
-    only(&format!("{morph}mode='paper'\nbridge = 2\n"), "10:1 `bridge` is not for `mode = \"paper\"`");
+    only(&format!("{morph}mode='paper'\nbridge = 2\n"), "10:1 `bridge` is for `mode = \"volume\"` only");
 }
 
 #[test]
@@ -358,8 +358,8 @@ fn a_morphs_ease_that_is_wrong() {
         "9:24 `morph.ease`: the key at frame 5 stands after the one at 9; frames rise from key to key",
     );
     only(&morph("ease = true"), "9:8 `morph.ease` must be a number, a formula or keys");
-    only(&morph("ease = 't^'"), "9:11 something is missing at the end");
-    assert!(matches!(self::model(&morph("ease = 't'")).content, Content::Morph(_)));
+    only(&morph("ease = 't^'"), "9:11 the formula ends where a number, name or `(` is expected");
+    assert!(matches!(model(&morph("ease = 't'")).content, Content::Morph(_)));
     only(&morph("mode = 'paper'\nslab = [1, 0]"), "10:8 `morph.slab` takes two numbers, [least, greatest]");
     only(&morph("mode = 'paper'\nslab = 1"), "10:8 `morph.slab` must be two numbers, [least, greatest]");
 }
@@ -464,7 +464,7 @@ fn what_a_morphs_mode_does_not_use() {
         format!("frames='1-9'\n[shape.a]\nsphere=1\n[shape.b]\nbox=1\n[morph]\nfrom='a'\nto='b'\n{keys}\n")
     };
     only(&morph("round = { a0 = -0.2 }"), "9:1 `round` is for `mode = \"paper\"` only");
-    only(&morph("mode = 'paper'\nvolume = 2"), "10:1 `volume` is not for `mode = \"paper\"`");
+    only(&morph("mode = 'paper'\nvolume = 2"), "10:1 `volume` is for `mode = \"volume\"` only");
     only(
         &morph("mode = 'paper'\nround = { reach = 1 }"),
         "10:9 `morph.round` has no `a0`; How much is added at the cut; a negative number takes away.",
@@ -473,6 +473,15 @@ fn what_a_morphs_mode_does_not_use() {
         &morph("mode = 'paper'\nround = { a0 = 1, depht = 1 }"),
         "10:19 unknown key `depht` in `morph.round`; did you mean `depth`?",
     );
+    only(
+        &morph("mode = 'paper'\npace = 't'"),
+        "10:1 `pace` is not for `mode = \"paper\"`; it goes with `volume` and `linear`",
+    );
+    only(
+        &morph("mode = 'union'\nease = 'smooth'"),
+        "10:1 `ease` is not for `mode = \"union\"`; it goes with `volume`, `paper` and `linear`",
+    );
+    only(&morph("mode = 'linear'\na0 = 1"), "10:1 `a0` is for `mode = \"paper\"` only");
     only(&morph("mode = 'paper'\na1 = -1"), "10:6 `morph.a1` must be greater than 0");
     only(&morph("volume = { 1 = 1, 5 = 0, 9 = 1 }"), "9:23 `morph.volume.5` must be from 0.001 to 100");
 }

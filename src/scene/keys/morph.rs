@@ -9,9 +9,9 @@ pub const MORPH: &[Key] = &[
     Key::new("to", Kind::Shape, Required, "What it is at the last frame."),
     Key::new(
         "mode",
-        Kind::Choice(&["volume", "paper"]),
+        Kind::Choice(&["volume", "paper", "linear", "union"]),
         Text("volume"),
-        "`volume`: the volume runs evenly from the one's to the other's. `paper`: a0 … a3 and s as given.",
+        "How the shape changes. `volume`: space-time blending, the volume runs evenly from the one's to the other's. `paper`: the same with a0 … a3 and s as given. `linear`: (1 − t)·f₁ + t·f₂ of the two distances; objects that lie apart vanish on the way. `union`: both objects at once on the way, by max, so it jumps at both ends: what space-time blending smooths out.",
     ),
     Key::new(
         "bridge",
@@ -104,8 +104,10 @@ pub const ROUND: &[Key] = &[
         .also(&["P_c"]),
 ];
 
-/// Keys of `[morph]` that only `mode = "paper"` uses.
-pub const PAPER_ONLY: &[&str] = &["a0", "a1", "a2", "a3", "s", "slab", "round"];
-
-/// Keys of `[morph]` that only `mode = "volume"` uses.
-pub const VOLUME_ONLY: &[&str] = &["bridge", "volume", "pace"];
+/// Keys of `[morph]` that not all modes use, with the modes that do.
+pub const BY_MODE: &[(&[&str], &[&str])] = &[
+    (&["a0", "a1", "a2", "a3", "s", "slab", "round"], &["paper"]),
+    (&["bridge", "volume"], &["volume"]),
+    (&["pace"], &["volume", "linear"]),
+    (&["ease"], &["volume", "paper", "linear"]),
+];

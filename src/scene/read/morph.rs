@@ -35,7 +35,7 @@ impl<'r, 'a> Building<'r, 'a> {
                 largest_only: fields.choice("keep") == Some("largest"),
                 least_volume: fields.constant("min_piece").unwrap_or(0.0),
             },
-            even_pace: matches!(mode, MorphMode::Volume { .. }) && fields.choice("pace") == Some("even"),
+            even_pace: fields.choice("pace") == Some("even"),
             mode,
             ease: self.ease(&fields),
             octopus: fields.flag("octopus"),
@@ -51,24 +51,16 @@ impl<'r, 'a> Building<'r, 'a> {
     }
 
     fn morph_mode(&self, fields: &Fields<'r, 'a>) -> MorphMode {
-        let paper = fields.choice("mode") == Some("paper");
-        if !paper {
-            for name in keys::PAPER_ONLY {
-                if let Some(entry) = fields.entry(name) {
-                    let problem = format!("`{}` is for `mode = \"paper\"` only", entry.key);
-                    self.reader.say(Diagnostic::error(entry.key_span, problem));
-                }
+        let mode = fields.choice("mode").unwrap_or("volume");
+        self.keys_of_mode(fields, mode);
+        match mode {
+            "linear" => return MorphMode::Linear,
+            "union" => return MorphMode::Union,
+            "volume" => {
+                let (bridge, volume) = (fields.required_number("bridge"), fields.required_number("volume"));
+                return MorphMode::Volume { bridge, volume };
             }
-            return MorphMode::Volume {
-                bridge: fields.required_number("bridge"),
-                volume: fields.required_number("volume"),
-            };
-        }
-        for name in keys::VOLUME_ONLY {
-            if let Some(entry) = fields.entry(name) {
-                let problem = format!("`{name}` is not for `mode = \"paper\"`");
-                self.reader.say(Diagnostic::error(entry.key_span, problem));
-            }
+            _ => {}
         }
         MorphMode::Paper(Box::new(MorphPaper {
             a: ["a0", "a1", "a2", "a3"].map(|name| fields.required_number(name)),
@@ -76,6 +68,24 @@ impl<'r, 'a> Building<'r, 'a> {
             slab: self.slab(fields),
             round: fields.value("round").and_then(|value| self.round(value)),
         }))
+    }
+
+    /// Says which keys the mode does not use.
+    fn keys_of_mode(&self, fields: &Fields<'r, 'a>, mode: &str) {
+        let others = keys::BY_MODE.iter().filter(|(_, modes)| !modes.contains(&mode));
+        for (name, modes) in others.flat_map(|(names, modes)| names.iter().map(move |name| (*name, *modes))) {
+            let Some(entry) = fields.entry(name) else { continue };
+            self.reader.say(match modes {
+                [only] => {
+                    let problem = format!("`{}` is for `mode = \"{only}\"` only", entry.key);
+                    Diagnostic::error(entry.key_span, problem)
+                }
+                _ => {
+                    let problem = format!("`{}` is not for `mode = \"{mode}\"`", entry.key);
+                    Diagnostic::error(entry.key_span, problem).help(format!("it goes with {}", all_of(modes)))
+                }
+            });
+        }
     }
 
     /// `"linear"`, `"smooth"`, or the progress itself.
@@ -203,6 +213,16 @@ impl<'r, 'a> Building<'r, 'a> {
                 None
             }
         }
+    }
+}
+
+/// `a`, `b` and `c`.
+fn all_of(names: &[&str]) -> String {
+    let quoted: Vec<String> = names.iter().map(|name| format!("`{name}`")).collect();
+    match quoted.split_last() {
+        Some((last, [])) => last.clone(),
+        Some((last, others)) => format!("{} and {last}", others.join(", ")),
+        None => String::new(),
     }
 }
 
