@@ -38,6 +38,11 @@ impl Expression {
         Self { asked: Asked::Value, ..self }
     }
 
+    /// The same field, known to be negative outside of a box: for what construction cannot tell.
+    pub fn known_within(self, aabb: Aabb) -> Self {
+        Self { bounds: Some(aabb), ..self }
+    }
+
     /// How many operations it has.
     pub fn operations(&self) -> usize {
         self.program.ops.len()

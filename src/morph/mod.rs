@@ -6,9 +6,12 @@
 
 mod coarse;
 mod motion;
+mod over_time;
 mod pace;
+mod plain;
 mod plan;
 mod real;
+mod report;
 mod section;
 mod settings;
 mod stb;
@@ -17,8 +20,10 @@ mod volume;
 
 pub use coarse::CoarseGrid;
 pub use motion::{Motion, Moved, Similarity};
+pub use over_time::OverTime;
 pub use pace::Curve;
-pub use plan::{FrameReport, Morph, MorphObject, Plan, Report, Stage};
+pub use plan::{Morph, MorphObject, Plan, Stage};
+pub use report::{FrameReport, Report};
 pub use section::{Round, Section};
 pub use settings::{Ease, Error, Flow, Mode, Pace, Paper, Settings, Side};
 pub use stb::Stb;

@@ -1,10 +1,10 @@
 //! An object's own motion: similarities over scene time, and fields, distances and colours seen through one.
 
-use std::fmt;
 use std::sync::Arc;
 
 use glam::{DMat3, DVec3, Mat3, Vec3};
 
+use super::over_time::OverTime;
 use crate::attribute::{Colour, ColourSampler, MappedSampler, SpaceMap};
 use crate::distance::{Distance, Foot};
 use crate::field::{Aabb, BATCH, Evaluator, Field, Gradients, Interval, Points, Slope};
@@ -52,6 +52,12 @@ impl Similarity {
     pub fn box_to_object(&self, aabb: Aabb) -> Aabb {
         let half = absolute(self.rotation.transpose()) * (aabb.size() * 0.5) / self.scale;
         around(self.to_object(aabb.centre()), half)
+    }
+}
+
+impl Default for Similarity {
+    fn default() -> Self {
+        Self::IDENTITY
     }
 }
 
@@ -118,54 +124,7 @@ fn rotate(turn: Mat3, from: [&[f32; BATCH]; 3], to: [&mut [f32; BATCH]; 3]) {
 }
 
 /// Where an object stands at each scene time τ (0 at the shot's first frame, 1 at its last).
-#[derive(Clone)]
-pub struct Motion(Way);
-
-#[derive(Clone)]
-enum Way {
-    Still(Similarity),
-    Moving(Arc<dyn Fn(f64) -> Similarity + Send + Sync>),
-}
-
-impl Motion {
-    /// Always at one place.
-    pub fn still(placement: Similarity) -> Self {
-        Self(Way::Still(placement))
-    }
-
-    /// At `placement(τ)`, a pure function of scene time.
-    pub fn moving(placement: impl Fn(f64) -> Similarity + Send + Sync + 'static) -> Self {
-        Self(Way::Moving(Arc::new(placement)))
-    }
-
-    /// The placement at scene time τ.
-    pub fn at(&self, time: f64) -> Similarity {
-        match &self.0 {
-            Way::Still(placement) => *placement,
-            Way::Moving(placement) => placement(time),
-        }
-    }
-
-    /// Whether the object never moves.
-    pub fn is_still(&self) -> bool {
-        matches!(self.0, Way::Still(_))
-    }
-}
-
-impl Default for Motion {
-    fn default() -> Self {
-        Self::still(Similarity::IDENTITY)
-    }
-}
-
-impl fmt::Debug for Motion {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match &self.0 {
-            Way::Still(placement) => f.debug_tuple("Still").field(placement).finish(),
-            Way::Moving(_) => f.write_str("Moving"),
-        }
-    }
-}
+pub type Motion = OverTime<Similarity>;
 
 /// A field, distance or colour of an object's space, standing in the world.
 pub struct Moved<T: ?Sized> {

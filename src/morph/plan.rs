@@ -9,11 +9,14 @@ use serde::{Deserialize, Serialize};
 use super::coarse::{CoarseGrid, Measured};
 use super::motion::{Motion, Moved};
 use super::pace::{Curve, Even, even};
+use super::plain;
 use super::section::Section;
-use super::settings::{Error, Mode, Pace, Settings, Side};
+use super::settings::{Ease, Error, Mode, Pace, Settings, Side};
 use super::stb::Stb;
 use super::stti::{MorphColour, Transfer};
-use super::volume::{Enclosing, Volume, difference, object_cells, object_fractions, total};
+use super::volume::{
+    Enclosing, Volume, difference, linear_fractions, object_cells, object_fractions, total, union_fractions,
+};
 use crate::attribute::{Colour, LinearRgb, Mixer, Turn};
 use crate::distance::Distance;
 use crate::field::{Aabb, BATCH, Field, Points};
@@ -45,7 +48,7 @@ pub struct Plan {
     pub unit: f64,
     /// Where volume and change are measured.
     pub grid: CoarseGrid,
-    /// STB's time t over the morph's progress, both in \[0, 1\].
+    /// STB's time t over the morph's eased progress, both in \[0, 1\].
     pub pace: Curve,
     /// The change of volume from each of the plan's steps to the next, cubic world units.
     pub changes: Vec<f64>,
@@ -62,6 +65,10 @@ pub enum Stage {
     From,
     /// A section of the blend.
     Between(Section),
+    /// (1 − t)·f₁ + t·f₂ at this t.
+    Linear(f64),
+    /// Both objects, at this t.
+    Union(f64),
     /// The object at the end, as it is.
     To,
 }
@@ -72,37 +79,10 @@ impl Stage {
         match self {
             Self::From => 0.0,
             Self::Between(section) => section.t,
+            Self::Linear(t) | Self::Union(t) => *t,
             Self::To => 1.0,
         }
     }
-}
-
-/// Numbers on one frame, volumes in cubic world units, measured on the coarse grid.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct FrameReport {
-    /// Scene time τ.
-    pub time: f64,
-    /// STB's time t.
-    pub t: f64,
-    /// The blend's amount.
-    pub a0: f64,
-    /// The volume that the frame is to have; `None` in the papers' mode.
-    pub target: Option<f64>,
-    /// The volume that it has.
-    pub volume: f64,
-    /// What lies in this frame or in the one before, but not in both; 0 in the first.
-    pub change: f64,
-}
-
-/// Numbers on a sequence of frames.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Report {
-    /// One entry a frame, in order.
-    pub frames: Vec<FrameReport>,
-    /// The median of the changes.
-    pub median_change: f64,
-    /// The largest change over the median; a morph without pops stays under 2.
-    pub largest_over_median: f64,
 }
 
 /// Two objects, and how one becomes the other.
@@ -112,7 +92,7 @@ pub struct Morph {
     pub(super) settings: Settings,
     plan: Plan,
     /// The coarse grid's distances, where no object moves.
-    still: Option<Measured>,
+    pub(super) still: Option<Measured>,
 }
 
 impl Morph {
@@ -122,18 +102,18 @@ impl Morph {
         let boxes = [object_box(&from, &settings, Side::From)?, object_box(&to, &settings, Side::To)?];
         let both = boxes[0].union(boxes[1]);
         let unit = both.size().length() * 0.5;
-        let mut margin = MARGINS[0];
+        let (mut margin, mut spreads) = (MARGINS[0], [0.0; 2]);
         while margin <= MARGINS[1] {
             let grid = CoarseGrid::over(both.grown(margin * unit));
             let plan =
                 Plan { unit, grid, pace: Curve::line(), changes: Vec::new(), extent: [[0.0; 3]; 2], turn: Turn::Up };
             let mut morph = Self { from: from.clone(), to: to.clone(), settings: settings.clone(), plan, still: None };
-            if morph.make_plan()? {
-                return Ok(morph);
-            }
+            let Some(at) = morph.make_plan()? else { return Ok(morph) };
+            spreads = at;
             margin *= 2.0;
         }
-        Err(Error::Spreads)
+        let [time, t] = spreads;
+        Err(Error::Spreads { time, t })
     }
 
     /// A morph whose plan was made before, from the same objects and settings.
@@ -157,7 +137,7 @@ impl Morph {
 
     /// What the morph shows at scene time τ.
     pub fn stage(&self, time: f64) -> Stage {
-        let (progress, t) = (self.progress(time), self.time_at(time));
+        let t = self.time_at(time);
         if t <= 0.0 {
             return Stage::From;
         }
@@ -165,13 +145,15 @@ impl Morph {
             return Stage::To;
         }
         match &self.settings.mode {
-            Mode::Paper(paper) => Stage::Between(paper.section(t)),
+            Mode::Paper(paper) => Stage::Between(paper.at(time).section(t)),
+            Mode::Linear(_) => Stage::Linear(t),
+            Mode::Union => Stage::Union(t),
             Mode::Flow(flow) => {
                 let a0 = match &self.still {
-                    Some(measured) => self.enclosing(measured, progress, t).a0,
-                    None => self.enclosing(&self.measure(time), progress, t).a0,
+                    Some(measured) => self.enclosing(measured, time, t).a0,
+                    None => self.enclosing(&self.measure(time), time, t).a0,
                 };
-                Stage::Between(Section { a0, ..flow.section(t) })
+                Stage::Between(Section { a0, ..flow.section(t, time) })
             }
         }
     }
@@ -183,6 +165,8 @@ impl Morph {
         match self.stage(time) {
             Stage::From => own(&self.from),
             Stage::To => own(&self.to),
+            Stage::Linear(t) => plain::linear(Arc::new(placed(&self.from)), Arc::new(placed(&self.to)), t),
+            Stage::Union(_) => plain::union(own(&self.from), own(&self.to)),
             Stage::Between(section) => {
                 Arc::new(Stb::new(Arc::new(placed(&self.from)), Arc::new(placed(&self.to)), self.plan.unit, &section))
             }
@@ -209,15 +193,15 @@ impl Morph {
         if t >= 1.0 && colour_time == 1.0 {
             return Arc::new(to);
         }
-        let Settings { alpha, beta, colour_space, .. } = self.settings;
+        let Settings { alpha, beta, colour_space, .. } = &self.settings;
         Arc::new(MorphColour {
             first: Arc::new(distance(&self.from)),
             second: Arc::new(distance(&self.to)),
             from: Arc::new(from),
             to: Arc::new(to),
             unit: self.plan.unit,
-            transfer: Transfer { time: colour_time, alpha, beta },
-            mixer: Mixer::new(colour_space, self.plan.turn),
+            transfer: Transfer { time: colour_time, alpha: alpha.at(time), beta: beta.at(time) },
+            mixer: Mixer::new(*colour_space, self.plan.turn),
         })
     }
 
@@ -228,91 +212,52 @@ impl Morph {
         if self.settings.octopus { colour_time } else { colour_time.min(1.0) }
     }
 
-    /// Numbers on the frames at some scene times, in order.
-    pub fn report(&self, times: &[f64]) -> Report {
-        let measured: Vec<(FrameReport, Vec<f32>)> = times.par_iter().map(|time| self.frame_report(*time)).collect();
-        let cell = self.plan.grid.cell_volume();
-        let changes: Vec<f64> = measured.par_windows(2).map(|two| difference(&two[0].1, &two[1].1) * cell).collect();
-        let mut frames: Vec<FrameReport> = measured.into_iter().map(|(frame, _)| frame).collect();
-        for (frame, change) in frames.iter_mut().skip(1).zip(&changes) {
-            frame.change = *change;
-        }
-        let mut sorted = changes;
-        sorted.sort_by(f64::total_cmp);
-        let median_change = sorted.get(sorted.len() / 2).copied().unwrap_or(0.0);
-        let largest = sorted.last().copied().unwrap_or(0.0);
-        let largest_over_median = if median_change > 0.0 { largest / median_change } else { 0.0 };
-        Report { frames, median_change, largest_over_median }
-    }
-
-    fn frame_report(&self, time: f64) -> (FrameReport, Vec<f32>) {
-        let fresh = if self.still.is_none() { Some(self.measure(time)) } else { None };
-        let measured = fresh.as_ref().or(self.still.as_ref()).expect("one of both is there");
-        let (progress, t) = (self.progress(time), self.time_at(time));
-        let Enclosing { a0, fractions } = self.enclosing(measured, progress, t);
-        let cell = self.plan.grid.cell_volume();
-        let target = match &self.settings.mode {
-            Mode::Flow(_) => Some(self.target(measured, progress, t) * cell),
-            Mode::Paper(_) => None,
-        };
-        let volume = total(&fractions) * cell;
-        (FrameReport { time, t, a0, target, volume, change: 0.0 }, fractions)
-    }
-
     /// STB's t at scene time τ, in \[0, 1\].
-    fn time_at(&self, time: f64) -> f64 {
-        let progress = self.progress(time);
-        // Even pace has its ease in its curve.
-        self.plan.pace.at(if self.paced() { progress } else { self.settings.ease.at(progress) })
-    }
-
-    /// How far the change of shape is along its span, without ease or pace, in \[0, 1\].
-    fn progress(&self, time: f64) -> f64 {
-        let [start, end] = self.settings.over;
-        ((time - start) / (end - start)).clamp(0.0, 1.0)
-    }
-
-    fn time_of(&self, progress: f64) -> f64 {
-        let [start, end] = self.settings.over;
-        start + progress * (end - start)
+    pub(super) fn time_at(&self, time: f64) -> f64 {
+        self.plan.pace.at(self.settings.eased(time))
     }
 
     fn paced(&self) -> bool {
-        matches!(&self.settings.mode, Mode::Flow(flow) if flow.pace == Pace::Even)
+        match &self.settings.mode {
+            Mode::Flow(flow) => flow.pace == Pace::Even,
+            Mode::Linear(pace) => *pace == Pace::Even,
+            Mode::Paper(_) | Mode::Union => false,
+        }
     }
 
-    /// The blend's amount at t and what it encloses; at the ends, 0 and the object.
-    fn enclosing(&self, measured: &Measured, progress: f64, t: f64) -> Enclosing {
-        let grid = &self.plan.grid;
-        let own =
-            |distances: &[f32]| Enclosing { a0: 0.0, fractions: object_fractions(grid, distances, self.plan.unit) };
+    /// The blend's amount at t and scene time τ, and what it encloses; at the ends, 0 and the object.
+    pub(super) fn enclosing(&self, measured: &Measured, time: f64, t: f64) -> Enclosing {
+        let (grid, unit) = (&self.plan.grid, self.plan.unit);
+        let plain = |fractions| Enclosing { a0: 0.0, fractions };
         if t <= 0.0 {
-            return own(&measured.first);
+            return plain(object_fractions(grid, &measured.first, unit));
         }
         if t >= 1.0 {
-            return own(&measured.second);
+            return plain(object_fractions(grid, &measured.second, unit));
         }
         match &self.settings.mode {
-            Mode::Paper(paper) => Volume::new(grid, measured, self.plan.unit, paper.section(t)).as_it_is(),
+            Mode::Linear(_) => plain(linear_fractions(grid, measured, unit, t)),
+            Mode::Union => plain(union_fractions(grid, measured, unit)),
+            Mode::Paper(paper) => Volume::new(grid, measured, unit, paper.at(time).section(t)).as_it_is(),
             Mode::Flow(flow) => {
-                let volume = Volume::new(grid, measured, self.plan.unit, flow.section(t));
-                volume.enclosing(self.target(measured, progress, t))
+                let volume = Volume::new(grid, measured, unit, flow.section(t, time));
+                volume.enclosing(self.target(measured, time, t))
             }
         }
     }
 
-    /// The volume at t, in cells.
-    fn target(&self, measured: &Measured, progress: f64, t: f64) -> f64 {
+    /// The volume at t and scene time τ, in cells.
+    pub(super) fn target(&self, measured: &Measured, time: f64, t: f64) -> f64 {
         let own = |distances: &[f32]| object_cells(&self.plan.grid, distances, self.plan.unit);
         let (first, second) = (own(&measured.first), own(&measured.second));
         let factor = match &self.settings.mode {
-            Mode::Flow(flow) => flow.volume.as_ref().map_or(1.0, |curve| curve.at(progress)),
-            Mode::Paper(_) => 1.0,
+            Mode::Flow(flow) => flow.volume.at(time),
+            _ => 1.0,
         };
         ((1.0 - t) * first + t * second) * factor
     }
 
-    fn measure(&self, time: f64) -> Measured {
+    pub(super) fn measure(&self, time: f64) -> Measured {
         let first = Moved::new(self.from.distance.clone(), self.from.motion.at(time));
         let second = Moved::new(self.to.distance.clone(), self.to.motion.at(time));
         Measured::new(&self.plan.grid, &first, &second, self.plan.unit)
@@ -341,48 +286,66 @@ impl Morph {
         [mean(0), mean(1), mean(2)]
     }
 
-    /// Paces the morph and finds its extent. False where it reaches a face of the coarse grid.
-    fn make_plan(&mut self) -> Result<bool, Error> {
+    /// Paces the morph and finds its extent. Gives the scene time and t at which it first reaches a face of the coarse
+    /// grid, if it does.
+    fn make_plan(&mut self) -> Result<Option<[f64; 2]>, Error> {
         self.measure_still();
-        let shares: Vec<f64> = (0..=STEPS).map(|step| step as f64 / STEPS as f64).collect();
+        let progress: Vec<f64> = (0..=STEPS).map(|step| step as f64 / STEPS as f64).collect();
+        let scene: Vec<f64> =
+            self.settings.shares_of(&progress).into_iter().map(|share| self.settings.time_of(share)).collect();
         let samples: Vec<Measured> = match &self.still {
             Some(_) => Vec::new(),
-            None => shares.iter().map(|share| self.measure(self.time_of(*share))).collect(),
+            None => scene.iter().map(|time| self.measure(*time)).collect(),
         };
-        let progress: Vec<f64> = shares.iter().map(|share| self.settings.ease.at(*share)).collect();
         let at = |step: usize| self.still.as_ref().unwrap_or_else(|| &samples[step]);
-        let ends = [self.enclosing(at(0), 0.0, 0.0), self.enclosing(at(STEPS), 1.0, 1.0)];
+        let ends = [self.enclosing(at(0), scene[0], 0.0), self.enclosing(at(STEPS), scene[STEPS], 1.0)];
         if ends.iter().all(|end| total(&end.fractions) <= 0.0) {
             return Err(Error::Empty);
         }
         let all = |times: &[f64]| -> Vec<Vec<f32>> {
-            let step = |step: usize| self.enclosing(at(step), shares[step], times[step]).fractions;
+            let step = |step: usize| self.enclosing(at(step), scene[step], times[step]).fractions;
             (0..=STEPS).into_par_iter().map(step).collect()
         };
         let changes = |times: &[f64]| -> (Vec<f64>, Vec<Vec<f32>>) {
             let fractions = all(times);
             (fractions.par_windows(2).map(|two| difference(&two[0], &two[1])).collect(), fractions)
         };
-        let Even { times, changes: in_cells, measured: fractions } = if self.paced() {
+        let Even { times, changes: in_cells, measured: mut fractions } = if self.paced() {
             even(&progress, changes)
         } else {
             let (changes, measured) = changes(&progress);
-            Even { times: progress, changes, measured }
+            Even { times: progress.clone(), changes, measured }
         };
         let [start, end] = self.settings.over;
         let from = self.mean_colour(&self.from, start, &at(0).first);
         let to = self.mean_colour(&self.to, end, &at(STEPS).second);
         self.plan.turn = Turn::between(self.settings.colour_space, from, to);
-        let cell = self.plan.grid.cell_volume();
-        let extent = extent(&self.plan.grid, &fractions);
-        let clear = !fractions.par_iter().any(|one| touches_a_face(&self.plan.grid, one));
-        self.plan.changes = in_cells.into_iter().map(|change| change * cell).collect();
-        self.plan.extent = [extent.min.to_array(), extent.max.to_array()];
         if self.paced() {
-            let points = shares.iter().zip(&times).map(|(share, t)| [*share, *t]).collect();
+            let points = progress.iter().zip(&times).map(|(progress, t)| [*progress, *t]).collect();
             self.plan.pace = Curve::through(points).unwrap_or_else(Curve::line);
         }
-        Ok(clear)
+        if let Ease::Keyed(_) = self.settings.ease {
+            // A progress may be reached several times, while all else goes on.
+            fractions.extend(
+                (0..=STEPS)
+                    .into_par_iter()
+                    .map(|step| {
+                        let time = self.settings.time_of(progress[step]);
+                        self.frame_report(time).1
+                    })
+                    .collect::<Vec<_>>(),
+            );
+        }
+        let cell = self.plan.grid.cell_volume();
+        let extent = extent(&self.plan.grid, &fractions);
+        let spreads = fractions.par_iter().position_first(|one| touches_a_face(&self.plan.grid, one));
+        let spreads = spreads.map(|step| {
+            let time = scene.get(step).copied().unwrap_or_else(|| self.settings.time_of(progress[step - STEPS - 1]));
+            [time, self.time_at(time)]
+        });
+        self.plan.changes = in_cells.into_iter().map(|change| change * cell).collect();
+        self.plan.extent = [extent.min.to_array(), extent.max.to_array()];
+        Ok(spreads)
     }
 }
 

@@ -2,12 +2,12 @@
 
 use std::fmt;
 
-use super::pace::Curve;
+use super::over_time::OverTime;
 use super::section::{Round, Section};
 use crate::attribute::ColourSpace;
 
 /// How a morph runs.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct Settings {
     /// How the shape changes.
     pub mode: Mode,
@@ -20,9 +20,9 @@ pub struct Settings {
     /// Colour runs on past its end (STTI's octopus effect): the second object's creeps outward.
     pub octopus: bool,
     /// STTI's α, ≥ 0: near 0 the shapes drive the colour, from 3 on time alone.
-    pub alpha: f64,
+    pub alpha: OverTime<f64>,
     /// STTI's β in \[0, 1\]: below 0.5 the second object's colour comes sooner, above it the first's holds on longer.
-    pub beta: f64,
+    pub beta: OverTime<f64>,
     /// Where the two colours are mixed.
     pub colour_space: ColourSpace,
 }
@@ -35,37 +35,40 @@ impl Default for Settings {
             ease: Ease::Linear,
             colour_over: [0.0, 1.0],
             octopus: false,
-            alpha: 0.3,
-            beta: 0.5,
+            alpha: 0.3.into(),
+            beta: 0.5.into(),
             colour_space: ColourSpace::Oklab,
         }
     }
 }
 
 /// How the shape changes.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub enum Mode {
     /// The volume goes evenly from one object's to the other's; a₀ follows from it.
     Flow(Flow),
+    /// (1 − t)·f₁ + t·f₂ of the two distances.
+    Linear(Pace),
+    /// Both objects at once between the ends, by max.
+    Union,
     /// All of the blend's parameters by hand, t as it comes; frames may be empty.
-    Paper(Paper),
+    Paper(OverTime<Paper>),
 }
 
 /// A morph that keeps to a volume.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct Flow {
     /// 0.05: one shape shrinks while the other grows; 0.5: separate objects flow through one body; 1.5: more so.
-    pub bridge: f64,
+    pub bridge: OverTime<f64>,
     /// How t follows the morph's progress.
     pub pace: Pace,
-    /// A factor on the volume over the morph's progress (0 to 1, even in scene time whatever ease and pace do to t),
-    /// 1 at both ends; `None` is 1 all the way.
-    pub volume: Option<Curve>,
+    /// A factor on the volume over scene time, whatever ease and pace do to t; 1 at both ends of the span.
+    pub volume: OverTime<f64>,
 }
 
 impl Default for Flow {
     fn default() -> Self {
-        Self { bridge: 0.5, pace: Pace::Even, volume: None }
+        Self { bridge: 0.5.into(), pace: Pace::Even, volume: 1.0.into() }
     }
 }
 
@@ -98,22 +101,69 @@ impl Default for Paper {
 }
 
 /// How fast progress is made.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug)]
 pub enum Ease {
     /// Evenly.
     Linear,
     /// Slowly at both ends: 3u² − 2u³.
     Smooth,
+    /// The progress itself, in \[0, 1\], at each scene time of the span; it may rest and go back.
+    Keyed(OverTime<f64>),
 }
 
-impl Ease {
-    /// Progress at u, both in \[0, 1\].
-    pub fn at(self, u: f64) -> f64 {
-        match self {
-            Self::Linear => u,
-            Self::Smooth => u * u * (3.0 - 2.0 * u),
+/// At how many times of the span a keyed ease is looked at, to find when it first reaches a progress. Fewer miss what
+/// comes and goes within a few frames.
+const EASE_STEPS: usize = 960;
+
+impl Settings {
+    /// The eased progress of shape at scene time τ, in \[0, 1\].
+    pub(super) fn eased(&self, time: f64) -> f64 {
+        let u = self.share(time);
+        match &self.ease {
+            Ease::Linear => u,
+            Ease::Smooth => smooth(u),
+            Ease::Keyed(progress) => progress.at(self.time_of(u)).clamp(0.0, 1.0),
         }
     }
+
+    /// Where a scene time lies in the span of the shape's change, in \[0, 1\].
+    pub(super) fn share(&self, time: f64) -> f64 {
+        let [start, end] = self.over;
+        ((time - start) / (end - start)).clamp(0.0, 1.0)
+    }
+
+    /// The scene time at a share of the span.
+    pub(super) fn time_of(&self, share: f64) -> f64 {
+        let [start, end] = self.over;
+        start + share * (end - start)
+    }
+
+    /// For each progress, rising from 0 to 1, the share of the span at which it is first reached; 1 where it never is.
+    pub(super) fn shares_of(&self, progress: &[f64]) -> Vec<f64> {
+        if let Ease::Linear = self.ease {
+            return progress.to_vec();
+        }
+        let step = |i: usize| i as f64 / EASE_STEPS as f64;
+        let eased: Vec<f64> = (0..=EASE_STEPS).map(|i| self.eased(self.time_of(step(i)))).collect();
+        let first = |progress: &f64| match eased.iter().position(|eased| eased >= progress) {
+            None => 1.0,
+            Some(0) => 0.0,
+            Some(after) => {
+                let (mut low, mut high) = (step(after - 1), step(after));
+                for _ in 0..40 {
+                    let middle = 0.5 * (low + high);
+                    if self.eased(self.time_of(middle)) >= *progress { high = middle } else { low = middle }
+                }
+                high
+            }
+        };
+        progress.iter().map(first).collect()
+    }
+}
+
+/// 3u² − 2u³.
+fn smooth(u: f64) -> f64 {
+    u * u * (3.0 - 2.0 * u)
 }
 
 /// The slab, time scale and reach that keep the first and last frames alive and whole.
@@ -124,8 +174,8 @@ const FLOW_REACH: f64 = 2.5;
 const LEAST_BRIDGE: f64 = 0.05;
 
 impl Flow {
-    /// The section at t, with an a₀ still to be found.
-    pub(super) fn section(&self, t: f64) -> Section {
+    /// The section at t and scene time τ, with an a₀ still to be found.
+    pub(super) fn section(&self, t: f64, time: f64) -> Section {
         let sin = libm::sin(std::f64::consts::PI * t);
         Section {
             t,
@@ -134,7 +184,7 @@ impl Flow {
             a0: 0.0,
             a1: FLOW_REACH,
             a2: FLOW_REACH,
-            a3: LEAST_BRIDGE + (self.bridge - LEAST_BRIDGE) * sin * sin,
+            a3: LEAST_BRIDGE + (self.bridge.at(time) - LEAST_BRIDGE) * sin * sin,
             round: None,
         }
     }
@@ -148,34 +198,42 @@ impl Paper {
 }
 
 impl Settings {
-    /// What is out of range, if anything is.
+    /// What is out of range, if anything is; what changes over time is looked at on the way.
     pub fn check(&self) -> Result<(), Error> {
-        within("alpha", self.alpha, 0.0, 1e6)?;
-        within("beta", self.beta, 0.0, 1.0)?;
         for (name, over) in [("over", self.over), ("color_over", self.colour_over)] {
             let spans = over.iter().all(|time| time.is_finite()) && over[0] < over[1];
             if !spans {
                 return Err(Error::Span { name, from: over[0], to: over[1] });
             }
         }
-        match &self.mode {
-            Mode::Flow(flow) => flow.check(),
-            Mode::Paper(paper) => paper.check(),
+        for step in 0..=CHECKS {
+            let share = step as f64 / CHECKS as f64;
+            let time = self.time_of(share);
+            within("alpha", self.alpha.at(time), 0.0, 1e6)?;
+            within("beta", self.beta.at(time), 0.0, 1.0)?;
+            match &self.mode {
+                Mode::Flow(flow) => flow.check(share, time)?,
+                Mode::Paper(paper) => paper.at(time).check()?,
+                Mode::Linear(_) | Mode::Union => {}
+            }
+            if let Ease::Keyed(progress) = &self.ease {
+                within("ease", progress.at(time), 0.0, 1.0)?;
+            }
         }
+        Ok(())
     }
 }
 
+/// Steps at which settings that change over time are checked.
+const CHECKS: usize = 64;
+
 impl Flow {
-    fn check(&self) -> Result<(), Error> {
-        within("bridge", self.bridge, LEAST_BRIDGE, 100.0)?;
-        let Some(volume) = &self.volume else { return Ok(()) };
-        for t in [0.0, 1.0] {
-            within("volume at the ends", volume.at(t), 1.0, 1.0)?;
+    fn check(&self, share: f64, time: f64) -> Result<(), Error> {
+        within("bridge", self.bridge.at(time), LEAST_BRIDGE, 100.0)?;
+        if share == 0.0 || share == 1.0 {
+            within("volume at the ends", self.volume.at(time), 1.0, 1.0)?;
         }
-        for step in 0..=64 {
-            within("volume", volume.at(f64::from(step) / 64.0), 1e-3, 100.0)?;
-        }
-        Ok(())
+        within("volume", self.volume.at(time), 1e-3, 100.0)
     }
 }
 
@@ -229,7 +287,12 @@ pub enum Error {
     /// Neither object holds any volume that the coarse grid can see.
     Empty,
     /// The in-betweens reach too far outside both objects to be measured.
-    Spreads,
+    Spreads {
+        /// The scene time τ at which they first do.
+        time: f64,
+        /// STB's time there.
+        t: f64,
+    },
 }
 
 /// One of a morph's two objects.
@@ -268,9 +331,10 @@ impl fmt::Display for Error {
             Self::Empty => {
                 write!(f, "neither of the morph's objects holds any volume; check their formulas, sizes and places")
             }
-            Self::Spreads => write!(
+            Self::Spreads { t, .. } => write!(
                 f,
-                "the in-betweens spread far outside both objects; use a smaller `bridge` or less `volume` on the way"
+                "the in-betweens spread far outside both objects, first at t = {t:.3}; use a smaller \
+                 `bridge`, `volume` or `a0` there"
             ),
         }
     }

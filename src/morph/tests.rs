@@ -31,7 +31,7 @@ fn flow(flow: Flow) -> Settings {
 }
 
 fn paper(paper: Paper) -> Settings {
-    Settings { mode: Mode::Paper(paper), ..Settings::default() }
+    Settings { mode: Mode::Paper(paper.into()), ..Settings::default() }
 }
 
 fn frames(count: usize) -> Vec<f64> {
@@ -173,7 +173,7 @@ fn frames_near_the_ends_are_near_the_objects() {
 fn an_object_morphed_into_itself_does_not_move() {
     for bridge in [0.05, 1.5] {
         let cube = Exact::cube(0.1, 0.5);
-        let morph = morph_with(cube.clone(), cube.clone(), flow(Flow { bridge, ..Flow::default() }));
+        let morph = morph_with(cube.clone(), cube.clone(), flow(Flow { bridge: bridge.into(), ..Flow::default() }));
         let points = random_points(3, 0.9);
         for time in [0.1, 0.5, 0.77] {
             let field = morph.field(time);
@@ -214,8 +214,8 @@ fn sections() -> Vec<Section> {
     let round = Some(Round { a0: -0.2, reach: 0.5, a3: 0.7, depth: 0.3 });
     let mut sections = Vec::new();
     for t in [0.0, 0.01, 0.5, 0.9, 1.0] {
-        sections.push(Section { a0: 2.0 * 0.25 * t * (1.0 - t), ..Flow::default().section(t) });
-        sections.push(Section { a0: 30.0, ..Flow { bridge: 1.5, ..Flow::default() }.section(t) });
+        sections.push(Section { a0: 2.0 * 0.25 * t * (1.0 - t), ..Flow::default().section(t, 0.0) });
+        sections.push(Section { a0: 30.0, ..Flow { bridge: 1.5.into(), ..Flow::default() }.section(t, 0.0) });
         sections.push(Paper::default().section(t));
         sections.push(Paper { a: [-0.4, 0.5, 2.0, 1.0], slab: [-0.5, 1.2], round, time_scale: 0.7 }.section(t));
     }
@@ -448,10 +448,64 @@ fn a_span_and_an_ease_of_ones_own() {
     // Eased changes run as 6u(1 − u).
     let whole: f64 = report.frames.iter().map(|frame| frame.change).sum();
     for (step, frame) in report.frames.iter().enumerate().skip(1) {
-        let share = |step: usize| Ease::Smooth.at(step as f64 / 40.0);
+        let smooth = |u: f64| u * u * (3.0 - 2.0 * u);
+        let share = |step: usize| smooth(step as f64 / 40.0);
         let expected = (share(step) - share(step - 1)) * whole;
         assert!((frame.change - expected).abs() < 0.2 * whole / 40.0, "step {step}: {} for {expected}", frame.change);
     }
+}
+
+/// An ease that rests in the middle, goes back, and comes to its end: every frame is what its progress says.
+#[test]
+fn an_ease_by_keys_rests_and_goes_back() {
+    let keys = [[0.0, 0.0], [0.2, 0.5], [0.4, 0.5], [0.6, 0.25], [1.0, 1.0]];
+    let progress = move |time: f64| {
+        let after = keys.partition_point(|key| key[0] <= time).clamp(1, keys.len() - 1);
+        let ([x0, y0], [x1, y1]) = (keys[after - 1], keys[after]);
+        y0 + (y1 - y0) * ((time - x0) / (x1 - x0))
+    };
+    let (from, to) = (Exact::cube(-1.2, 0.5), Exact::ball(1.2, 0.5));
+    let eased = Settings { ease: Ease::Keyed(OverTime::moving(progress)), ..Settings::default() };
+    let (eased, plain) = (morph_with(from.clone(), to.clone(), eased), morph_with(from, to, Settings::default()));
+    for time in [0.0, 0.1, 0.2, 0.31, 0.4, 0.5, 0.6, 0.8, 1.0] {
+        // Nothing moves, so the same progress is the same frame.
+        assert_eq!(eased.stage(time), plain.stage(progress(time)), "{time}");
+    }
+    let report = eased.report(&frames(41));
+    assert!(report.frames[9..=16].iter().all(|frame| frame.change == 0.0 || frame.time <= 0.2));
+    let wrong = Settings { ease: Ease::Keyed(OverTime::moving(|time| 2.0 * time)), ..Settings::default() };
+    assert!(wrong.check().expect_err("refused").to_string().contains("ease is"), "{:?}", wrong.check());
+}
+
+/// A bridge and the papers' numbers over time: at any time they are those of a morph that has them all the way.
+#[test]
+fn parameters_over_time() {
+    let pair = || (Exact::cube(-0.9, 0.5), Exact::ball(0.9, 0.5));
+    let with = |settings: Settings| morph_with(pair().0, pair().1, settings);
+    let timed = |bridge: OverTime<f64>| flow(Flow { bridge, pace: Pace::Time, ..Flow::default() });
+    let moving = with(timed(OverTime::moving(|time| 0.1 + time)));
+    for time in [0.25, 0.5, 0.8] {
+        assert_eq!(moving.stage(time), with(timed((0.1 + time).into())).stage(time));
+    }
+    let at = |time: f64| Paper {
+        a: [0.3 * time, 1.0 + time, 2.0, 0.3],
+        slab: [-1.0 - time, 2.0],
+        time_scale: 0.25 + 0.1 * time,
+        round: Some(Round { a0: -0.1 * time, reach: 1.0, a3: 1.0, depth: 1.0 }),
+    };
+    let moving = with(Settings { mode: Mode::Paper(OverTime::moving(at)), ..Settings::default() });
+    for time in [0.25, 0.5, 0.75] {
+        assert_eq!(moving.stage(time), Stage::Between(at(time).section(time)));
+    }
+    let transfer = |alpha: OverTime<f64>, beta: OverTime<f64>| {
+        let morph = with(Settings { alpha, beta, ..timed(0.5.into()) });
+        let (points, mut colours) = (random_points(11, 1.2), [[0.0; 3]; BATCH]);
+        morph.colour(0.5).sampler().sample(&points, &mut colours);
+        colours
+    };
+    let moving = transfer(OverTime::moving(|time| 2.0 * time), OverTime::moving(|time| 0.6 * time));
+    assert_eq!(moving, transfer(1.0.into(), 0.3.into()));
+    assert_ne!(moving, transfer(2.0.into(), 0.3.into()));
 }
 
 /// Whatever ease and pace do to t: at half of the span the volume is the curve's middle.
@@ -459,9 +513,10 @@ fn a_span_and_an_ease_of_ones_own() {
 fn a_volume_of_ones_own() {
     for (ease, pace) in [(Ease::Linear, Pace::Even), (Ease::Smooth, Pace::Even), (Ease::Smooth, Pace::Time)] {
         let (from, to) = (Exact::cube(0.0, 0.5), Exact::ball(0.2, 0.6));
-        let volume = Curve::through(vec![[0.0, 1.0], [0.5, 1.3], [1.0, 1.0]]);
+        let volume = OverTime::moving(|time| 1.0 + 0.3 * (1.0 - (4.0 * time - 2.0).abs()).max(0.0));
         let mode = Mode::Flow(Flow { volume, pace, ..Flow::default() });
-        let morph = morph_with(from, to, Settings { mode, over: [0.25, 0.75], ease, ..Settings::default() });
+        let morph =
+            morph_with(from, to, Settings { mode, over: [0.25, 0.75], ease: ease.clone(), ..Settings::default() });
         let report = morph.report(&(0..=40).map(|step| 0.25 + f64::from(step) / 80.0).collect::<Vec<_>>());
         let [first, middle, last] = [report.frames[0], report.frames[20], report.frames[40]];
         let straight = (1.0 - middle.t) * first.volume + middle.t * last.volume;
@@ -479,6 +534,43 @@ fn the_papers_mode_is_empty_next_to_its_ends() {
     let volumes: Vec<f64> = report.frames.iter().map(|frame| frame.volume).collect();
     assert!((volumes[0] - 4.096).abs() < 1e-3 && volumes[1] == 0.0 && volumes[3] == 0.0, "{volumes:?}");
     assert_eq!(morph.stage(0.3).t(), 0.3);
+}
+
+/// The modes without space-time blending: their formulas, their volumes on the coarse grid, and their bounds.
+#[test]
+fn the_plain_modes_are_their_formulas() {
+    let (from, to) = (Exact::cube(-0.3, 0.5), Exact::ball(0.4, 0.6));
+    for (mode, t_of) in [(Mode::Linear(Pace::Time), 0.3), (Mode::Linear(Pace::Even), f64::NAN), (Mode::Union, 0.3)] {
+        let morph = morph_with(from.clone(), to.clone(), Settings { mode: mode.clone(), ..Settings::default() });
+        let (field, t) = (morph.field(0.3), morph.stage(0.3).t());
+        assert!(t_of.is_nan() || t == t_of, "{t}");
+        let points = random_points(12, 1.2);
+        let mut values = [0.0; BATCH];
+        field.evaluator().values(&points, &mut values);
+        for i in 0..BATCH {
+            let (one, two) = (from.reference(points.position(i)), to.reference(points.position(i)));
+            let wanted = if matches!(mode, Mode::Union) { one.max(two) } else { (1.0 - t) * one + t * two };
+            assert!(
+                (f64::from(values[i]) - wanted).abs() < 1e-6
+                    && (field.reference(points.position(i)) - wanted).abs() < 1e-9
+            );
+        }
+        let aabb = field.bounding_box().expect("a box");
+        assert!(points_outside(&aabb).all(|position| field.reference(position) < 0.0));
+        let volume = dense_volume(field.as_ref(), aabb.grown(0.05), 90);
+        let report = morph.report(&[0.0, 0.3, 1.0]);
+        assert!((report.frames[1].volume / volume - 1.0).abs() < 0.005, "{} for {volume}", report.frames[1].volume);
+        assert!((report.frames[0].volume - 1.0).abs() < 1e-3 && report.frames[1].target.is_none());
+        if let Mode::Linear(Pace::Even) = mode {
+            let report = morph.report(&frames(48));
+            assert!(report.largest_over_median < 2.0, "{}", report.largest_over_median);
+        }
+    }
+}
+
+fn points_outside(aabb: &Aabb) -> impl Iterator<Item = DVec3> {
+    let points = (0..20).map(|seed| random_points(seed, 2.0));
+    points.flat_map(|points| (0..BATCH).map(move |i| points.position(i))).filter(|position| !aabb.contains(*position))
 }
 
 #[test]
@@ -507,13 +599,14 @@ fn a_plan_outlives_its_morph() {
 #[test]
 fn settings_out_of_range_are_refused_by_name() {
     let refused = |settings: Settings| settings.check().expect_err("refused").to_string();
-    assert!(refused(flow(Flow { bridge: 0.0, ..Flow::default() })).contains("bridge is 0"));
+    assert!(refused(flow(Flow { bridge: 0.0.into(), ..Flow::default() })).contains("bridge is 0"));
     assert!(
-        refused(Settings { beta: 1.5, ..Settings::default() }).contains("beta is 1.5; it must lie between 0 and 1")
+        refused(Settings { beta: 1.5.into(), ..Settings::default() })
+            .contains("beta is 1.5; it must lie between 0 and 1")
     );
-    assert!(refused(Settings { alpha: f64::NAN, ..Settings::default() }).contains("alpha"));
+    assert!(refused(Settings { alpha: f64::NAN.into(), ..Settings::default() }).contains("alpha"));
     assert!(refused(Settings { over: [1.0, 0.5], ..Settings::default() }).contains("must end after it starts"));
-    let volume = Curve::through(vec![[0.0, 1.0], [1.0, 2.0]]);
+    let volume = OverTime::moving(|time| 1.0 + time);
     assert!(refused(flow(Flow { volume, ..Flow::default() })).contains("it must be 1"));
     assert!(refused(paper(Paper { a: [1.0, 0.0, 1.0, 1.0], ..Paper::default() })).contains("a1 is 0"));
 }

@@ -377,6 +377,119 @@ fn a_morphs_volume_is_on_its_keys() {
     );
 }
 
+/// Two balls, 1 and 2 in radius, around one centre: a morph between them is a ball, whose radius tells its progress.
+fn radius(scene: &Prepared, frame: i64) -> f64 {
+    let frame = scene.frame(frame).unwrap();
+    let (mut low, mut high) = (0.0, 4.0);
+    for _ in 0..50 {
+        let middle = 0.5 * (low + high);
+        if value(&frame, 0.0, middle, 0.0) > 0.0 { low = middle } else { high = middle }
+    }
+    low
+}
+
+const BALLS: &str = "frames = '1-9'\n[shape.a]\nsphere = 1\n[shape.b]\nsphere = 2\n[morph]\nfrom = 'a'\nto = 'b'\n";
+
+#[test]
+fn a_morphs_ease_by_keys_and_formula() {
+    let radii = |keys: &str, frames: &[i64]| -> Vec<f64> {
+        let scene = prepared_with(&format!("{BALLS}{keys}\n"), Some(32)).unwrap_or_else(|error| panic!("{error}"));
+        frames.iter().map(|frame| radius(&scene, *frame)).collect()
+    };
+    let even = radii("", &[1, 3, 5, 7, 9]);
+    assert!((even[0] - 1.0).abs() < 1e-9 && (even[4] - 2.0).abs() < 1e-9, "{even:?}");
+    // Progress 0.25 at frame 2, rest, back to 0.25, to the end; the same progress is the same frame.
+    let keyed = radii("ease = { 1 = 0, 2 = 0.25, 3 = 0.75, 5 = 0.75, 6 = 0.25, 9 = 1 }", &[1, 2, 3, 4, 5, 6, 9]);
+    let wanted = [even[0], even[1], even[3], even[3], even[3], even[1], even[4]];
+    assert!(keyed.iter().zip(wanted).all(|(a, b)| (a - b).abs() < 1e-9), "{keyed:?} {wanted:?}");
+    // A formula of the scene's t; keys as F-curves: smooth from rest to rest.
+    assert_eq!(radii("ease = 't^2'", &[1, 5, 9]), [even[0], even[1], even[4]]);
+    let smooth = radii("ease = 'smooth'", &[1, 3, 5, 8]);
+    let bezier = radii("ease = { 1 = 0, 9 = 1, ease = 'bezier' }", &[1, 3, 5, 8]);
+    assert!(smooth.iter().zip(&bezier).all(|(a, b)| (a - b).abs() < 1e-9), "{smooth:?} {bezier:?}");
+    refused(
+        &format!("{BALLS}ease = {{ 1 = 0.2, 9 = 1 }}\n"),
+        "`morph.ease` is 0.2 at frame 1, and must be 0 there\n --> scene.toml:9:8",
+    );
+    refused(&format!("{BALLS}ease = '1.5*t'\n"), "`morph.ease` is 1.5 at frame 9, and must be from 0 to 1");
+    // Frames beyond the shot are not seen, so nothing is asked of them.
+    radii("over = '-8-9'\nease = { 1 = 0.5, 9 = 1 }", &[1, 9]);
+}
+
+#[test]
+fn linear_blending_and_the_plain_union() {
+    let text = "frames = '1-9'\n[shape.a]\nsphere = 1\ncolor = 'red'\n[shape.b]\nbox = 1.4\ncolor = 'blue'\nmove = [0.6, 0, 0]\n\
+                [morph]\nfrom = 'a'\nto = 'b'\npace = 't'\n";
+    let scene =
+        |keys: &str| prepared_with(&format!("{text}{keys}\n"), Some(32)).unwrap_or_else(|error| panic!("{error}"));
+    let linear = scene("mode = 'linear'");
+    assert!(linear.warnings.is_empty(), "{}", linear.warnings);
+    // Along −x both distances are known: 1 − |x| of the ball, 0.7 − |x − 0.6| of the box.
+    for (frame, t) in [(2, 0.125), (5, 0.5), (8, 0.875)] {
+        for x in [-1.3, -0.95, -0.6] {
+            let wanted = (1.0 - t) * (1.0 - f64::abs(x)) + t * (0.7 - f64::abs(x - 0.6));
+            let found = value(&linear.frame(frame).unwrap(), x, 0.0, 0.0);
+            assert!((found - wanted).abs() < 2e-3, "{found} for {wanted} at {x}");
+        }
+    }
+    let union = prepared_with(&format!("{}mode = 'union'\n", text.replace("pace = 't'\n", "")), Some(32));
+    let union = union.unwrap_or_else(|error| panic!("{error}"));
+    let at = |frame: i64, x: f64, y: f64| value(&union.frame(frame).unwrap(), x, y, 0.0) > 0.0;
+    assert_eq!([at(1, -0.9, 0.0), at(1, 1.2, 0.6), at(9, -0.9, 0.0), at(9, 1.2, 0.6)], [true, false, false, true]);
+    for frame in [2, 5, 8] {
+        assert_eq!([at(frame, -0.9, 0.0), at(frame, 1.2, 0.6), at(frame, 1.2, 0.8)], [true, true, false]);
+    }
+    // Apart, nothing is left of a linear blend half way.
+    let apart = prepared_with(&format!("{}mode = 'linear'\n", text.replace("0.6", "5")), Some(32));
+    let warnings = apart.unwrap_or_else(|error| panic!("{error}")).warnings.to_string();
+    assert!(warnings.contains("the morph is empty in frames 3-") && warnings.contains("scene.toml:9:2"), "{warnings}");
+    assert!(warnings.contains("linear blending needs objects that overlap"), "{warnings}");
+}
+
+#[test]
+fn a_blend_without_end_is_said_with_its_frame() {
+    let keys = "mode = 'paper'\nslab = [-1, 2]\na0 = { 1 = 0.1, 5 = 1000 }";
+    let error = prepared_with(&format!("{BALLS}{keys}\n"), None).err().expect("it is refused").to_string();
+    assert!(error.contains("the in-betweens spread far outside both objects, first at t = "), "{error}");
+    assert!(error.contains(" (frame "), "{error}");
+}
+
+#[test]
+fn a_morphs_parameters_by_keys_and_formula() {
+    let middle = |keys: &str, frame: i64| {
+        let text = format!(
+            "frames = '1-9'\n[shape.a]\nsphere = 1\ncolor = 'red'\n[shape.b]\nsphere = 1\ncolor = 'blue'\n\
+             move = [1.5, 0, 0]\n[morph]\nfrom = 'a'\nto = 'b'\npace = 't'\n{keys}\n"
+        );
+        let scene = prepared_with(&text, Some(24)).unwrap_or_else(|error| panic!("{error}"));
+        let frame = scene.frame(frame).unwrap();
+        (value(&frame, 0.75, 0.9, 0.0), colour(&frame, 0.3, 0.2, 0.0))
+    };
+    assert_eq!(middle("bridge = { 1 = 0.1, 5 = 1.2, 9 = 0.1 }", 5), middle("bridge = 1.2", 5));
+    assert_eq!(middle("bridge = '0.2 + t'", 3), middle("bridge = 0.45", 3));
+    assert_ne!(middle("bridge = 0.1", 5), middle("bridge = 1.2", 5));
+    assert_eq!(middle("alpha = '4*t'\nbeta = { 1 = 0, 5 = 0.4 }", 5), middle("alpha = 2\nbeta = 0.4", 5));
+    let paper = |keys: &str| {
+        let keys = keys.replace("pace = 't'", "");
+        let text = format!("{BALLS}mode = 'paper'\n{keys}\n");
+        let scene = prepared_with(&text, Some(24)).unwrap_or_else(|error| panic!("{error}"));
+        value(&scene.frame(5).unwrap(), 1.2, 0.0, 0.0)
+    };
+    let still = "a0 = 0.3\na1 = 1.5\na2 = 2\na3 = 0.5\ns = 0.25\nslab = [-1, 2]\nround = { a0 = -0.1, depth = 0.5 }";
+    let keyed = "a0 = { 1 = 0, 5 = 0.3, 9 = 0 }\na1 = '1 + t'\na2 = '4*t'\na3 = { 5 = 0.5 }\ns = 't/2 + 1e-3*(t - 0.5)'\n\
+                 slab = ['-2*t', { 1 = 1, 5 = 2 }]\nround = { a0 = '-0.2*t', depth = 't' }";
+    // Some of these are out of their range at the first frame.
+    let error = prepared_with(&format!("{BALLS}mode = 'paper'\n{keyed}\n"), Some(24)).err().expect("it is refused");
+    assert!(error.to_string().contains("`morph.a2` is 0 at frame 1, and must be greater than 0"), "{error}");
+    let keyed = keyed.replace("'4*t'", "'2 + 4*max(0, t - 0.5)'").replace("'t/2 + 1e-3*(t - 0.5)'", "'0.125 + t/4'");
+    assert_eq!(paper(&keyed), paper(still));
+    refused(
+        &format!("{BALLS}mode = 'paper'\nslab = [0, '1 - 2*t']\n"),
+        "`morph.slab` is [0, 0] at frame 5, and must end after it starts\n  --> scene.toml:10:9",
+    );
+    refused(&format!("{BALLS}bridge = '1 - t'\n"), "`morph.bridge` is 0 at frame 9, and must be from 0.05 to 100");
+}
+
 #[test]
 fn the_papers_round_reaches_the_morph() {
     let text = "frames = '1-9'\n[shape.a]\nsphere = 1\n[shape.b]\nsphere = 1\nmove = [0.5, 0, 0]\n\
@@ -397,7 +510,11 @@ fn empty_frames_of_the_papers_mode_are_named_once() {
     for round in ["", "round = { a0 = -0.2, depth = 0.3 }\n"] {
         let scene = prepared_with(&format!("{text}{round}"), Some(24)).unwrap_or_else(|error| panic!("{error}"));
         let warnings = scene.warnings.to_string();
-        assert_eq!(warnings.matches("the morph is empty in frames 2-8\n --> scene.toml:6:2").count(), 1, "{warnings}");
+        assert_eq!(
+            warnings.matches("the morph is empty in frames 2-8 (t = 0.125 to 0.875)\n --> scene.toml:6:2").count(),
+            1,
+            "{warnings}"
+        );
     }
     let alive =
         prepared_with(&format!("{text}slab = [-1, 2]\ns = 0.25\na0 = 0.3\na1 = 2.5\na2 = 2.5\na3 = 0.3\n"), Some(24))

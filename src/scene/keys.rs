@@ -5,7 +5,7 @@ mod colours;
 mod morph;
 
 pub use colours::COLOURS;
-pub use morph::{MORPH, PAPER_ONLY, ROUND, VOLUME_ONLY};
+pub use morph::{BY_MODE, MORPH, ROUND};
 
 /// What a key takes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -28,6 +28,10 @@ pub enum Kind {
     Choice(&'static [&'static str]),
     /// Some of these names.
     Choices(&'static [&'static str]),
+    /// A name of an easing, or the progress itself as [`Kind::Number`].
+    Progress,
+    /// Two numbers, each as [`Kind::Number`], the second greater.
+    Span,
     /// Frames, as `"1-48"` or `7`.
     Frames,
     /// A whole number, or a least and a greatest one.
@@ -72,6 +76,8 @@ impl Kind {
             Self::Text => "text".into(),
             Self::Choice(names) => choices(names),
             Self::Choices(names) => format!("list of {}", choices(names)),
+            Self::Progress => "`\"linear\"`, `\"smooth\"`, or the progress as a number".into(),
+            Self::Span => "two numbers, rising".into(),
             Self::Frames => "frames".into(),
             Self::Depth => "whole number or `[least, greatest]`".into(),
             Self::Path => "file".into(),
@@ -389,6 +395,23 @@ const FACET_PARAMETERS: &[Key] = &[
         .limit(Limit::NotNegative)
         .unit("units"),
     seed("The number that its chances start from."),
+];
+
+/// A key of a number by keys, where it is a table.
+pub const KEY: &[Key] = &[
+    Key::new("value", Kind::Constant, Required, "The value at the frame."),
+    Key::new(
+        "in",
+        Kind::Table,
+        Words("level at a turn, else without overshoot"),
+        "The handle towards the key before: `[frames, value]` from the key, frames 0 or less.",
+    ),
+    Key::new(
+        "out",
+        Kind::Table,
+        Words("level at a turn, else without overshoot"),
+        "The handle towards the next key: `[frames, value]` from the key, frames 0 or more.",
+    ),
 ];
 
 /// What every shape takes beside its maker. The order of the text does not matter: this is the order of work.

@@ -4,7 +4,6 @@ use std::sync::Arc;
 
 use crate::attribute::{Choice, Components, LinearRgb};
 use crate::distance::without::Keep;
-use crate::morph::Round;
 
 use super::diagnostic::Diagnostics;
 use super::files::FileReference;
@@ -263,16 +262,16 @@ pub struct Morph {
     pub mode: MorphMode,
     /// Whether t is re-timed so that every frame changes as much as the others.
     pub even_pace: bool,
-    /// Whether the shape's change starts and ends at rest.
-    pub smooth: bool,
+    /// How fast the shape changes on the way.
+    pub ease: MorphEase,
     /// Whether colours run on past their end.
     pub octopus: bool,
     /// `rgb`, `hsv`, `lab`, `lch` or `oklab`.
     pub colour_space: &'static str,
     /// STTI's α.
-    pub alpha: f64,
+    pub alpha: Number,
     /// STTI's β.
-    pub beta: f64,
+    pub beta: Number,
     /// The frames of the shape's change.
     pub over: FrameRange,
     /// The frames of the colours' change.
@@ -287,21 +286,53 @@ pub enum MorphMode {
     /// a₀ from the volume, which runs evenly.
     Volume {
         /// How much separate shapes flow through one body.
-        bridge: f64,
+        bridge: Number,
         /// The factor on the volume of the straight way.
         volume: Number,
     },
+    /// (1 − t)·f₁ + t·f₂ of the two distances.
+    Linear,
+    /// Both objects at once on the way.
+    Union,
     /// The STB paper's numbers as given.
-    Paper {
-        /// a₀ to a₃.
-        a: [f64; 4],
-        /// The time scale s.
-        s: f64,
-        /// The slab of time.
-        slab: [f64; 2],
-        /// How both objects are rounded against the planes that cut them in time.
-        round: Option<Round>,
-    },
+    Paper(Box<MorphPaper>),
+}
+
+/// The STB paper's numbers.
+#[derive(Clone, Debug)]
+pub struct MorphPaper {
+    /// a₀ to a₃.
+    pub a: [Number; 4],
+    /// The time scale s.
+    pub s: Number,
+    /// The slab of time: its beginning and its end.
+    pub slab: [Number; 2],
+    /// How both objects are rounded against the planes that cut them in time.
+    pub round: Option<MorphRound>,
+}
+
+/// The numbers of [`crate::morph::Round`].
+#[derive(Clone, Debug)]
+pub struct MorphRound {
+    /// How much is added at the cut.
+    pub a0: Number,
+    /// How far it reaches.
+    pub reach: Number,
+    /// How far the bound reaches.
+    pub a3: Number,
+    /// How far behind the cut the bound stands.
+    pub depth: Number,
+}
+
+/// How fast a morph's shape changes on the way.
+#[derive(Clone, Debug)]
+pub enum MorphEase {
+    /// Evenly.
+    Linear,
+    /// From rest to rest.
+    Smooth,
+    /// As far as this number says, 0 to 1.
+    Progress(Number),
 }
 
 /// How fine, and which grids.

@@ -4,7 +4,6 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
-use crate::attribute::ColourSpace;
 use crate::distance::band;
 use crate::distance::descent::Scope;
 use crate::distance::extent::{Estimate, estimate};
@@ -12,12 +11,13 @@ use crate::distance::nearest::{FieldFeet, Watch};
 use crate::distance::octree::{self, BuildError, DistanceObject};
 use crate::field::{Aabb, Field};
 use crate::grid::{Lattice, VoxelSize};
-use crate::morph::{self, Curve, Ease, Flow, Mode, MorphObject, Motion, Pace, Paper, Side, Similarity};
+use crate::morph::{self, MorphObject, Motion, Side, Similarity};
 
 use super::diagnostic::Diagnostic;
 use super::error::Problem;
-use super::frames::{FrameRange, in_ranges};
+use super::frames::{in_ranges, plain};
 use super::model::{Model, Morph, MorphMode, Shape, ShapeId};
+use super::morph_settings::settings;
 use super::number::{Moment, Number};
 use super::paint::Paint;
 use super::prepare::{Stop, box_of, sampled_frames, solid_box};
@@ -176,7 +176,7 @@ pub(super) struct Planned {
 
 /// Measures both objects and plans the morph. `voxel` is about a voxel's edge.
 pub(super) fn plan(
-    model: &Model,
+    model: &Arc<Model>,
     solids: &mut Solids,
     morph: &Morph,
     pair: Pair,
@@ -197,7 +197,11 @@ pub(super) fn plan(
             morph::Error::Unbounded(Side::To) => model.shape(morph.to).span,
             _ => morph.span,
         };
-        Problem::new(span, error.to_string())
+        let frame = match error {
+            morph::Error::Spreads { time, .. } => format!(" (frame {})", plain(model.shot.frame_at(time).round())),
+            _ => String::new(),
+        };
+        Problem::new(span, format!("{error}{frame}"))
     })?;
     Ok(Planned { morph: planned, has_colour, from: from_brush, to: to_brush, bytes })
 }
@@ -244,61 +248,6 @@ fn measured(
     Ok(MeasuredSide { distance: Arc::new(distance), paint })
 }
 
-fn settings(model: &Model, morph: &Morph) -> Result<morph::Settings, Problem> {
-    let FrameRange { first, last } = model.shot.range;
-    // Not held: a span may begin before the shot, or end after it.
-    let time = |frame: i64| (frame - first) as f64 / (last - first).max(1) as f64;
-    let span = |range: FrameRange| [time(range.first), time(range.last)];
-    let mode = match &morph.mode {
-        MorphMode::Volume { bridge, volume } => {
-            let pace = if morph.even_pace { Pace::Even } else { Pace::Time };
-            Mode::Flow(Flow { bridge: *bridge, pace, volume: volume_curve(model, morph, volume)? })
-        }
-        MorphMode::Paper { a, s, slab, round } => {
-            Mode::Paper(Paper { slab: *slab, time_scale: *s, a: *a, round: *round })
-        }
-    };
-    Ok(morph::Settings {
-        mode,
-        over: span(morph.over),
-        ease: if morph.smooth { Ease::Smooth } else { Ease::Linear },
-        colour_over: span(morph.colour_over),
-        octopus: morph.octopus,
-        alpha: morph.alpha,
-        beta: morph.beta,
-        colour_space: match morph.colour_space {
-            "rgb" => ColourSpace::Rgb,
-            "hsv" => ColourSpace::Hsv,
-            "lab" => ColourSpace::Lab,
-            "lch" => ColourSpace::Lch,
-            _ => ColourSpace::Oklab,
-        },
-    })
-}
-
-/// The factor on the volume over the morph's progress, exact at every frame; `None` where it is 1 all the way.
-fn volume_curve(model: &Model, morph: &Morph, volume: &Number) -> Result<Option<Curve>, Problem> {
-    /// How far formulas may miss 1 at the ends by rounding.
-    const ROUNDING: f64 = 1e-9;
-    if volume.as_constant() == Some(1.0) {
-        return Ok(None);
-    }
-    let over = morph.over;
-    let mut points = Vec::new();
-    for frame in sampled_frames(over) {
-        let at = volume.at(&model.moment(frame))?;
-        points.push([over.share(frame), if (at - 1.0).abs() < ROUNDING { 1.0 } else { at }]);
-    }
-    for ([_, at], frame) in [(points[0], over.first), (points[points.len() - 1], over.last)] {
-        if at != 1.0 {
-            let problem = format!("`morph.volume` is {at} at frame {frame}, and must be 1 there");
-            return Err(Problem::new(volume.span, problem)
-                .help("a morph begins and ends as its objects: keys such as { 1 = 1, 24 = 1.5, 48 = 1 }"));
-        }
-    }
-    Ok(Curve::through(points))
-}
-
 /// The box of F ≥ 0 over the whole shot: while the shape changes, as the morph knows it; before and after, of the
 /// object that is seen.
 pub(super) fn extent_over_shot(model: &Model, morph: &Morph, planned: &morph::Morph) -> Result<Aabb, Problem> {
@@ -324,24 +273,30 @@ pub(super) fn extent_over_shot(model: &Model, morph: &Morph, planned: &morph::Mo
     all.ok_or_else(|| Problem::new(morph.span, "nothing is inside in any frame of the morph"))
 }
 
-/// One warning that names the frames that hold nothing, as the papers' mode may have them next to its ends.
+/// One warning that names the frames that hold nothing. Where a₀ follows from the volume there are none.
 pub(super) fn empty_frames(model: &Model, morph: &Morph, planned: &morph::Morph) -> Option<Diagnostic> {
-    if !matches!(morph.mode, MorphMode::Paper { .. }) {
-        return None;
-    }
+    let help = match &morph.mode {
+        MorphMode::Volume { .. } | MorphMode::Union => return None,
+        MorphMode::Linear => {
+            "linear blending needs objects that overlap: move them together, or use `mode = \"volume\"`"
+        }
+        MorphMode::Paper(_) => {
+            "a wider `slab` such as [-1, 2], a smaller s and a3, greater a1 and a2, or `mode = \"volume\"`"
+        }
+    };
     let range = model.shot.range;
     let frames: Vec<i64> = sampled_frames(range).into_iter().map(|frame| frame.round() as i64).collect();
     let times: Vec<f64> = frames.iter().map(|frame| range.share(*frame as f64)).collect();
     let report = planned.report(&times);
-    let volumes = frames.into_iter().zip(&report.frames);
-    let empty: Vec<i64> = volumes.filter(|(_, report)| report.volume == 0.0).map(|(frame, _)| frame).collect();
-    if empty.is_empty() {
-        return None;
-    }
+    let empty: Vec<(i64, f64)> = frames
+        .into_iter()
+        .zip(&report.frames)
+        .filter(|(_, report)| report.volume == 0.0)
+        .map(|(frame, report)| (frame, report.t))
+        .collect();
+    let (first, last) = (empty.first()?.1, empty.last()?.1);
+    let numbers: Vec<i64> = empty.iter().map(|(frame, _)| *frame).collect();
     let count = if empty.len() == 1 { "frame" } else { "frames" };
-    let problem = format!("the morph is empty in {count} {}", in_ranges(&empty));
-    Some(
-        Diagnostic::warning(morph.span, problem)
-            .help("a wider `slab` such as [-1, 2], a smaller s and a3, greater a1 and a2, or `mode = \"volume\"`"),
-    )
+    let problem = format!("the morph is empty in {count} {} (t = {first:.3} to {last:.3})", in_ranges(&numbers));
+    Some(Diagnostic::warning(morph.span, problem).help(help))
 }

@@ -1,8 +1,9 @@
-//! Numbers of a scene: constants, formulas of time, keys; and the moments at which they are asked.
+//! Numbers of a scene: constants, formulas of time, [keys](super::keyed); and the moments at which they are asked.
 
 use std::sync::Arc;
 
 use super::formula::Formula;
+use super::keyed::Keys;
 use super::keys::Limit;
 use super::source::Span;
 
@@ -28,67 +29,6 @@ pub enum NumberValue {
     Formula(Formula),
     /// Keys.
     Keys(Keys),
-}
-
-/// Values at frames with a rule for what lies between.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Keys {
-    /// Frames, rising, with their values. At least one.
-    pub keys: Vec<(f64, f64)>,
-    /// What lies between.
-    pub ease: Ease,
-}
-
-/// How a value goes from one key to the next.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Ease {
-    /// Straight.
-    Linear,
-    /// Starts and ends at rest: 3u² − 2u³.
-    Smooth,
-    /// Starts at rest: u².
-    In,
-    /// Ends at rest: 1 − (1 − u)².
-    Out,
-    /// Stays until the next key.
-    Hold,
-}
-
-impl Ease {
-    /// The names in a scene, with what they stand for.
-    pub const NAMES: [(&'static str, Self); 5] = [
-        ("linear", Self::Linear),
-        ("smooth", Self::Smooth),
-        ("in", Self::In),
-        ("out", Self::Out),
-        ("hold", Self::Hold),
-    ];
-
-    /// The share of the way at a share of the time, both 0 to 1.
-    pub fn at(self, u: f64) -> f64 {
-        match self {
-            Self::Linear => u,
-            Self::Smooth => u * u * (3.0 - 2.0 * u),
-            Self::In => u * u,
-            Self::Out => u * (2.0 - u),
-            Self::Hold => 0.0,
-        }
-    }
-}
-
-impl Keys {
-    /// The value at a frame; before the first key and after the last one theirs.
-    pub fn at(&self, frame: f64) -> f64 {
-        let next = self.keys.partition_point(|&(at, _)| at <= frame);
-        if next == 0 {
-            return self.keys[0].1;
-        }
-        let (from, a) = self.keys[next - 1];
-        match self.keys.get(next) {
-            None => a,
-            Some(&(to, b)) => a + (b - a) * self.ease.at((frame - from) / (to - from)),
-        }
-    }
 }
 
 /// A point in time, with what a formula knows of it.

@@ -6,7 +6,7 @@ use super::diagnostic::{Diagnostic, clip, listed, nearest};
 use super::formula::{Formula, Names};
 use super::frames::FrameRange;
 use super::keys::{Absent, COLOURS, Key, Kind, LATER, Limit, MAKERS};
-use super::number::{Ease, Keys, Number, NumberValue};
+use super::number::{Number, NumberValue};
 use super::source::{Sources, Span};
 use super::value::{Data, Entry, Origin, Table, Value};
 
@@ -88,55 +88,10 @@ impl<'a> Reader<'a> {
         }
     }
 
-    fn check_limit(&self, name: &str, limit: Limit, value: f64, span: Span) {
+    pub(super) fn check_limit(&self, name: &str, limit: Limit, value: f64, span: Span) {
         if !limit.allows(value) {
             self.say(Diagnostic::error(span, format!("`{}` must be {}", clip(name), limit.words())));
         }
-    }
-
-    /// `{ 1 = 0, 48 = 90, ease = "smooth" }`.
-    fn keys(&self, name: &str, limit: Limit, table: &Table, span: Span) -> Option<Keys> {
-        let mut keys = Vec::new();
-        let mut ease = Ease::Linear;
-        for Entry { key, key_span, value } in &table.0 {
-            if key == "ease" {
-                let names = Ease::NAMES.map(|(name, _)| name);
-                ease = names.iter().position(|known| value.text() == Some(*known)).map_or_else(
-                    || {
-                        self.choice_problem(&format!("{name}.ease"), &names, value);
-                        Ease::Linear
-                    },
-                    |i| Ease::NAMES[i].1,
-                );
-                continue;
-            }
-            let Some(frame) = key.parse::<f64>().ok().filter(|frame| frame.is_finite()) else {
-                self.say(
-                    Diagnostic::error(*key_span, format!("`{}` is not a frame", clip(key)))
-                        .help("keys are `{ frame = value, ease = \"smooth\" }`"),
-                );
-                return None;
-            };
-            let Some(at) = value.number() else {
-                self.wrong_kind(&format!("{name}.{key}"), "a number", value);
-                return None;
-            };
-            self.check_limit(&format!("{name}.{key}"), limit, at, value.span);
-            keys.push((frame, at));
-        }
-        if keys.is_empty() {
-            self.say(
-                Diagnostic::error(span, format!("`{}` has no keys", clip(name)))
-                    .help("keys are `{ frame = value, ease = \"smooth\" }`"),
-            );
-            return None;
-        }
-        keys.sort_by(|a, b| a.0.total_cmp(&b.0));
-        if let Some(pair) = keys.windows(2).find(|pair| pair[0].0 == pair[1].0) {
-            self.say(Diagnostic::error(span, format!("`{}` has two keys at frame {}", clip(name), pair[0].0)));
-            return None;
-        }
-        Some(Keys { keys, ease })
     }
 
     /// "one of these names", with the nearest.

@@ -33,7 +33,7 @@ to = \"heart\"
 
 | what | how it is written |
 |---|---|
-| number | `2`, `0.5`; a formula of time, `\"0.2*sin(2*pi*t)\"`; keys, `{ 1 = 0, 48 = 90, ease = \"smooth\" }`. `ease` is `linear` (when left out), `smooth`, `in`, `out` or `hold`; before the first key and after the last one theirs holds |
+| number | `2`, `0.5`; a formula of time, `\"0.2*sin(2*pi*t)\"`; keys, `{ 1 = 0, 48 = 90, ease = \"smooth\" }`. frames rise; `ease` is `linear` (when left out), `smooth`, `in`, `out`, `hold` or `bezier`; before the first key and after the last one theirs holds |
 | three numbers | `[x, y, z]`, each a number as above |
 | formula | text with `x y z t frame time pi`, `[param]` names, `+ - * / ^`, and functions; `time` is seconds since the first frame |
 | frames | `\"1-48\"`, or one frame, `7` |
@@ -65,6 +65,11 @@ the shape's own: after copies (`at`), before `scale`, `rotate` and `move`. A for
 is needed is an error that names the place. Names of `[color]` and palettes hold plain colours only.
 
 ";
+
+const KEY: &str = "\
+`{ 1 = 0, 24 = { value = 0.5, out = [6, 0.3] }, 48 = 1, ease = \"bezier\" }`: with `ease = \"bezier\"` the keys are joined
+by one smooth curve that never goes beyond two neighbouring keys, is level at its first key, its last and wherever it
+turns (as Blender's auto-clamped handles), and can be bent by handles. A handle reaches to the neighbouring key at most.";
 
 const ROUND: &str = "\
 Each object is cut in time by a plane: the first at t = 0, the second at t = 1. This blends each with its plane before
@@ -104,6 +109,7 @@ pub fn reference() -> String {
     section(&mut out, "`[cells.NAME]`", "", keys::CELLS);
     out.push_str(COLOURS);
     makers(&mut out, keys::COLOURS, "c");
+    section(&mut out, "A key as a table", KEY, keys::KEY);
     section(&mut out, "`[param]`: a parameter as a table", "", keys::PARAMETER);
     section(&mut out, "`[morph]`", "", keys::MORPH);
     section(&mut out, "`round` of `[morph]`", ROUND, keys::ROUND);

@@ -195,7 +195,7 @@ fn what_is_output() {
     only(&format!("{morph}[output]\nshape='b'\n"), "10:8 `output.shape` is not used: the morph is what is baked");
     only(&morph.replace("frames='1-9'", ""), "6:2 a morph needs the scene's `frames`; such as frames = \"1-48\"");
     only(&format!("{morph}a1 = 2\n"), "9:1 `a1` is for `mode = \"paper\"` only");
-    only(&format!("{morph}mode='paper'\nbridge = 2\n"), "10:1 `bridge` is not for `mode = \"paper\"`");
+    only(&format!("{morph}mode='paper'\nbridge = 2\n"), "10:1 `bridge` is for `mode = \"volume\"` only");
 }
 
 #[test]
@@ -298,7 +298,7 @@ fn variants_and_set_override() {
 #[test]
 fn keys_and_easing() {
     let model = model(
-        "frames='1-49'\n[shape.a]\nsphere = { 9 = 3, 1 = 1 }\nmove = [{ 1 = 0, 49 = 90, ease = \"smooth\" }, { 1 = 0, 49 = 8, ease = 'in' }, { 1 = 5, 25 = 7, ease = \"hold\" }]\n",
+        "frames='1-49'\n[shape.a]\nsphere = { 1 = 1, 9 = 3 }\nmove = [{ 1 = 0, 49 = 90, ease = \"smooth\" }, { 1 = 0, 49 = 8, ease = 'in' }, { 1 = 5, 25 = 7, ease = \"hold\" }]\n",
     );
     let shape = shape(&model, "a");
     let at = |number: &Number, frame: f64| number.at(&model.moment(frame)).unwrap();
@@ -308,6 +308,60 @@ fn keys_and_easing() {
     assert_eq!([1.0, 13.0, 25.0, 49.0].map(|frame| at(x, frame)), [0.0, 14.0625, 45.0, 90.0]);
     assert_eq!(at(y, 25.0), 2.0);
     assert_eq!([1.0, 24.5, 25.0].map(|frame| at(z, frame)), [5.0, 5.0, 7.0]);
+}
+
+#[test]
+fn keys_that_are_wrong_are_said_with_their_place() {
+    let keys = |keys: &str| format!("frames='1-49'\n[shape.a]\nsphere = {{ {keys} }}\n");
+    only(
+        &keys("9 = 3, 1 = 1"),
+        "3:19 `shape.a.sphere`: the key at frame 1 stands after the one at 9; frames rise from key to key",
+    );
+    only(&keys("1 = 3, 01 = 1"), "3:19 `shape.a.sphere` has two keys at frame 1");
+    only(
+        &keys("1 = { value = 1, out = [4, 0] }, 9 = 2"),
+        "3:16 `shape.a.sphere.1` has handles; they go with `ease = \"bezier\"`",
+    );
+    only(
+        &keys("1 = { value = 1, out = [9, 0] }, 9 = 2, ease = 'bezier'"),
+        "3:16 the handle `1.out` reaches beyond the neighbouring key; it is 8 frames away",
+    );
+    only(
+        &keys("1 = 1, 9 = { value = 2, in = [1, 0] }, ease = 'bezier'"),
+        "3:41 `shape.a.sphere.9.in` takes [frames, value], counted from the key; such as in = [-4, 0]",
+    );
+    only(
+        &keys("1 = 1, 9 = { in = [-1, 0] }, ease = 'bezier'"),
+        "3:23 `shape.a.sphere.9` has no `value`; The value at the frame.",
+    );
+    let curve = model(&keys("1 = 1, 9 = { value = 2, in = [-8, 0] }, ease = 'bezier'"));
+    let Maker::Sphere { radius } = &shape(&curve, "a").maker else { panic!() };
+    let at = |frame: f64| radius.at(&curve.moment(frame)).unwrap();
+    assert!(at(1.0) == 1.0 && at(5.0) > 1.6 && at(9.0) == 2.0, "{}", at(5.0));
+    // What `--set` adds belongs in between.
+    let overrides = Overrides { set: vec!["shape.a.sphere.5=7".into()], variant: None };
+    let source = Source::Text { name: "scene.toml".into(), text: keys("1 = 1, 9 = 2"), folder: PathBuf::new() };
+    let set = load(&source, &overrides).unwrap_or_else(|problems| panic!("{problems}"));
+    let Maker::Sphere { radius } = &shape(&set, "a").maker else { panic!() };
+    assert_eq!(radius.at(&set.moment(3.0)).unwrap(), 4.0);
+}
+
+#[test]
+fn a_morphs_ease_that_is_wrong() {
+    let morph = |keys: &str| {
+        format!("frames='1-9'\n[shape.a]\nsphere=1\n[shape.b]\nbox=1\n[morph]\nfrom='a'\nto='b'\n{keys}\n")
+    };
+    only(&morph("ease = 'smoth'"), "9:9 `morph.ease` cannot be `smoth`; did you mean `smooth`?");
+    only(&morph("ease = { 1 = 0, 5 = 1.5, 9 = 1 }"), "9:21 `morph.ease.5` must be from 0 to 1");
+    only(
+        &morph("ease = { 1 = 0, 9 = 1, 5 = 0.5 }"),
+        "9:24 `morph.ease`: the key at frame 5 stands after the one at 9; frames rise from key to key",
+    );
+    only(&morph("ease = true"), "9:8 `morph.ease` must be a number, a formula or keys");
+    only(&morph("ease = 't^'"), "9:11 the formula ends where a number, name or `(` is expected");
+    assert!(matches!(model(&morph("ease = 't'")).content, Content::Morph(_)));
+    only(&morph("mode = 'paper'\nslab = [1, 0]"), "10:8 `morph.slab` takes two numbers, [least, greatest]");
+    only(&morph("mode = 'paper'\nslab = 1"), "10:8 `morph.slab` must be two numbers, [least, greatest]");
 }
 
 #[test]
@@ -410,7 +464,7 @@ fn what_a_morphs_mode_does_not_use() {
         format!("frames='1-9'\n[shape.a]\nsphere=1\n[shape.b]\nbox=1\n[morph]\nfrom='a'\nto='b'\n{keys}\n")
     };
     only(&morph("round = { a0 = -0.2 }"), "9:1 `round` is for `mode = \"paper\"` only");
-    only(&morph("mode = 'paper'\nvolume = 2"), "10:1 `volume` is not for `mode = \"paper\"`");
+    only(&morph("mode = 'paper'\nvolume = 2"), "10:1 `volume` is for `mode = \"volume\"` only");
     only(
         &morph("mode = 'paper'\nround = { reach = 1 }"),
         "10:9 `morph.round` has no `a0`; How much is added at the cut; a negative number takes away.",
@@ -419,6 +473,15 @@ fn what_a_morphs_mode_does_not_use() {
         &morph("mode = 'paper'\nround = { a0 = 1, depht = 1 }"),
         "10:19 unknown key `depht` in `morph.round`; did you mean `depth`?",
     );
+    only(
+        &morph("mode = 'paper'\npace = 't'"),
+        "10:1 `pace` is not for `mode = \"paper\"`; it goes with `volume` and `linear`",
+    );
+    only(
+        &morph("mode = 'union'\nease = 'smooth'"),
+        "10:1 `ease` is not for `mode = \"union\"`; it goes with `volume`, `paper` and `linear`",
+    );
+    only(&morph("mode = 'linear'\na0 = 1"), "10:1 `a0` is for `mode = \"paper\"` only");
     only(&morph("mode = 'paper'\na1 = -1"), "10:6 `morph.a1` must be greater than 0");
     only(&morph("volume = { 1 = 1, 5 = 0, 9 = 1 }"), "9:23 `morph.volume.5` must be from 0.001 to 100");
 }

@@ -147,7 +147,7 @@ impl Model {
     pub fn varies(&self, number: &Number) -> bool {
         match &number.value {
             NumberValue::Constant(_) => false,
-            NumberValue::Keys(keys) => keys.keys.iter().any(|key| key.1 != keys.keys[0].1),
+            NumberValue::Keys(keys) => keys.vary(),
             NumberValue::Formula(formula) => self.formula_varies(formula),
         }
     }

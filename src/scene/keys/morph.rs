@@ -9,13 +9,13 @@ pub const MORPH: &[Key] = &[
     Key::new("to", Kind::Shape, Required, "What it is at the last frame."),
     Key::new(
         "mode",
-        Kind::Choice(&["volume", "paper"]),
+        Kind::Choice(&["volume", "paper", "linear", "union"]),
         Text("volume"),
-        "`volume`: the volume runs evenly from the one's to the other's. `paper`: a0 … a3 and s as given.",
+        "How the shape changes. `volume`: space-time blending, the volume runs evenly from the one's to the other's. `paper`: the same with a0 … a3 and s as given. `linear`: (1 − t)·f₁ + t·f₂ of the two distances; objects that lie apart vanish on the way. `union`: both objects at once on the way, by max, so it jumps at both ends: what space-time blending smooths out.",
     ),
     Key::new(
         "bridge",
-        Kind::Constant,
+        Kind::Number,
         Number(0.5),
         "How much separate shapes flow through one body: 0.05 is the shortest way.",
     )
@@ -35,11 +35,11 @@ pub const MORPH: &[Key] = &[
     ),
     Key::new("color_space", Kind::Choice(COLOUR_SPACES), Text("oklab"), "The space that colours are mixed in.")
         .also(&["colour_space"]),
-    Key::new("alpha", Kind::Constant, Number(0.3), "How colours come: 0.1 sweep over the shape, 3 everywhere at once.")
+    Key::new("alpha", Kind::Number, Number(0.3), "How colours come: 0.1 sweep over the shape, 3 everywhere at once.")
         .limit(Limit::NotNegative),
     Key::new(
         "beta",
-        Kind::Constant,
+        Kind::Number,
         Number(0.5),
         "Which object's distance counts more for colours; 0.5 is both alike.",
     )
@@ -54,10 +54,11 @@ pub const MORPH: &[Key] = &[
         .also(&["colour_over"]),
     Key::new(
         "ease",
-        Kind::Choice(&["linear", "smooth"]),
+        Kind::Progress,
         Text("linear"),
-        "Whether the shape's change starts and ends at rest.",
-    ),
+        "How fast the shape changes: `smooth` starts and ends at rest; keys or a formula are the progress itself, 0 at the first frame of `over`, 1 at its last, and may rest or go back on the way. Equal steps of it change equal volumes (with `pace = \"t\"`, t).",
+    )
+    .limit(Limit::Within(0.0, 1.0)),
     Key::new(
         "octopus",
         Kind::Flag,
@@ -73,18 +74,17 @@ pub const MORPH: &[Key] = &[
     ),
     Key::new("min_piece", Kind::Constant, Number(0.0), "Pieces of less volume, in cubic units, are left out.")
         .limit(Limit::NotNegative),
-    Key::new("a0", Kind::Constant, Number(1.0), "`mode = \"paper\"`: how much is added between them.")
-        .limit(Limit::NotZero),
-    Key::new("a1", Kind::Constant, Number(1.0), "`mode = \"paper\"`: how far the first reaches.")
+    Key::new("a0", Kind::Number, Number(1.0), "`mode = \"paper\"`: how much is added between them; 0 is their plain union."),
+    Key::new("a1", Kind::Number, Number(1.0), "`mode = \"paper\"`: how far the first reaches.")
         .limit(Limit::Positive),
-    Key::new("a2", Kind::Constant, Number(1.0), "`mode = \"paper\"`: how far the second reaches.")
+    Key::new("a2", Kind::Number, Number(1.0), "`mode = \"paper\"`: how far the second reaches.")
         .limit(Limit::Positive),
-    Key::new("a3", Kind::Constant, Number(1.0), "`mode = \"paper\"`: how far the slab of time reaches.")
+    Key::new("a3", Kind::Number, Number(1.0), "`mode = \"paper\"`: how far the slab of time reaches.")
         .limit(Limit::Positive),
-    Key::new("s", Kind::Constant, Number(1.0), "`mode = \"paper\"`: the scale of time against space.")
+    Key::new("s", Kind::Number, Number(1.0), "`mode = \"paper\"`: the scale of time against space.")
         .limit(Limit::Positive)
         .also(&["time_scale"]),
-    Key::new("slab", Kind::Table, Words("`[0, 1]`"), "`mode = \"paper\"`: the slab of time that bounds the blend."),
+    Key::new("slab", Kind::Span, Words("`[0, 1]`"), "`mode = \"paper\"`: the slab of time that bounds the blend."),
     Key::new(
         "round",
         Kind::Table,
@@ -95,18 +95,19 @@ pub const MORPH: &[Key] = &[
 
 /// The table of `round`, in the units of a0 … a3.
 pub const ROUND: &[Key] = &[
-    Key::new("a0", Kind::Constant, Required, "How much is added at the cut; a negative number takes away.")
-        .limit(Limit::NotZero),
-    Key::new("reach", Kind::Constant, Number(1.0), "How far it reaches, in distance and in time (a1 and a2).")
+    Key::new("a0", Kind::Number, Required, "How much is added at the cut; a negative number takes away."),
+    Key::new("reach", Kind::Number, Number(1.0), "How far it reaches, in distance and in time (a1 and a2).")
         .limit(Limit::Positive),
-    Key::new("a3", Kind::Constant, Number(1.0), "How far the bound reaches.").limit(Limit::Positive),
-    Key::new("depth", Kind::Constant, Number(1.0), "How far behind the cut, in t, the bound stands.")
+    Key::new("a3", Kind::Number, Number(1.0), "How far the bound reaches.").limit(Limit::Positive),
+    Key::new("depth", Kind::Number, Number(1.0), "How far behind the cut, in t, the bound stands.")
         .limit(Limit::NotNegative)
         .also(&["P_c"]),
 ];
 
-/// Keys of `[morph]` that only `mode = "paper"` uses.
-pub const PAPER_ONLY: &[&str] = &["a0", "a1", "a2", "a3", "s", "slab", "round"];
-
-/// Keys of `[morph]` that only `mode = "volume"` uses.
-pub const VOLUME_ONLY: &[&str] = &["bridge", "volume", "pace"];
+/// Keys of `[morph]` that not all modes use, with the modes that do.
+pub const BY_MODE: &[(&[&str], &[&str])] = &[
+    (&["a0", "a1", "a2", "a3", "s", "slab", "round"], &["paper"]),
+    (&["bridge", "volume"], &["volume"]),
+    (&["pace"], &["volume", "linear"]),
+    (&["ease"], &["volume", "paper", "linear"]),
+];

@@ -1,6 +1,7 @@
 //! From the tree of values to the model: every table by its keys, names resolved, what is output found.
 
 mod colours;
+mod keyed;
 mod links;
 mod morph;
 mod shapes;

@@ -1,17 +1,17 @@
 //! The morph and the output.
 
 use crate::distance::without::Keep;
-use crate::morph::Round;
 
 use super::super::diagnostic::{Diagnostic, clip};
 use super::super::frames::{FrameRange, Shot};
-use super::super::keys;
-use super::super::model::{Content, Morph, MorphMode, Output, ShapeId};
+use super::super::keys::{self, Limit};
+use super::super::model::{Content, Morph, MorphEase, MorphMode, MorphPaper, MorphRound, Output, ShapeId};
+use super::super::number::{Number, NumberValue};
 use super::super::reader::Fields;
 use super::super::source::Span;
 use super::super::value::{Table, Value};
+use super::Building;
 use super::links::Node;
-use super::{Building, pair};
 
 impl<'r, 'a> Building<'r, 'a> {
     /// `None` where there is none, or where an error was said.
@@ -35,13 +35,13 @@ impl<'r, 'a> Building<'r, 'a> {
                 largest_only: fields.choice("keep") == Some("largest"),
                 least_volume: fields.constant("min_piece").unwrap_or(0.0),
             },
-            even_pace: matches!(mode, MorphMode::Volume { .. }) && fields.choice("pace") == Some("even"),
+            even_pace: fields.choice("pace") == Some("even"),
             mode,
-            smooth: fields.choice("ease") == Some("smooth"),
+            ease: self.ease(&fields),
             octopus: fields.flag("octopus"),
             colour_space: fields.choice("color_space").unwrap_or("oklab"),
-            alpha: fields.constant("alpha").unwrap_or(0.3),
-            beta: fields.constant("beta").unwrap_or(0.5),
+            alpha: fields.required_number("alpha"),
+            beta: fields.required_number("beta"),
             over,
             colour_over,
             span: entry.key_span,
@@ -51,37 +51,82 @@ impl<'r, 'a> Building<'r, 'a> {
     }
 
     fn morph_mode(&self, fields: &Fields<'r, 'a>) -> MorphMode {
-        let paper = fields.choice("mode") == Some("paper");
-        if !paper {
-            for name in keys::PAPER_ONLY {
-                if let Some(entry) = fields.entry(name) {
-                    let problem = format!("`{}` is for `mode = \"paper\"` only", entry.key);
-                    self.reader.say(Diagnostic::error(entry.key_span, problem));
-                }
+        let mode = fields.choice("mode").unwrap_or("volume");
+        self.keys_of_mode(fields, mode);
+        match mode {
+            "linear" => return MorphMode::Linear,
+            "union" => return MorphMode::Union,
+            "volume" => {
+                let (bridge, volume) = (fields.required_number("bridge"), fields.required_number("volume"));
+                return MorphMode::Volume { bridge, volume };
             }
-            let bridge = fields.constant("bridge").unwrap_or(0.5);
-            return MorphMode::Volume { bridge, volume: fields.required_number("volume") };
+            _ => {}
         }
-        for name in keys::VOLUME_ONLY {
-            if let Some(entry) = fields.entry(name) {
-                let problem = format!("`{name}` is not for `mode = \"paper\"`");
-                self.reader.say(Diagnostic::error(entry.key_span, problem));
-            }
-        }
-        let number = |name| fields.constant(name).unwrap_or(1.0);
-        MorphMode::Paper {
-            a: [number("a0"), number("a1"), number("a2"), number("a3")],
-            s: number("s"),
-            slab: fields.value("slab").and_then(|value| pair(self.reader, "morph.slab", value)).unwrap_or([0.0, 1.0]),
+        MorphMode::Paper(Box::new(MorphPaper {
+            a: ["a0", "a1", "a2", "a3"].map(|name| fields.required_number(name)),
+            s: fields.required_number("s"),
+            slab: self.slab(fields),
             round: fields.value("round").and_then(|value| self.round(value)),
+        }))
+    }
+
+    /// Says which keys the mode does not use.
+    fn keys_of_mode(&self, fields: &Fields<'r, 'a>, mode: &str) {
+        let others = keys::BY_MODE.iter().filter(|(_, modes)| !modes.contains(&mode));
+        for (name, modes) in others.flat_map(|(names, modes)| names.iter().map(move |name| (*name, *modes))) {
+            let Some(entry) = fields.entry(name) else { continue };
+            self.reader.say(match modes {
+                [only] => {
+                    let problem = format!("`{}` is for `mode = \"{only}\"` only", entry.key);
+                    Diagnostic::error(entry.key_span, problem)
+                }
+                _ => {
+                    let problem = format!("`{}` is not for `mode = \"{mode}\"`", entry.key);
+                    Diagnostic::error(entry.key_span, problem).help(format!("it goes with {}", all_of(modes)))
+                }
+            });
         }
     }
 
-    fn round(&self, value: &'r Value) -> Option<Round> {
+    /// `"linear"`, `"smooth"`, or the progress itself.
+    fn ease(&self, fields: &Fields<'r, 'a>) -> MorphEase {
+        const NAMES: [&str; 2] = ["linear", "smooth"];
+        let Some(value) = fields.value("ease") else { return MorphEase::Linear };
+        match value.text() {
+            Some("linear") => MorphEase::Linear,
+            Some("smooth") => MorphEase::Smooth,
+            // A single word is meant as a name, unless it is one that formulas know.
+            Some(text) if text.chars().all(char::is_alphabetic) && !matches!(text, "t" | "frame" | "time") => {
+                self.reader.choice_problem("morph.ease", &NAMES, value);
+                MorphEase::Linear
+            }
+            _ => MorphEase::Progress(self.reader.number("morph.ease", Limit::Within(0.0, 1.0), value)),
+        }
+    }
+
+    /// `[0, 1]`, each end a number of its own.
+    fn slab(&self, fields: &Fields<'r, 'a>) -> [Number; 2] {
+        let ends = |[lo, hi]: [f64; 2]| [lo, hi].map(|end| Number::constant(end, "morph.slab", fields.span));
+        let Some(value) = fields.value("slab") else { return ends([0.0, 1.0]) };
+        let Some([lo, hi]) = value.list() else {
+            self.reader.wrong_kind("morph.slab", "two numbers, [least, greatest]", value);
+            return ends([0.0, 1.0]);
+        };
+        let slab = [lo, hi].map(|end| self.reader.number("morph.slab", Limit::Any, end));
+        if let [NumberValue::Constant(lo), NumberValue::Constant(hi)] = [&slab[0].value, &slab[1].value]
+            && lo >= hi
+        {
+            let problem = "`morph.slab` takes two numbers, [least, greatest]";
+            self.reader.say(Diagnostic::error(value.span, problem));
+        }
+        slab
+    }
+
+    fn round(&self, value: &'r Value) -> Option<MorphRound> {
         let keys = keys::ROUND.iter().collect();
         let fields = Fields::of_value(self.reader, "morph.round", "round", value.span, value, keys)?;
-        let number = |name| fields.constant(name).unwrap_or(1.0);
-        Some(Round { a0: number("a0"), reach: number("reach"), a3: number("a3"), depth: number("depth") })
+        let number = |name| fields.required_number(name);
+        Some(MorphRound { a0: number("a0"), reach: number("reach"), a3: number("a3"), depth: number("depth") })
     }
 
     fn within_shot(&self, fields: &Fields<'r, 'a>, name: &str, shot: &Shot) -> Option<FrameRange> {
@@ -168,6 +213,16 @@ impl<'r, 'a> Building<'r, 'a> {
                 None
             }
         }
+    }
+}
+
+/// `a`, `b` and `c`.
+fn all_of(names: &[&str]) -> String {
+    let quoted: Vec<String> = names.iter().map(|name| format!("`{name}`")).collect();
+    match quoted.split_last() {
+        Some((last, [])) => last.clone(),
+        Some((last, others)) => format!("{} and {last}", others.join(", ")),
+        None => String::new(),
     }
 }
 

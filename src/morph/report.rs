@@ -1,0 +1,69 @@
+//! Numbers on a morph's frames, measured on its coarse grid.
+
+use rayon::prelude::*;
+use serde::Serialize;
+
+use super::plan::Morph;
+use super::settings::Mode;
+use super::volume::{Enclosing, difference, total};
+
+/// Numbers on one frame, volumes in cubic world units, measured on the coarse grid.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct FrameReport {
+    /// Scene time τ.
+    pub time: f64,
+    /// STB's time t.
+    pub t: f64,
+    /// The blend's amount.
+    pub a0: f64,
+    /// The volume that the frame is to have; `None` in the papers' mode.
+    pub target: Option<f64>,
+    /// The volume that it has.
+    pub volume: f64,
+    /// What lies in this frame or in the one before, but not in both; 0 in the first.
+    pub change: f64,
+}
+
+/// Numbers on a sequence of frames.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Report {
+    /// One entry a frame, in order.
+    pub frames: Vec<FrameReport>,
+    /// The median of the changes.
+    pub median_change: f64,
+    /// The largest change over the median; a morph without pops stays under 2.
+    pub largest_over_median: f64,
+}
+
+impl Morph {
+    /// Numbers on the frames at some scene times, in order.
+    pub fn report(&self, times: &[f64]) -> Report {
+        let measured: Vec<(FrameReport, Vec<f32>)> = times.par_iter().map(|time| self.frame_report(*time)).collect();
+        let cell = self.plan().grid.cell_volume();
+        let changes: Vec<f64> = measured.par_windows(2).map(|two| difference(&two[0].1, &two[1].1) * cell).collect();
+        let mut frames: Vec<FrameReport> = measured.into_iter().map(|(frame, _)| frame).collect();
+        for (frame, change) in frames.iter_mut().skip(1).zip(&changes) {
+            frame.change = *change;
+        }
+        let mut sorted = changes;
+        sorted.sort_by(f64::total_cmp);
+        let median_change = sorted.get(sorted.len() / 2).copied().unwrap_or(0.0);
+        let largest = sorted.last().copied().unwrap_or(0.0);
+        let largest_over_median = if median_change > 0.0 { largest / median_change } else { 0.0 };
+        Report { frames, median_change, largest_over_median }
+    }
+
+    pub(super) fn frame_report(&self, time: f64) -> (FrameReport, Vec<f32>) {
+        let fresh = if self.still.is_none() { Some(self.measure(time)) } else { None };
+        let measured = fresh.as_ref().or(self.still.as_ref()).expect("one of both is there");
+        let t = self.time_at(time);
+        let Enclosing { a0, fractions } = self.enclosing(measured, time, t);
+        let cell = self.plan().grid.cell_volume();
+        let target = match &self.settings.mode {
+            Mode::Flow(_) => Some(self.target(measured, time, t) * cell),
+            _ => None,
+        };
+        let volume = total(&fractions) * cell;
+        (FrameReport { time, t, a0, target, volume, change: 0.0 }, fractions)
+    }
+}
