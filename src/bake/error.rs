@@ -43,6 +43,13 @@ impl Error {
     }
 }
 
+impl Error {
+    /// Whether the frame has no surface, which `--allow-empty` allows.
+    pub fn is_empty_frame(&self) -> bool {
+        matches!(self, Self::Frame(_, ComputeError::Distance(band::Error::Empty { solid: false })))
+    }
+}
+
 impl From<disk::Error> for Error {
     fn from(error: disk::Error) -> Self {
         Self::Write(error.into())

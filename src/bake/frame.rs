@@ -45,7 +45,7 @@ pub fn compute_frame(
 }
 
 /// A frame without a surface.
-pub(super) fn empty(prepared: &Prepared) -> Computed {
+pub fn empty(prepared: &Prepared) -> Computed {
     let band = Band {
         lattice: prepared.lattice,
         half_width: prepared.half_width,

@@ -30,7 +30,7 @@ pub use compute::{ComputeError, Computed, compute};
 pub use done::{State, judge_all};
 pub use error::Error;
 pub use estimate::{Estimate, check_memory, estimate};
-pub use frame::compute_frame;
+pub use frame::{compute_frame, empty};
 pub use frames::{Frames, FramesError};
 pub use identity::{Identity, Sampling};
 pub use interrupt::Interrupt;

@@ -45,9 +45,10 @@ impl fmt::Display for PatternError {
             }
             Self::NoToken(path, frames) => write!(
                 f,
-                "{}: {frames} frames would go into one file; put a frame token into the name, as in name.####.vdb \
+                "{}: {frames} frames would go into one file; put a frame token into the name, as in name.####.{} \
                  (the shell may have eaten $F4: quote it)",
-                path.display()
+                path.display(),
+                path.extension().unwrap_or_default().display()
             ),
         }
     }

@@ -5,7 +5,7 @@ use std::sync::mpsc;
 use std::thread;
 use std::time::{Duration, Instant};
 
-use super::compute::{ComputeError, Computed};
+use super::compute::Computed;
 use super::done::{State, judge};
 use super::frame::{compute_frame, empty, warnings, write_frame};
 use super::identity::Identity;
@@ -14,7 +14,6 @@ use super::sealed;
 use super::sequence::Sequence;
 use super::{Bytes, Error, Interrupt};
 use crate::disk::{self, FileLock};
-use crate::distance::band;
 use crate::scene::Prepared;
 use crate::vdb;
 
@@ -255,7 +254,7 @@ fn compute_one(
 ) -> Result<Computed, Error> {
     let progress = |share: f64| events(Event::Progress { place, frame, share });
     let computed = match compute_frame(prepared, frame, output.max_memory, interrupt, &progress) {
-        Err(Error::Frame(_, ComputeError::Distance(band::Error::Empty { solid: false }))) if output.allow_empty => {
+        Err(error) if output.allow_empty && error.is_empty_frame() => {
             events(Event::Warning(frame, "it is empty".into()));
             empty(prepared)
         }

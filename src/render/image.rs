@@ -1,58 +1,6 @@
 //! An image of 8-bit sRGB pixels, and its PNG.
 
-use std::{
-    fmt,
-    io::Write,
-    path::{Path, PathBuf},
-};
-
-/// Why a picture could not be stored.
-#[derive(Debug)]
-pub enum PictureError {
-    /// The picture has no pixels, or more than PNG can hold.
-    Size {
-        /// Pixels across.
-        width: usize,
-        /// Pixels down.
-        height: usize,
-    },
-    /// The encoder refused.
-    Encode(png::EncodingError),
-    /// The file could not be written.
-    Write {
-        /// Where it should have gone.
-        path: PathBuf,
-        /// What the system said.
-        source: std::io::Error,
-    },
-}
-
-impl fmt::Display for PictureError {
-    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Size { width, height } => {
-                write!(
-                    out,
-                    "a picture of {width} by {height} pixels cannot be stored: take between 1 and 65535 each way"
-                )
-            }
-            Self::Encode(source) => write!(out, "the picture could not be encoded as PNG: {source}"),
-            Self::Write { path, source } => {
-                write!(out, "cannot write the picture {}: {source}; is its folder there and writable?", path.display())
-            }
-        }
-    }
-}
-
-impl std::error::Error for PictureError {
-    fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
-        match self {
-            Self::Size { .. } => None,
-            Self::Encode(source) => Some(source),
-            Self::Write { source, .. } => Some(source),
-        }
-    }
-}
+use super::error::{PictureError, png_size};
 
 /// Rows of sRGB-encoded red, green, blue and (straight) alpha, the top row first.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -119,36 +67,16 @@ impl Image {
 
     /// The image as the bytes of a PNG file, marked as sRGB.
     pub fn encode_png(&self) -> Result<Vec<u8>, PictureError> {
-        let wrong_size = || PictureError::Size { width: self.width, height: self.height };
-        if self.width.min(self.height) == 0 {
-            return Err(wrong_size());
-        }
-        let width = u16::try_from(self.width).map_err(|_| wrong_size())?;
-        let height = u16::try_from(self.height).map_err(|_| wrong_size())?;
+        let (width, height) = png_size(self.width, self.height)?;
         let mut bytes = Vec::new();
-        let mut encoder = png::Encoder::new(&mut bytes, width.into(), height.into());
+        let mut encoder = png::Encoder::new(&mut bytes, width, height);
         encoder.set_color(png::ColorType::Rgba);
         encoder.set_depth(png::BitDepth::Eight);
         encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
-        let mut writer = encoder.write_header().map_err(PictureError::Encode)?;
-        writer.write_image_data(self.pixels.as_flattened()).map_err(PictureError::Encode)?;
-        writer.finish().map_err(PictureError::Encode)?;
+        let mut writer = encoder.write_header()?;
+        writer.write_image_data(self.pixels.as_flattened())?;
+        writer.finish()?;
         Ok(bytes)
-    }
-
-    /// Writes the image as a PNG file: whole under its name, or not at all. A file of that name is replaced.
-    pub fn save_png(&self, path: &Path) -> Result<(), PictureError> {
-        let bytes = self.encode_png()?;
-        let failed = |source| PictureError::Write { path: path.to_owned(), source };
-        let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-        // A temporary file is private to its owner; a picture gets what any new file would.
-        let mut options = tempfile::Builder::new();
-        #[cfg(unix)]
-        options.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-        let mut file = options.prefix(".hfvdb-").suffix(".png.part").tempfile_in(folder).map_err(failed)?;
-        file.write_all(&bytes).map_err(failed)?;
-        file.persist(path).map_err(|error| failed(error.error))?;
-        Ok(())
     }
 }
 
@@ -169,7 +97,9 @@ pub(super) fn decode_srgb(encoded: u8) -> f32 {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
+    use std::path::Path;
+
+    use super::{super::error::save, *};
 
     #[test]
     fn every_srgb_byte_survives_decoding_and_encoding() {
@@ -186,7 +116,7 @@ mod tests {
         image.pixels_mut()[4] = [255, 0, 127, 255];
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("picture.png");
-        image.save_png(&path).unwrap();
+        save(&path, &image.encode_png().unwrap()).unwrap();
         let file = std::io::BufReader::new(std::fs::File::open(&path).unwrap());
         let mut reader = png::Decoder::new(file).read_info().unwrap();
         let mut pixels = vec![0; 24];
@@ -199,7 +129,7 @@ mod tests {
     #[test]
     fn pictures_that_png_cannot_hold_are_refused() {
         assert!(matches!(Image::new(0, 4, [0; 4]).encode_png(), Err(PictureError::Size { .. })));
-        let missing = Image::new(1, 1, [0; 4]).save_png(Path::new("/no/such/folder/picture.png"));
+        let missing = save(Path::new("/no/such/folder/picture.png"), &[]);
         assert!(missing.unwrap_err().to_string().contains("/no/such/folder/picture.png"));
     }
 

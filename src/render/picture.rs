@@ -6,6 +6,7 @@ use rayon::prelude::*;
 use super::{
     camera::Camera,
     image::{Image, decode_srgb, encode_srgb},
+    layers::{FAR, Layers},
     screen::Screen,
     studio::{Shade, Studio, combine, expose},
     trace::{Ray, first_hit},
@@ -77,23 +78,8 @@ pub struct Scene<'a> {
 /// number of threads. An empty band gives the plain background.
 pub fn render(scene: &Scene<'_>, width: usize, height: usize) -> Image {
     let volume = Volume::new(scene.band);
-    let painter = Painter {
-        scene,
-        studio: Studio::new(&volume, &scene.camera),
-        screen: Screen::new(&volume, &scene.camera, width, height),
-        volume: &volume,
-        width,
-        height,
-        draws: draws(),
-        ground: scene.look.ground.filter(|height| height.is_finite() && scene.look.lighting == Lighting::Studio),
-        background: scene.look.background.map(decode_srgb),
-    };
-    let mut pixels = vec![Pixel::default(); width * height];
-    pixels.par_chunks_mut(width.max(1)).enumerate().for_each(|(row, pixels)| {
-        for (column, pixel) in pixels.iter_mut().enumerate() {
-            *pixel = painter.pixel(column, row);
-        }
-    });
+    let painter = Painter::new(scene, &volume, width, height);
+    let pixels = painter.pixels();
     let [red, green, blue] = scene.look.background;
     let mut image = Image::new(width, height, [red, green, blue, 255]);
     image.pixels_mut().par_chunks_mut(width.max(1)).enumerate().for_each(|(row, out)| {
@@ -107,6 +93,31 @@ pub fn render(scene: &Scene<'_>, width: usize, height: usize) -> Image {
     image
 }
 
+/// Takes the picture in layers, for compositing: the object alone, without background and ground. The same sampling as
+/// [`render`].
+pub fn render_layers(scene: &Scene<'_>, width: usize, height: usize) -> Layers {
+    let look = Look { ground: None, ..scene.look };
+    let scene = &Scene { look, ..*scene };
+    let volume = Volume::new(scene.band);
+    let painter = Painter::new(scene, &volume, width, height);
+    let pixels = painter.pixels();
+    let mut layers = Layers::new(width, height);
+    for (index, pixel) in pixels.iter().enumerate() {
+        if pixel.object == 0.0 {
+            continue;
+        }
+        let light = painter.object_light(&pixels, index % width, index / width, |light| light);
+        layers.mask[index] = pixel.object / pixel.samples;
+        for channel in 0..3 {
+            layers.beauty[channel][index] = light[channel] / pixel.samples;
+            layers.colour[channel][index] = pixel.colour[channel] / pixel.samples;
+            layers.normal[channel][index] = pixel.normal.normalize_or_zero()[channel];
+        }
+        layers.depth[index] = pixel.nearest.min(FAR);
+    }
+    layers
+}
+
 /// Sums over a pixel's samples on the object, and what was found of the ground.
 #[derive(Clone, Copy, Default)]
 struct Pixel {
@@ -115,8 +126,13 @@ struct Pixel {
     /// How many samples lie on the object.
     object: f32,
     shade: Shade,
+    /// Its own colour.
+    colour: [f32; 3],
     normal: Vec3,
+    /// Along the rays, in voxels.
     depth: f32,
+    /// The least depth along the camera's axis, world units.
+    nearest: f32,
     /// How many samples lie on the ground.
     ground: f32,
     ground_light: f32,
@@ -144,7 +160,32 @@ struct Painter<'a> {
     background: [f32; 3],
 }
 
-impl Painter<'_> {
+impl<'a> Painter<'a> {
+    fn new(scene: &'a Scene<'a>, volume: &'a Volume<'a>, width: usize, height: usize) -> Self {
+        Self {
+            scene,
+            studio: Studio::new(volume, &scene.camera),
+            screen: Screen::new(volume, &scene.camera, width, height),
+            volume,
+            width,
+            height,
+            draws: draws(),
+            ground: scene.look.ground.filter(|height| height.is_finite() && scene.look.lighting == Lighting::Studio),
+            background: scene.look.background.map(decode_srgb),
+        }
+    }
+
+    /// All pixels, sampled.
+    fn pixels(&self) -> Vec<Pixel> {
+        let mut pixels = vec![Pixel::default(); self.width * self.height];
+        pixels.par_chunks_mut(self.width.max(1)).enumerate().for_each(|(row, pixels)| {
+            for (column, pixel) in pixels.iter_mut().enumerate() {
+                *pixel = self.pixel(column, row);
+            }
+        });
+        pixels
+    }
+
     fn pixel(&self, column: usize, row: usize) -> Pixel {
         let phase = row % WINDOW * WINDOW + column % WINDOW;
         let draws = &self.draws[phase * PIXEL_DRAWS..][..PIXEL_DRAWS];
@@ -194,7 +235,12 @@ impl Painter<'_> {
             Lighting::Studio => self.studio.object(position, normal, albedo, &draws[order * DRAWS..][..DRAWS]),
             Lighting::Flat => Shade { ambient: albedo, ..Shade::default() },
         };
+        let depth = (t * self.volume.voxel_size() * ray.direction.dot(camera.forward)) as f32;
+        pixel.nearest = if pixel.object == 0.0 { depth } else { pixel.nearest.min(depth) };
         pixel.object += 1.0;
+        for (sum, value) in pixel.colour.iter_mut().zip(albedo) {
+            *sum += value;
+        }
         pixel.normal += normal.as_vec3();
         pixel.depth += t as f32;
         pixel.shade.add(&shade);
@@ -215,18 +261,28 @@ impl Painter<'_> {
             return None;
         }
         let count = pixel.samples;
-        let seen = self.smoothed(pixels, column, row);
-        let object = match self.scene.look.lighting {
+        let object = self.object_light(pixels, column, row, expose);
+        let ground = match pixel.ground {
+            0.0 => 0.0,
+            _ => 1.0 - (1.0 - self.smoothed(pixels, column, row).ground) * self.fade(column, row),
+        };
+        let plain = count - pixel.object - pixel.ground + pixel.ground * ground;
+        Some(std::array::from_fn(|channel| (object[channel] + self.background[channel] * plain) / count))
+    }
+
+    /// The object's linear light, summed over a pixel's samples on it.
+    fn object_light(&self, pixels: &[Pixel], column: usize, row: usize, expose: impl Fn(f32) -> f32) -> [f32; 3] {
+        let pixel = &pixels[row * self.width + column];
+        match self.scene.look.lighting {
+            _ if pixel.object == 0.0 => [0.0; 3],
             Lighting::Flat => pixel.shade.ambient,
             Lighting::Studio => {
+                let seen = self.smoothed(pixels, column, row);
                 let per_sample = |sum: [f32; 3]| sum.map(|value| value / pixel.object.max(1.0));
                 combine(per_sample(pixel.shade.ambient), per_sample(pixel.shade.key), seen.sky, seen.key)
                     .map(|value| expose(value) * pixel.object)
             }
-        };
-        let ground = 1.0 - (1.0 - seen.ground) * self.fade(column, row);
-        let plain = count - pixel.object - pixel.ground + pixel.ground * ground;
-        Some(std::array::from_fn(|channel| (object[channel] + self.background[channel] * plain) / count))
+        }
     }
 
     /// How much of the ground's shadow shows: none at the border, so that pictures side by side are one paper.
@@ -293,133 +349,4 @@ fn draws() -> Vec<DVec2> {
 }
 
 #[cfg(test)]
-mod tests {
-    use glam::{DVec3, IVec3};
-
-    use super::*;
-    use crate::{
-        field::Aabb,
-        grid::{
-            BLOCK_VOXELS,
-            testing::{band_of, sphere, voxel_of},
-        },
-        render::View,
-    };
-
-    const RED: [f32; 3] = [0.6, 0.05, 0.1];
-    const BLUE: [f32; 3] = [0.05, 0.2, 0.7];
-
-    fn painted(band: &Band, colour: impl Fn(DVec3) -> [f32; 3]) -> Channel<[f32; 3]> {
-        let block = |&origin: &IVec3| {
-            std::array::from_fn::<_, BLOCK_VOXELS, _>(|at| colour(band.lattice.centre(voxel_of(origin, at))))
-        };
-        Channel { name: "Cd".into(), values: band.origins.iter().map(block).collect(), background: [0.0; 3] }
-    }
-
-    fn flat<'a>(band: &'a Band, colour: Option<&'a Channel<[f32; 3]>>, camera: Camera) -> Scene<'a> {
-        Scene { band, colour, camera, look: Look { lighting: Lighting::Flat, background: [0; 3], ground: None } }
-    }
-
-    fn cube(edge: f64) -> Aabb {
-        Aabb::new(DVec3::splat(-edge / 2.0), DVec3::splat(edge / 2.0))
-    }
-
-    #[test]
-    fn the_silhouette_of_a_sphere_has_its_area() {
-        let (radius, size) = (1.0, 160);
-        let band = sphere(DVec3::ZERO, radius, 0.05);
-        let white = painted(&band, |_| [1.0; 3]);
-        let camera = Camera::framing(&cube(3.0), View::Front, 0.0, 1.0);
-        let image = render(&flat(&band, Some(&white), camera), size, size);
-        let covered: f64 = image.pixels().iter().map(|pixel| f64::from(decode_srgb(pixel[0]))).sum();
-        // A sphere of radius r at distance d fills a disc of tangent r/√(d² − r²).
-        let tangent = radius / (camera.eye.length_squared() - radius * radius).sqrt();
-        let disc = tangent / camera.half_extent.x * size as f64 / 2.0;
-        let exact = std::f64::consts::PI * disc * disc;
-        assert!((covered / exact - 1.0).abs() < 4e-3, "{covered} pixels for {exact}");
-    }
-
-    #[test]
-    fn flat_colours_are_those_of_the_channel() {
-        let band = sphere(DVec3::ZERO, 1.0, 0.05);
-        let halves = painted(&band, |p| if p.x < 0.0 { RED } else { BLUE });
-        let camera = Camera::framing(&cube(2.0), View::Front, 0.0, 1.0);
-        let image = render(&flat(&band, Some(&halves), camera), 60, 60);
-        let expected = |colour: [f32; 3]| colour.map(encode_srgb);
-        assert_eq!(image.pixel(20, 30)[..3], expected(RED));
-        assert_eq!(image.pixel(40, 30)[..3], expected(BLUE));
-        assert_eq!(image.pixel(0, 0), [0, 0, 0, 255]);
-        // From behind, left and right change places.
-        let behind = Camera::framing(&cube(2.0), View::Front, 180.0, 1.0);
-        assert_eq!(render(&flat(&band, Some(&halves), behind), 60, 60).pixel(20, 30)[..3], expected(BLUE));
-    }
-
-    #[test]
-    fn a_colour_that_is_no_colour_is_drawn_without_harm() {
-        let band = sphere(DVec3::ZERO, 1.0, 0.1);
-        let camera = Camera::framing(&cube(2.0), View::ThreeQuarter, 0.0, 1.0);
-        for value in [f32::NAN, f32::INFINITY, -3.0] {
-            let odd = painted(&band, |_| [value; 3]);
-            let bright = render(&flat(&band, Some(&odd), camera), 9, 9).pixel(4, 4)[0];
-            assert_eq!(bright, if value > 0.0 { 255 } else { 0 });
-        }
-        let short = Channel { name: "Cd".into(), values: Vec::new(), background: RED };
-        assert_eq!(render(&flat(&band, Some(&short), camera), 9, 9).pixel(4, 4)[..3], RED.map(encode_srgb));
-    }
-
-    #[test]
-    fn one_thread_and_two_give_the_same_bits() {
-        let band = sphere(DVec3::new(0.2, 0.0, 0.1), 0.8, 0.05);
-        let colour = painted(&band, |p| if (p.x * 5.0).floor() as i32 % 2 == 0 { RED } else { BLUE });
-        let camera = Camera::framing(&cube(2.0), View::ThreeQuarter, 20.0, 1.5);
-        let look = Look { ground: Some(-0.7), ..Look::default() };
-        let scene = Scene { band: &band, colour: Some(&colour), camera, look };
-        let with = |threads| {
-            rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap().install(|| render(&scene, 90, 60))
-        };
-        assert_eq!(with(1), with(2));
-    }
-
-    #[test]
-    fn an_empty_band_is_plain_background() {
-        let mut band = sphere(DVec3::ZERO, 1.0, 0.5);
-        (band.origins, band.distances, band.active, band.inside_tiles) = Default::default();
-        let camera = Camera::framing(&cube(2.0), View::ThreeQuarter, 0.0, 1.0);
-        let look = Look { background: [1, 2, 3], ground: Some(-1.0), ..Look::default() };
-        let image = render(&Scene { band: &band, colour: None, camera, look }, 20, 10);
-        assert!(image.pixels().iter().all(|&pixel| pixel == [1, 2, 3, 255]));
-        assert_eq!(render(&Scene { band: &band, colour: None, camera, look }, 0, 10).pixels().len(), 0);
-    }
-
-    /// A sheet one voxel thick and a wire of two, seen edge-on and along: every line of sight that meets them shows.
-    #[test]
-    fn thin_geometry_is_not_missed() {
-        let size = 0.02;
-        let sheet =
-            band_of(|p| size * 0.5 - (p.z - 0.37 * size).abs().max(p.x.abs() - 1.0).max(p.y.abs() - 1.0), 1.1, size);
-        let camera = Camera::framing(&cube(2.4), View::ThreeQuarter, 0.0, 1.0);
-        let white = painted(&sheet, |_| [1.0; 3]);
-        let image = render(&flat(&sheet, Some(&white), camera), 120, 120);
-        let to_pixel = |p: DVec3| {
-            let offset = p - camera.eye;
-            let place = DVec2::new(offset.dot(camera.right), offset.dot(camera.up)) / offset.dot(camera.forward);
-            let place = place / camera.half_extent * 60.0;
-            (60.0 + place.x, 60.0 - place.y)
-        };
-        for x in -9..=9 {
-            for y in -9..=9 {
-                let (column, row) = to_pixel(DVec3::new(f64::from(x) * 0.1, f64::from(y) * 0.1, 0.37 * size));
-                assert_eq!(image.pixel(column as usize, row as usize)[0], 255, "a hole at {x}, {y}");
-            }
-        }
-        let wire = band_of(|p| size - DVec2::new(p.x - 0.3 * size, p.y).length(), 1.1, size);
-        let white = painted(&wire, |_| [1.0; 3]);
-        let front = Camera::framing(&cube(2.0), View::Front, 0.0, 1.0);
-        let image = render(&flat(&wire, Some(&white), front), 80, 80);
-        for row in 4..76 {
-            let bright: f32 = (36..44).map(|column| decode_srgb(image.pixel(column, row)[0])).sum();
-            // The wire is 0.04 wide, and a pixel 0.025 (a tenth more in the margin and by perspective).
-            assert!((1.2..2.0).contains(&bright), "row {row}: {bright} pixels wide");
-        }
-    }
-}
+mod tests;

@@ -113,7 +113,7 @@ fn place_of(index: usize, count: usize) -> f32 {
 
 /// The least 1, 2, 2.5 or 5 times a power of ten that is not less than a value (for counts: an even number); 1
 /// (for counts: 2) where the value is 0.
-fn rounded_up(value: f64, whole: bool) -> f64 {
+pub(super) fn rounded_up(value: f64, whole: bool) -> f64 {
     if whole {
         return if value <= 2.0 { 2.0 } else { (value * 0.5).ceil() * 2.0 };
     }

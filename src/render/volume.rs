@@ -179,6 +179,13 @@ impl<'a> Volume<'a> {
         }
     }
 
+    /// The interpolated distance at an index position, world units, positive inside.
+    pub(super) fn distance(&self, position: DVec3) -> f64 {
+        let least = voxel_below(position);
+        let corners = std::array::from_fn(|corner| self.value(least.saturating_add(corner_step(corner))));
+        interpolate(&corners, position - least.as_dvec3())
+    }
+
     /// The cells that may hold solid: least corner and edge.
     pub(super) fn solid_cells(&self) -> impl Iterator<Item = (DVec3, f64)> {
         let blocks = self.band.origins.iter().zip(&self.peaks).filter(|(_, peak)| **peak >= 0.0);

@@ -231,8 +231,13 @@ pub(super) fn box_of(field: &dyn Field) -> Result<Aabb, extent::Error> {
 
 /// The box of F ≥ 0, or what is wrong with the shape.
 pub(super) fn solid_box(model: &Model, id: ShapeId, field: &dyn Field) -> Result<Aabb, Problem> {
+    box_of(field).map_err(|error| no_box(model, id, error))
+}
+
+/// What is wrong with a shape that has no box.
+fn no_box(model: &Model, id: ShapeId, error: extent::Error) -> Problem {
     let shape = model.shape(id);
-    box_of(field).map_err(|error| match error {
+    match error {
         extent::Error::Unbounded => {
             let culprit = model.unbounded_part(id);
             let problem = format!("`{}` may reach to infinity", model.shape(culprit).name);
@@ -241,10 +246,10 @@ pub(super) fn solid_box(model: &Model, id: ShapeId, field: &dyn Field) -> Result
         }
         extent::Error::Empty => Problem::new(shape.span, format!("nothing is inside `{}`", shape.name))
             .help("F is negative everywhere: check the signs (positive is inside), the sizes and the bounds"),
-    })
+    }
 }
 
-/// The box over all frames of the shot.
+/// The box over all frames of the shot. Some may be empty, which is for whoever asks for them to judge; not all.
 fn box_over_shot(
     model: &Model,
     solids: &Solids,
@@ -254,14 +259,19 @@ fn box_over_shot(
 ) -> Result<Aabb, Stop> {
     let frames =
         if variation.placed(id) { sampled_frames(model.shot.range) } else { vec![model.shot.range.first as f64] };
-    let one = |frame: &f64| -> Result<Aabb, Stop> {
+    let one = |frame: &f64| -> Result<Result<Aabb, extent::Error>, Stop> {
         stop_if(options.cancel)?;
         let mut solids = solids.at(model.moment(*frame), variation);
-        let field = solids.field(id, Stage::Placed)?;
-        Ok(solid_box(model, id, field.as_ref())?)
+        Ok(box_of(solids.field(id, Stage::Placed)?.as_ref()))
     };
-    let boxes: Result<Vec<Aabb>, Stop> = frames.par_iter().map(one).collect();
-    Ok(boxes?.into_iter().reduce(Aabb::union).expect("a shot has a frame"))
+    let boxes: Result<Vec<_>, Stop> = frames.par_iter().map(one).collect();
+    let union = |a, b| match (a, b) {
+        (Ok(a), Ok(b)) => Ok(Aabb::union(a, b)),
+        (Err(extent::Error::Empty), other) | (other, Err(extent::Error::Empty)) => other,
+        (wrong, _) => wrong,
+    };
+    let all = boxes?.into_iter().reduce(union).expect("a shot has a frame");
+    Ok(all.map_err(|error| no_box(model, id, error))?)
 }
 
 /// All frames of a range, or as many as are looked at, evenly, with both ends.

@@ -1,0 +1,184 @@
+//! `hfvdb preview`: pictures of a scene, a `.vdb` file or a sequence, without any DCC.
+
+mod picture;
+mod source;
+mod target;
+
+use std::path::PathBuf;
+
+use clap::Args;
+use serde_json::json;
+
+use super::failure::Failure;
+use super::job;
+use super::options::{Global, Sampling, SceneChanges};
+use super::progress::Progress;
+use crate::bake::{Frames, Interrupt};
+use crate::grid::{Band, measure};
+use crate::render::{ContactSheet, Plane, SheetFrame, View};
+use picture::Painter;
+use source::Source;
+use target::{Kind, Target, Writer};
+
+/// Arguments of `hfvdb preview`.
+#[derive(Args)]
+#[command(after_help = "\
+The name of the output says what is made of the frames:
+  heart.png         a picture of one frame; of several a contact sheet, with curves of volume, change and pieces
+  heart.apng        all frames as an animated picture, at the scene's frames a second; browsers play it
+  heart.####.png    a picture of each frame
+  heart.exr         one frame in layers for compositing: beauty (R G B A), depth.Z, normal.XYZ, colour.RGB, mask.A
+  heart.####.exr    the same of each frame
+The camera is the same over all frames.
+
+Examples:
+  hfvdb preview cubism -o cubism.png --pictures 12            a contact sheet; the curves are of all 48 frames
+  hfvdb preview cubism -o cubism.apng                         the morph, moving
+  hfvdb preview cubism -o inside.png --slice z=0              what is inside: colours, and lines of equal distance
+  hfvdb preview out/cubism.*.vdb -o cubism.apng               files of any maker")]
+pub struct Arguments {
+    /// A scene file, the name of a built-in scene, or .vdb files (several are a sequence)
+    #[arg(value_name = "SCENE or FILE.vdb", required = true)]
+    inputs: Vec<String>,
+
+    /// The .png, .apng or .exr to write; it is replaced if it exists
+    #[arg(short, long, value_name = "FILE")]
+    output: PathBuf,
+
+    /// Frames of a scene [default: the whole shot]
+    #[arg(long, value_name = "FRAMES", allow_hyphen_values = true)]
+    frames: Option<Frames>,
+
+    /// Where to look from: front, three-quarter or top
+    #[arg(long, value_name = "VIEW", default_value = "three-quarter")]
+    view: View,
+
+    /// Degrees to turn the camera around the object
+    #[arg(long, value_name = "DEGREES", default_value_t = 0.0, allow_negative_numbers = true)]
+    turn: f64,
+
+    /// Show the inside in a plane across an axis, such as z=0 or x=-0.5 (world units), with lines of equal distance as
+    /// far as the band reaches (see --half-width; 16 voxels here)
+    #[arg(long, value_name = "AXIS=PLACE", conflicts_with_all = ["view", "turn"])]
+    slice: Option<Plane>,
+
+    /// Edge of a picture in pixels [default: 800; 480 of an .apng, 220 each of a contact sheet]
+    #[arg(long, value_name = "PIXELS", value_parser = clap::value_parser!(u32).range(16..=8192))]
+    size: Option<u32>,
+
+    /// Pictures in a row of a contact sheet
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100))]
+    columns: Option<u32>,
+
+    /// Show at most so many pictures, evenly chosen; the curves are of all frames
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    pictures: Option<u32>,
+
+    /// Show nothing where a frame of the scene has no surface, instead of failing
+    #[arg(long)]
+    allow_empty: bool,
+
+    #[command(flatten)]
+    changes: SceneChanges,
+    #[command(flatten)]
+    sampling: Sampling,
+}
+
+/// Runs the command.
+pub fn run(arguments: &Arguments, global: &Global) -> Result<(), Failure> {
+    let target = Target::new(&arguments.output)?;
+    if arguments.slice.is_some() && target.kind == Kind::Exr {
+        return Err(Failure::usage("a slice is a .png or an .apng: the layers of an .exr are those of a camera"));
+    }
+    let files = arguments.inputs.iter().filter(|input| source::is_vdb(input)).count();
+    let interrupt = job::interrupt()?;
+    if files == arguments.inputs.len() {
+        return source::of_files(arguments, global, |source, progress| {
+            show(arguments, &target, source, &interrupt, progress, global)
+        });
+    }
+    if files > 0 || arguments.inputs.len() > 1 {
+        return Err(Failure::usage("preview takes one scene, or any number of .vdb files, not both"));
+    }
+    source::of_scene(arguments, &interrupt, global, |source, progress| {
+        show(arguments, &target, source, &interrupt, progress, global)
+    })
+}
+
+/// Makes pictures of the frames, and writes what is made of them.
+fn show(
+    arguments: &Arguments,
+    target: &Target,
+    source: &Source<'_>,
+    interrupt: &Interrupt,
+    progress: &Progress,
+    global: &Global,
+) -> Result<(), Failure> {
+    let count = source.numbers.len();
+    let pictured: Vec<usize> = (0..count).filter(|&place| is_pictured(place, count, arguments.pictures)).collect();
+    let numbers: Vec<i64> = pictured.iter().map(|&place| source.numbers[place]).collect();
+    let mut writer = Writer::new(target, &numbers, count, arguments.size)?;
+    let mut painter = Painter::new(arguments, source, writer.size())?;
+    let mut sheet = ContactSheet {
+        title: source.name.clone(),
+        frames: Vec::with_capacity(count),
+        columns: arguments.columns.map(|columns| columns as usize),
+    };
+    let mut last: Option<Band> = None;
+    for place in 0..count {
+        progress.stage(&format!("frame {} of {count}", place + 1));
+        progress.at(place, 0.0);
+        let with_picture = pictured.contains(&place);
+        if !with_picture && !writer.wants_sheet() {
+            continue;
+        }
+        let shown = (source.compute)(place)?;
+        if interrupt.is_raised() {
+            return Err(Failure::interrupted(interrupt.exit_code()));
+        }
+        if shown.band.origins.is_empty() && shown.band.inside_tiles.is_empty() {
+            global.warn(&format!("frame {} is empty", source.numbers[place]));
+        }
+        let mut image = None;
+        if with_picture {
+            image = writer.take(&mut painter, &shown, source.numbers[place])?;
+        }
+        if writer.wants_sheet() {
+            sheet.frames.push(SheetFrame {
+                frame: source.numbers[place],
+                image,
+                volume: measure::volume(&shown.band),
+                change: last.as_ref().and_then(|last| measure::change(last, &shown.band)),
+                pieces: measure::pieces(&shown.band).len(),
+            });
+            last = Some(shown.band);
+        }
+    }
+    if let Some(caption) = painter.caption() {
+        sheet.title = format!("{}: {caption}", sheet.title);
+    }
+    let paths = writer.finish(&sheet)?;
+    report(&paths, &sheet, global)
+}
+
+/// Whether a frame is among the pictures, when at most `most` are evenly chosen, the first and the last always.
+fn is_pictured(place: usize, count: usize, most: Option<u32>) -> bool {
+    match most.map(|most| most as usize) {
+        None => true,
+        Some(most) if most >= count => true,
+        Some(1) => place == 0,
+        Some(most) => (0..most).any(|picture| picture * (count - 1) / (most - 1) == place),
+    }
+}
+
+fn report(paths: &[PathBuf], sheet: &ContactSheet, global: &Global) -> Result<(), Failure> {
+    if !global.json {
+        return super::print(&paths.iter().map(|path| format!("{}\n", path.display())).collect::<String>());
+    }
+    let frames: Vec<_> = sheet
+        .frames
+        .iter()
+        .map(|frame| json!({ "frame": frame.frame, "volume": frame.volume, "change": frame.change, "pieces": frame.pieces }))
+        .collect();
+    super::print_json(&json!({ "path": paths[0], "paths": paths, "frames": frames }))
+}

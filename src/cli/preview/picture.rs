@@ -1,0 +1,60 @@
+//! A picture of one frame: from the camera, or a slice.
+
+use super::Arguments;
+use super::source::{Inside, Shown, Source};
+use crate::cli::failure::Failure;
+use crate::render::{Camera, Fill, Image, Layers, Look, Scene, Slice, render, render_layers};
+
+/// Takes pictures that all show the same part of the world.
+pub struct Painter<'a> {
+    arguments: &'a Arguments,
+    source: &'a Source<'a>,
+    size: usize,
+    slice: Option<Slice>,
+}
+
+impl<'a> Painter<'a> {
+    /// For pictures of so many pixels each way.
+    pub fn new(arguments: &'a Arguments, source: &'a Source<'a>, size: usize) -> Result<Self, Failure> {
+        if let Some(plane) = arguments.slice.filter(|plane| !plane.meets(&source.bounds)) {
+            let ([least, greatest], axis) = (plane.span(&source.bounds), plane.axis());
+            return Err(Failure::work(format!(
+                "the slice {plane} misses the object, which reaches from {axis} = {least:.4} to {greatest:.4}"
+            )));
+        }
+        Ok(Self { arguments, source, size, slice: None })
+    }
+
+    /// A picture of a frame.
+    pub fn image(&mut self, shown: &Shown) -> Image {
+        let Some(plane) = self.arguments.slice else {
+            return render(&self.scene(shown), self.size, self.size);
+        };
+        // Lines are equally far apart in all frames.
+        let reach = f64::from(shown.band.background());
+        let new = || Slice::new(plane, self.source.bounds, self.size, reach);
+        let slice = *self.slice.get_or_insert_with(new);
+        match &shown.inside {
+            Inside::None => slice.draw(&shown.band, Fill::None),
+            Inside::Everywhere(colour) => slice.draw(&shown.band, Fill::Everywhere(&**colour)),
+            Inside::Voxels(voxels) => slice.draw(&shown.band, Fill::Somewhere(&|position| voxels.colour(position))),
+        }
+    }
+
+    /// A frame in layers.
+    pub fn layers(&self, shown: &Shown) -> Layers {
+        render_layers(&self.scene(shown), self.size, self.size)
+    }
+
+    /// What there is to say about all pictures.
+    pub fn caption(&self) -> Option<String> {
+        self.slice.map(|slice| slice.caption())
+    }
+
+    fn scene<'s>(&self, shown: &'s Shown) -> Scene<'s> {
+        let bounds = &self.source.bounds;
+        let camera = Camera::framing(bounds, self.arguments.view, self.arguments.turn, 1.0);
+        let look = Look { ground: Some(bounds.min.z), ..Look::default() };
+        Scene { band: &shown.band, colour: shown.colour.as_ref(), camera, look }
+    }
+}

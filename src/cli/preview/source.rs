@@ -1,0 +1,204 @@
+//! Where the frames that are shown come from: a scene, computed in memory, or files of any maker.
+
+use std::collections::HashMap;
+use std::path::Path;
+use std::sync::Arc;
+
+use glam::{DVec3, IVec3};
+
+use super::Arguments;
+use crate::attribute::{Colour, LinearRgb};
+use crate::bake::{self, Interrupt};
+use crate::cli::failure::Failure;
+use crate::cli::job;
+use crate::cli::options::{Global, Sampling, SceneArguments};
+use crate::cli::progress::Progress;
+use crate::field::Aabb;
+use crate::grid::{Band, Channel, block_origin, is_active, measure, voxel_offset};
+use crate::vdb::{self, MetadataValue, SparseBlocks, Voxels};
+
+/// Voxels along the longest side where nobody says otherwise: enough for a picture, in a fraction of a bake's time.
+const RESOLUTION: u32 = 128;
+/// Half the width, in voxels, of the band of a slice where nobody says otherwise: wide enough for lines of equal
+/// distance over most of an inside at [`RESOLUTION`].
+const SLICE_HALF_WIDTH: f64 = 16.0;
+/// Frames a second of files that do not say.
+const FPS: f64 = 24.0;
+
+/// Frames to show.
+pub struct Source<'a> {
+    /// What they are of.
+    pub name: String,
+    /// Their numbers.
+    pub numbers: Vec<i64>,
+    /// The box that holds the object in all of them.
+    pub bounds: Aabb,
+    /// Gives the frame at a place in the list.
+    pub compute: &'a dyn Fn(usize) -> Result<Shown, Failure>,
+}
+
+/// One frame of whatever is shown.
+pub struct Shown {
+    pub band: Band,
+    /// On the surface.
+    pub colour: Option<Channel<LinearRgb>>,
+    /// Known only where a slice was asked for.
+    pub inside: Inside,
+    pub fps: f64,
+}
+
+/// The colour of the inside.
+pub enum Inside {
+    None,
+    Everywhere(Arc<dyn Colour>),
+    Voxels(VoxelColours),
+}
+
+/// Calls `show` with the frames of a scene.
+pub fn of_scene(
+    arguments: &Arguments,
+    interrupt: &Interrupt,
+    global: &Global,
+    show: impl FnOnce(&Source<'_>, &Progress) -> Result<(), Failure>,
+) -> Result<(), Failure> {
+    let scene = SceneArguments { scene: arguments.inputs[0].clone(), changes: arguments.changes.clone() };
+    let model = job::load(&scene, global)?;
+    let frames = job::frames(arguments.frames.as_ref(), &model, global)?;
+    let numbers = frames.numbers().to_vec();
+    let progress = Progress::new(numbers.len(), global);
+    let default = arguments.sampling.voxel_size.is_none().then_some(RESOLUTION);
+    let of_slice = arguments.slice.map(|_| SLICE_HALF_WIDTH);
+    let half_width = arguments.sampling.half_width.or(of_slice);
+    let sampling = Sampling { half_width, ..arguments.sampling.clone() };
+    let prepared = job::prepare(&model, &sampling, default, interrupt, &progress, global)?;
+    let limit = job::limit(&sampling);
+    let compute = |place: usize| {
+        let frame = numbers[place];
+        let failed = |error: bake::Error| job::failure_of(error, interrupt);
+        let computed = bake::compute_frame(&prepared, frame, limit, interrupt, &|share| progress.at(place, share));
+        let computed = match computed {
+            Err(error) if arguments.allow_empty && error.is_empty_frame() => bake::empty(&prepared),
+            computed => computed.map_err(failed)?,
+        };
+        let inside = match arguments.slice {
+            Some(_) => prepared.frame(frame).map_err(|error| job::failure_of(error, interrupt))?.colour,
+            None => None,
+        };
+        let inside = inside.map_or(Inside::None, Inside::Everywhere);
+        Ok(Shown { band: computed.band, colour: computed.colour, inside, fps: model.shot.fps })
+    };
+    let (name, bounds) = (arguments.inputs[0].clone(), prepared.extent);
+    show(&Source { name, numbers: numbers.clone(), bounds, compute: &compute }, &progress)
+}
+
+/// Whether an input is a file of voxels.
+pub fn is_vdb(input: &str) -> bool {
+    Path::new(input).extension().is_some_and(|end| end.eq_ignore_ascii_case("vdb"))
+}
+
+/// Calls `show` with files of any maker, read one after the other.
+pub fn of_files(
+    arguments: &Arguments,
+    global: &Global,
+    show: impl FnOnce(&Source<'_>, &Progress) -> Result<(), Failure>,
+) -> Result<(), Failure> {
+    let inputs = &arguments.inputs;
+    if arguments.frames.is_some() {
+        return Err(Failure::usage("--frames picks from a scene; of files, name those to show"));
+    }
+    let progress = Progress::new(inputs.len(), global);
+    let mut bounds: Option<Aabb> = None;
+    if inputs.len() > 1 {
+        for path in inputs {
+            if let Some([least, greatest]) = vdb::active_box(path)? {
+                let world = Aabb::new(least.into(), greatest.into());
+                bounds = Some(bounds.map_or(world, |bounds| bounds.union(world)));
+            }
+        }
+    }
+    let bounds = match bounds {
+        Some(bounds) => bounds,
+        None => {
+            let own = measure::solid_extent(&read(&inputs[0])?.band);
+            own.map_or(Aabb::new(DVec3::NEG_ONE, DVec3::ONE), |(least, greatest)| Aabb::new(least, greatest))
+        }
+    };
+    let numbers = inputs.iter().enumerate().map(|(place, path)| number(path).unwrap_or(place as i64 + 1)).collect();
+    let compute = |place: usize| read(&inputs[place]);
+    show(&Source { name: inputs[0].clone(), numbers, bounds, compute: &compute }, &progress)
+}
+
+/// The number in a file's name, as programs read it: the last digits before the extension.
+fn number(path: &str) -> Option<i64> {
+    let stem = Path::new(path).file_stem().and_then(|stem| stem.to_str()).unwrap_or_default();
+    let digits = stem.len() - stem.trim_end_matches(|c: char| c.is_ascii_digit()).len();
+    stem[stem.len() - digits..].parse().ok()
+}
+
+/// The level set of a file, and a colour over the same blocks if there is one.
+fn read(path: &str) -> Result<Shown, Failure> {
+    let mut contents = vdb::read(path)?;
+    let fps = match contents.metadata.get("hfvdb_fps") {
+        Some(MetadataValue::Double(fps)) if fps.is_finite() && *fps > 0.0 => *fps,
+        _ => FPS,
+    };
+    let level_set = contents.grids.iter().find(|grid| grid.class == vdb::StoredClass::LevelSet);
+    let level_set = level_set.ok_or_else(|| {
+        let names: Vec<_> = contents.grids.iter().map(|grid| grid.name.as_str()).collect();
+        Failure::work(format!(
+            "{path}: no level set to show; it holds {}",
+            if names.is_empty() { "no grid that can be read".into() } else { names.join(", ") }
+        ))
+    })?;
+    let band = level_set.to_band().map_err(|problem| Failure::work(format!("{path}: {problem}")))?;
+    let is_colour = |grid: &vdb::StoredGrid| {
+        matches!(grid.voxels, Voxels::Vectors(_)) && grid.transform == level_set.transform && grid.name != "vel"
+    };
+    let found = contents.grids.iter().position(is_colour);
+    let origin = level_set.transform.world(DVec3::ZERO).unwrap_or_default();
+    let Some(grid) = found.map(|place| contents.grids.swap_remove(place)) else {
+        return Ok(Shown { band, colour: None, inside: Inside::None, fps });
+    };
+    let Voxels::Vectors(blocks) = grid.voxels else {
+        return Ok(Shown { band, colour: None, inside: Inside::None, fps });
+    };
+    let colours = VoxelColours::new(blocks, origin, band.lattice.voxel_size.get());
+    // A level set's blocks may be shifted, the colours' are as the file has them.
+    let shift = (origin / colours.voxel_size).round().as_ivec3();
+    let none = [colours.blocks.background; crate::grid::BLOCK_VOXELS];
+    let of_block = |place: &IVec3| colours.places.get(&(*place - shift)).map_or(none, |&at| colours.blocks.values[at]);
+    let values = band.origins.iter().map(of_block).collect();
+    let colour = Channel { name: grid.name, values, background: colours.blocks.background };
+    Ok(Shown { band, colour: Some(colour), inside: Inside::Voxels(colours), fps })
+}
+
+/// Colours that a file has, wherever it has them.
+pub struct VoxelColours {
+    blocks: SparseBlocks<LinearRgb>,
+    places: HashMap<IVec3, usize>,
+    /// The active tiles, by least corner and edge.
+    tiles: HashMap<(IVec3, i32), LinearRgb>,
+    /// The world position of voxel (0, 0, 0).
+    origin: DVec3,
+    voxel_size: f64,
+}
+
+impl VoxelColours {
+    fn new(blocks: SparseBlocks<LinearRgb>, origin: DVec3, voxel_size: f64) -> Self {
+        let places = blocks.origins.iter().enumerate().map(|(at, origin)| (*origin, at)).collect();
+        let active = blocks.tiles.iter().filter(|tile| tile.active);
+        let tiles = active.map(|tile| ((tile.origin, tile.edge), tile.value)).collect();
+        Self { blocks, places, tiles, origin, voxel_size }
+    }
+
+    /// The colour at a world position: that of the voxel around it, where it is active.
+    pub fn colour(&self, position: DVec3) -> Option<LinearRgb> {
+        let voxel = ((position - self.origin) / self.voxel_size).round().as_ivec3();
+        if let Some(&at) = self.places.get(&block_origin(voxel)) {
+            let offset = voxel_offset(voxel);
+            return is_active(&self.blocks.active[at], offset).then(|| self.blocks.values[at][offset]);
+        }
+        let tile = |edge: i32| self.tiles.get(&(voxel & IVec3::splat(!(edge - 1)), edge));
+        [8, 128, 4096].into_iter().find_map(tile).copied()
+    }
+}

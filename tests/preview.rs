@@ -1,0 +1,143 @@
+//! Pictures of scenes and files, read back by decoders of PNG and EXR.
+
+mod support;
+
+use std::fs::File;
+use std::io::BufReader;
+
+use exr::prelude::{FlatSamples, ReadChannels, ReadLayers, read};
+use support::{Workplace, json, workplace};
+
+/// The frames of a PNG: pixels of four bytes, the edge, and for how many seconds each is shown.
+fn pictures(place: &Workplace, name: &str) -> (Vec<Vec<u8>>, usize, Vec<f64>) {
+    let file = BufReader::new(File::open(place.path(name)).expect("a picture"));
+    let mut reader = png::Decoder::new(file).read_info().expect("a PNG");
+    let count = reader.info().animation_control.map_or(1, |control| control.num_frames);
+    let edge = reader.info().width as usize;
+    let (mut frames, mut seconds) = (Vec::new(), Vec::new());
+    for _ in 0..count {
+        let mut pixels = vec![0; reader.output_buffer_size().expect("a size")];
+        reader.next_frame(&mut pixels).expect("a frame");
+        frames.push(pixels);
+        let control = reader.info().frame_control;
+        seconds.extend(control.map(|control| f64::from(control.delay_num) / f64::from(control.delay_den)));
+    }
+    (frames, edge, seconds)
+}
+
+/// How many pixels differ from the corner's.
+fn drawn(pixels: &[u8]) -> usize {
+    pixels.chunks_exact(4).filter(|pixel| pixel[..3].iter().zip(&pixels[..3]).any(|(a, b)| a.abs_diff(*b) > 40)).count()
+}
+
+#[test]
+fn the_name_says_what_is_made() {
+    let place = workplace();
+    let preview = |rest: &str| place.hfvdb(&format!("preview ball.toml --resolution 32 {rest}"));
+    let sheet = json(&preview("-o sheet.png --frames 1,12,24 --size 64 --json").ok().stdout);
+    assert_eq!(sheet["frames"].as_array().map(Vec::len), Some(3));
+    assert!(pictures(&place, "sheet.png").1 > 3 * 64);
+
+    // Each picture is shown until the next one; the ball grows under a camera that stands still.
+    preview("-o ball.apng --frames 1-10x3,24 --size 64").ok();
+    let (frames, edge, seconds) = pictures(&place, "ball.apng");
+    assert_eq!((frames.len(), edge), (5, 64));
+    let expected = [3.0, 3.0, 3.0, 14.0, 14.0].map(|frames| frames / 24.0);
+    assert!(seconds.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-4), "{seconds:?}");
+    let areas: Vec<usize> = frames.iter().map(|frame| drawn(frame)).collect();
+    assert!(areas.is_sorted() && areas[4] > 3 * areas[0], "{areas:?}");
+
+    let files = preview("-o each.####.png --frames 3,7 --size 64").ok();
+    assert_eq!(files.stdout, "each.0003.png\neach.0007.png\n");
+    assert_eq!(pictures(&place, "each.0007.png").1, 64);
+}
+
+#[test]
+fn layers_go_into_an_exr() {
+    let place = workplace();
+    place.hfvdb("preview ball.toml --resolution 32 --frames 24 --size 64 --view front -o ball.exr").ok();
+    let image = read().no_deep_data().largest_resolution_level().all_channels().all_layers().all_attributes();
+    let image = image.from_file(place.path("ball.exr")).expect("an EXR");
+    let value = |name: &str| {
+        let channels = &image.layer_data[0].channel_data.list;
+        let channel = channels.iter().find(|channel| channel.name.to_string() == name);
+        let samples = &channel.unwrap_or_else(|| panic!("no {name}")).sample_data;
+        assert_eq!(matches!(samples, FlatSamples::F32(_)), name == "depth.Z");
+        samples.value_by_flat_index(32 * 64 + 32).to_f32()
+    };
+    // sRGB (0.5, 1, 0), seen from −y.
+    for (name, expected) in [
+        ("colour.R", 0.214),
+        ("colour.G", 1.0),
+        ("colour.B", 0.0),
+        ("normal.X", 0.0),
+        ("normal.Y", -1.0),
+        ("normal.Z", 0.0),
+        ("mask.A", 1.0),
+        ("A", 1.0),
+    ] {
+        assert!((value(name) - expected).abs() < 0.05, "{name} is {}", value(name));
+    }
+    assert!(value("depth.Z") > 1.0 && value("depth.Z") < 100.0 && value("G") > value("R"));
+    // Several need several files, and a slice has no layers.
+    place.hfvdb("preview ball.toml -o ball.exr").fails(2, &["24 frames", "name.####.exr"]);
+    place.hfvdb("preview ball.toml --slice z=0 -o ball.exr").fails(2, &["a slice is a .png"]);
+}
+
+/// The same plane of a scene and of its file: the line of the surface is at the same place, and the colour of the voxels
+/// beside it the same. Deep inside, the scene's colour is known, the file's is not.
+#[test]
+fn slices_of_scenes_and_files_agree() {
+    let place = workplace();
+    place.hfvdb("bake ball.toml --resolution 64 --frames 24 -o ball.vdb").ok();
+    place.hfvdb("preview ball.toml --resolution 64 --frames 24 --slice z=0.25 --size 200 -o scene.png").ok();
+    place.hfvdb("preview ball.vdb --slice z=0.25 --size 200 -o file.png").ok();
+    let (scene, file) = (pictures(&place, "scene.png").0.remove(0), pictures(&place, "file.png").0.remove(0));
+    let green = |pixels: &[u8]| {
+        let [red, green, blue] = [0, 1, 2].map(|channel| move |pixel: &[u8]| i32::from(pixel[channel]));
+        let is_green = |pixel: &&[u8]| green(pixel) > red(pixel) + 50 && green(pixel) > blue(pixel) + 50;
+        pixels.chunks_exact(4).filter(is_green).count()
+    };
+    // A disc of radius √(1 − 0.25²), at 2.48 units for 200 pixels.
+    let disc = std::f64::consts::PI * (1.0 - 0.0625) * (200.0_f64 / 2.48).powi(2);
+    let inside = green(&scene) as f64 / disc;
+    assert!((0.8..1.0).contains(&inside), "{inside} of the disc, less its lines");
+    assert!(green(&file) > 1000 && green(&file) * 2 < green(&scene));
+    let middle = (100 * 200 + 100) * 4;
+    assert_eq!(file[middle..middle + 3], [204, 204, 204]);
+
+    place.hfvdb("preview ball.toml --slice z=3 -o no.png").fails(1, &["z = 3", "misses the object"]);
+    place.hfvdb("preview ball.toml --slice up -o no.png").fails(2, &["such as z=0"]);
+    place.hfvdb("preview ball.toml --slice z=0 --view top -o no.png").fails(2, &["--view"]);
+    assert!(!place.path("no.png").exists());
+}
+
+#[test]
+fn an_empty_frame_is_a_blank_tile_where_that_is_allowed() {
+    let place = Workplace::new();
+    place.write(
+        "gone.toml",
+        "hfvdb = 1\nframes = \"1-3\"\n[shape.ball]\nsphere = 0.5\n[shape.box]\nbox = 1\nmove = [{ 1 = 0, 3 = 1.5 }, 0, 0]\n\
+         [shape.both]\nintersection = [\"ball\", \"box\"]\n",
+    );
+    place.hfvdb("preview gone.toml --resolution 16 -o gone.apng").fails(1, &["frame 3 is empty", "--allow-empty"]);
+    assert!(!place.path("gone.apng").exists());
+    let run = place.hfvdb("preview gone.toml --resolution 16 --size 64 --allow-empty -o gone.apng").ok();
+    assert!(run.stderr.contains("frame 3 is empty"), "{}", run.stderr);
+    let frames = pictures(&place, "gone.apng").0;
+    assert!(drawn(&frames[0]) > 100 && drawn(&frames[2]) == 0);
+    place.hfvdb("preview gone.toml --resolution 16 --size 64 --allow-empty -o gone.png").ok();
+    // An empty file is one on purpose.
+    place.hfvdb("bake gone.toml --resolution 16 --allow-empty --frames 3 -o gone.vdb").ok();
+    place.hfvdb("preview gone.vdb --slice z=0 --size 64 -o file.png").ok();
+}
+
+#[test]
+fn what_cannot_be_a_picture_is_refused() {
+    let place = workplace();
+    place.hfvdb("preview ball.toml -o ball.jpg").fails(2, &["ball.jpg", ".apng"]);
+    place.hfvdb("preview ball.toml -o ball.####.apng").fails(2, &["leave the frame token out"]);
+    place.hfvdb("preview ball.toml egg.toml -o ball.png").fails(2, &["one scene"]);
+    place.hfvdb("preview m.vdb --frames 3 -o ball.png").fails(2, &["--frames"]);
+    place.hfvdb("preview ball.toml --resolution 16 --frames 1 -o no/such/ball.exr").fails(1, &["no/such/ball.exr"]);
+}
