@@ -22,7 +22,7 @@ pub use plan::{FrameReport, Morph, MorphObject, Plan, Report, Stage};
 pub use section::{Round, Section};
 pub use settings::{Ease, Error, Flow, Mode, Pace, Paper, Settings, Side};
 pub use stb::Stb;
-pub use stti::{MorphColour, Transfer};
+pub use stti::{MorphAttribute, Transfer};
 
 #[cfg(test)]
 mod exact;

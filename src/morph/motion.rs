@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use glam::{DMat3, DVec3, Mat3, Vec3};
 
-use crate::attribute::{Colour, ColourSampler, MappedSampler, SpaceMap};
+use crate::attribute::{Attribute, MappedSampler, Sampler, SpaceMap};
 use crate::distance::{Distance, Foot};
 use crate::field::{Aabb, BATCH, Evaluator, Field, Gradients, Interval, Points, Slope};
 
@@ -167,7 +167,7 @@ impl fmt::Debug for Motion {
     }
 }
 
-/// A field, distance or colour of an object's space, standing in the world.
+/// A field, distance or attribute of an object's space, standing in the world.
 pub struct Moved<T: ?Sized> {
     inner: Arc<T>,
     placement: Similarity,
@@ -211,8 +211,8 @@ impl<T: Distance + ?Sized> Distance for Moved<T> {
     }
 }
 
-impl<T: Colour + ?Sized> Colour for Moved<T> {
-    fn sampler(&self) -> Box<dyn ColourSampler + '_> {
+impl<const N: usize, T: Attribute<N> + ?Sized> Attribute<N> for Moved<T> {
+    fn sampler(&self) -> Box<dyn Sampler<N> + '_> {
         Box::new(MappedSampler::new(self.inner.sampler(), self.placement))
     }
 }

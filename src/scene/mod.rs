@@ -19,7 +19,7 @@ mod morphing;
 mod number;
 mod overrides;
 mod paint;
-mod placed_colour;
+mod placed;
 mod prepare;
 mod read;
 mod reader;
@@ -31,6 +31,8 @@ mod variation;
 
 #[cfg(test)]
 mod frame_tests;
+#[cfg(test)]
+mod scalar_tests;
 #[cfg(test)]
 mod tests;
 

@@ -3,6 +3,7 @@
 mod colours;
 mod links;
 mod morph;
+mod scalars;
 mod shapes;
 
 use std::collections::BTreeMap;
