@@ -15,7 +15,7 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 use glam::DVec3;
-use hfvdb::attribute::{ColourSampler, LinearRgb};
+use hfvdb::attribute::{LinearRgb, Sampler};
 use hfvdb::field::{BATCH, Evaluator, Gradients, Points};
 use hfvdb::scene::{self, FrameContent, Overrides, PrepareOptions, Prepared, Source};
 use rayon::prelude::*;
@@ -76,7 +76,7 @@ enum Verdict {
 /// by plain Newton steps and by trying, not by what bakes frames.
 struct Judge<'a> {
     evaluator: Box<dyn Evaluator + 'a>,
-    sampler: Box<dyn ColourSampler + 'a>,
+    sampler: Box<dyn Sampler<3> + 'a>,
     voxel: f64,
 }
 

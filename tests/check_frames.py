@@ -8,7 +8,8 @@ background; and over the dense box around the band that the values are those of 
   promised of their exactness. A wrong sign, an unfilled inside or a second surface breaks this;
 * |grad| is 1 to 0.01, by central differences, for a quarter of the voxels with all neighbours in the band: where facets
   are four voxels wide, the others have a crease of the distance between those neighbours;
-* colours are finite and inside [0, 1], and the colour's background is their mean.
+* colours are finite and inside [0, 1], and the colour's background is their mean;
+* other float grids are finite, on the same voxels, and their background is their mean.
 """
 import sys
 
@@ -95,6 +96,16 @@ def check(path):
         must(rgb.min() >= 0 and rgb.max() <= 1, "colours outside [0, 1]: %g to %g" % (rgb.min(), rgb.max()))
         mean = rgb[on].mean(axis=0, dtype=np.float64)
         must(abs(mean - np.array(colour.background)).max() < 1e-3, "Cd's background is not the mean colour")
+    for grid in grids:
+        if grid.valueTypeName != "float" or grid.name == "surface":
+            continue
+        must(grid.gridClass == vdb.GridClass.UNKNOWN, "%s has a class" % grid.name)
+        must(grid.transform == surface.transform, "%s: two transforms" % grid.name)
+        must((active_mask(grid, low, high) == active_mask(surface, low, high)).all(), "%s: two topologies" % grid.name)
+        numbers = dense(grid, low, high, "float")[abs(values) < background]
+        must(np.isfinite(numbers).all(), "%s: numbers that are not finite" % grid.name)
+        off = abs(numbers.mean(dtype=np.float64) - grid.background)
+        must(off <= 1e-3 * abs(numbers).max(), "%s: the background is not the mean" % grid.name)
     # The volume inside, by a step smoothed over one voxel.
     volume = float(np.clip(0.5 - values / voxel, 0, 1).sum() * voxel ** 3)
     print("%s: %d voxels, volume %.6g, |grad| error %.4f, %s" % (

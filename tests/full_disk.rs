@@ -43,7 +43,11 @@ fn a_full_disk_at_ten_levels() {
             return;
         };
         let told = place.hfvdb(&format!("{BAKE} --dry-run")).ok();
-        assert!(told.stderr.contains("all frames need about") && told.stderr.contains("free in disk"), "{}", told.stderr);
+        assert!(
+            told.stderr.contains("all frames need about") && told.stderr.contains("free in disk"),
+            "{}",
+            told.stderr
+        );
         let run = place.hfvdb(BAKE);
         run.fails(1, &["disk/", "No space left on device", "make room"]);
         for name in place.frames("disk") {

@@ -18,6 +18,7 @@ pub fn compute(prepared: &Prepared, frame: i64) -> Computed {
 pub fn hand_over(computed: &Computed) -> vdb::Prepared {
     let mut grids = vec![Grid::level_set("surface", &computed.band)];
     grids.extend(computed.colour.iter().map(|colour| Grid::colour(&computed.band, colour)));
+    grids.extend(computed.scalars.iter().map(|scalar| Grid::scalar(&computed.band, scalar)));
     vdb::prepare(&Frame { grids, ..Default::default() }).expect("a sound frame")
 }
 

@@ -1,47 +1,47 @@
-//! Colours by depth: rings where a solid is cut.
+//! Values by depth: rings where a solid is cut.
 
 use std::sync::Arc;
 
-use super::{Colour, ColourSampler, LinearRgb};
+use super::{Attribute, Sampler};
 use crate::field::{Aabb, BATCH, Evaluator, Field, Points};
 
-/// Colours in turn, each from one depth of a field to the next.
-pub struct Bands {
+/// Values in turn, each from one depth of a field to the next.
+pub struct Bands<const N: usize> {
     field: Arc<dyn Field>,
-    bands: Vec<(f64, LinearRgb)>,
+    bands: Vec<(f64, [f32; N])>,
     tolerance: f64,
 }
 
-impl Bands {
-    /// Colours with the values of the field (world units, positive inside) at which they begin, rising; before the
+impl<const N: usize> Bands<N> {
+    /// Values with the depths, values of the field (world units, positive inside), at which they begin, rising; before the
     /// first one, the first's. Points no further than `tolerance`, world units, before a band are in it: those on a
     /// surface are a rounding error off to either side. `None` where the values do not rise or there are none.
-    pub fn new(field: Arc<dyn Field>, bands: Vec<(f64, LinearRgb)>, tolerance: f64) -> Option<Self> {
+    pub fn new(field: Arc<dyn Field>, bands: Vec<(f64, [f32; N])>, tolerance: f64) -> Option<Self> {
         let rising = bands.windows(2).all(|pair| pair[0].0 < pair[1].0);
         let sound = rising && !bands.is_empty() && bands.iter().all(|band| band.0.is_finite());
         sound.then_some(Self { field, bands, tolerance })
     }
 }
 
-impl Colour for Bands {
-    fn sampler(&self) -> Box<dyn ColourSampler + '_> {
+impl<const N: usize> Attribute<N> for Bands<N> {
+    fn sampler(&self) -> Box<dyn Sampler<N> + '_> {
         Box::new(BandsSampler { bands: self, evaluator: self.field.evaluator(), values: [0.0; BATCH] })
     }
 }
 
-struct BandsSampler<'a> {
-    bands: &'a Bands,
+struct BandsSampler<'a, const N: usize> {
+    bands: &'a Bands<N>,
     evaluator: Box<dyn Evaluator + 'a>,
     values: [f32; BATCH],
 }
 
-impl ColourSampler for BandsSampler<'_> {
+impl<const N: usize> Sampler<N> for BandsSampler<'_, N> {
     // No region is entered: pruning keeps a field's zero set, but here its values count.
     fn enter(&mut self, _region: &Aabb) {}
 
     fn leave(&mut self) {}
 
-    fn sample(&mut self, points: &Points, out: &mut [LinearRgb; BATCH]) {
+    fn sample(&mut self, points: &Points, out: &mut [[f32; N]; BATCH]) {
         self.evaluator.values(points, &mut self.values);
         let Bands { bands, tolerance, .. } = self.bands;
         for (value, out) in self.values[..points.len].iter().zip(out) {

@@ -1,11 +1,11 @@
-//! Colours chosen at random, the same for all of a cell.
+//! Values chosen at random, the same for all of a cell.
 
 use std::sync::Arc;
 
 use glam::DVec3;
 
-use super::mix::{Mixer, Turn};
-use super::{Colour, ColourSampler, ColourSpace, LinearRgb};
+use super::mix::Mix;
+use super::{Attribute, Sampler};
 use crate::field::{Aabb, BATCH, Field, Points};
 
 /// Space divided into cells.
@@ -73,33 +73,33 @@ impl CubeLattice {
     }
 }
 
-/// What a cell's colour is chosen from.
+/// What a cell's value is chosen from.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Choice {
-    /// One of these. Where there are none, mid grey.
-    Palette(Vec<LinearRgb>),
-    /// Anything between two colours.
+pub enum Choice<const N: usize, M> {
+    /// One of these. Where there are none, mid grey: 0.18 of each number.
+    Palette(Vec<[f32; N]>),
+    /// Anything between two values.
     Range {
         /// One end.
-        from: LinearRgb,
+        from: [f32; N],
         /// The other.
-        to: LinearRgb,
-        /// Where they are mixed.
-        space: ColourSpace,
+        to: [f32; N],
+        /// How they are mixed.
+        mix: M,
     },
 }
 
-impl Choice {
-    /// The colour that a seed chooses for a cell, the same on every machine.
-    pub fn pick(&self, seed: u64, cell: u32) -> LinearRgb {
+impl<const N: usize, M: Mix<N>> Choice<N, M> {
+    /// The value that a seed chooses for a cell, the same on every machine.
+    pub fn pick(&self, seed: u64, cell: u32) -> [f32; N] {
         let hash = scrambled(scrambled(seed) ^ u64::from(cell));
         match self {
-            Self::Palette(colours) if colours.is_empty() => [0.18; 3],
+            Self::Palette(values) if values.is_empty() => [0.18; N],
             // The upper half of the product is even over the palette.
-            Self::Palette(colours) => colours[((u128::from(hash) * colours.len() as u128) >> 64) as usize],
-            Self::Range { from, to, space } => {
+            Self::Palette(values) => values[((u128::from(hash) * values.len() as u128) >> 64) as usize],
+            Self::Range { from, to, mix } => {
                 let weight = (hash >> 40) as f32 / (1u32 << 24) as f32;
-                Mixer::new(*space, Turn::between(*space, *from, *to)).mix(*from, *to, weight)
+                mix.mix(*from, *to, weight)
             }
         }
     }
@@ -113,42 +113,42 @@ fn scrambled(value: u64) -> u64 {
     z ^ (z >> 31)
 }
 
-/// A colour a cell.
-pub struct ByCell {
+/// A value a cell.
+pub struct ByCell<const N: usize, M> {
     /// Which cell a point lies in.
     pub cells: Arc<dyn CellIndex>,
-    /// What the colours are chosen from.
-    pub choice: Choice,
-    /// Another seed, other colours.
+    /// What the values are chosen from.
+    pub choice: Choice<N, M>,
+    /// Another seed, other values.
     pub seed: u64,
 }
 
-impl Colour for ByCell {
-    fn sampler(&self) -> Box<dyn ColourSampler + '_> {
-        Box::new(ByCellSampler { colour: self, indices: [0; BATCH] })
+impl<const N: usize, M: Mix<N>> Attribute<N> for ByCell<N, M> {
+    fn sampler(&self) -> Box<dyn Sampler<N> + '_> {
+        Box::new(ByCellSampler { by_cell: self, indices: [0; BATCH] })
     }
 }
 
-struct ByCellSampler<'a> {
-    colour: &'a ByCell,
+struct ByCellSampler<'a, const N: usize, M> {
+    by_cell: &'a ByCell<N, M>,
     indices: [u32; BATCH],
 }
 
-impl ColourSampler for ByCellSampler<'_> {
+impl<const N: usize, M: Mix<N>> Sampler<N> for ByCellSampler<'_, N, M> {
     fn enter(&mut self, _region: &Aabb) {}
 
     fn leave(&mut self) {}
 
-    fn sample(&mut self, points: &Points, out: &mut [LinearRgb; BATCH]) {
-        self.colour.cells.indices(points, &mut self.indices);
-        let mut last: Option<(u32, LinearRgb)> = None;
+    fn sample(&mut self, points: &Points, out: &mut [[f32; N]; BATCH]) {
+        self.by_cell.cells.indices(points, &mut self.indices);
+        let mut last: Option<(u32, [f32; N])> = None;
         for (index, out) in self.indices[..points.len].iter().zip(out) {
-            let colour = match last {
-                Some((cell, colour)) if cell == *index => colour,
-                _ => self.colour.choice.pick(self.colour.seed, *index),
+            let value = match last {
+                Some((cell, value)) if cell == *index => value,
+                _ => self.by_cell.choice.pick(self.by_cell.seed, *index),
             };
-            last = Some((*index, colour));
-            *out = colour;
+            last = Some((*index, value));
+            *out = value;
         }
     }
 }
@@ -156,6 +156,7 @@ impl ColourSampler for ByCellSampler<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::attribute::{LinearRgb, Straight};
     use crate::field::{Expression, Graph};
     use glam::{DVec3, Vec3};
 
@@ -170,7 +171,7 @@ mod tests {
 
     #[test]
     fn a_palette_is_used_evenly_and_a_seed_changes_it() {
-        let choice = Choice::Palette(THREE.to_vec());
+        let choice = Choice::<3, Straight>::Palette(THREE.to_vec());
         let count = |colour: LinearRgb| (0..30_000).filter(|cell| choice.pick(7, *cell) == colour).count();
         for colour in THREE {
             assert!((9_700..10_300).contains(&count(colour)));
@@ -181,7 +182,7 @@ mod tests {
     #[test]
     fn one_colour_a_cube() {
         let cells = Arc::new(CubeLattice { edge: 0.5, solid: block(9.0), tolerance: 0.0 });
-        let colour = ByCell { cells, choice: Choice::Palette(THREE.to_vec()), seed: 3 };
+        let colour = ByCell { cells, choice: Choice::<3, Straight>::Palette(THREE.to_vec()), seed: 3 };
         let mut points = Points::new(DVec3::new(-10.0, 3.0, 0.5));
         (0..BATCH).for_each(|i| points.push(Vec3::splat(i as f32 * 0.01)));
         let mut out = [[0.0; 3]; BATCH];
@@ -217,7 +218,7 @@ mod tests {
 
     #[test]
     fn a_range_stays_between_its_ends() {
-        let choice = Choice::Range { from: [0.0; 3], to: [1.0; 3], space: ColourSpace::Rgb };
+        let choice = Choice::Range { from: [0.0; 3], to: [1.0; 3], mix: Straight };
         let grey: Vec<f32> = (0..1000).map(|cell| choice.pick(1, cell)[0]).collect();
         assert!(grey.iter().all(|value| (0.0..1.0).contains(value)));
         assert!((grey.iter().sum::<f32>() / 1000.0 - 0.5).abs() < 0.03);

@@ -1,31 +1,31 @@
-//! One colour everywhere.
+//! One value everywhere.
 
-use super::{Colour, ColourSampler, LinearRgb};
+use super::{Attribute, Sampler};
 use crate::field::{Aabb, BATCH, Points};
 
-/// One colour everywhere.
+/// One value everywhere.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Constant(LinearRgb);
+pub struct Constant<const N: usize>([f32; N]);
 
-impl Constant {
-    /// This colour.
-    pub const fn new(colour: LinearRgb) -> Self {
-        Self(colour)
+impl<const N: usize> Constant<N> {
+    /// This value.
+    pub const fn new(value: [f32; N]) -> Self {
+        Self(value)
     }
 }
 
-impl Colour for Constant {
-    fn sampler(&self) -> Box<dyn ColourSampler + '_> {
+impl<const N: usize> Attribute<N> for Constant<N> {
+    fn sampler(&self) -> Box<dyn Sampler<N> + '_> {
         Box::new(*self)
     }
 }
 
-impl ColourSampler for Constant {
+impl<const N: usize> Sampler<N> for Constant<N> {
     fn enter(&mut self, _region: &Aabb) {}
 
     fn leave(&mut self) {}
 
-    fn sample(&mut self, points: &Points, out: &mut [LinearRgb; BATCH]) {
+    fn sample(&mut self, points: &Points, out: &mut [[f32; N]; BATCH]) {
         out[..points.len].fill(self.0);
     }
 }

@@ -1,9 +1,9 @@
-//! Colour by three formulas.
+//! Colour by three formulas, scalars by one.
 
 use std::sync::Arc;
 
 use super::colour_space::{LANES, Lanes, each};
-use super::{Colour, ColourSampler, LinearRgb, conversion};
+use super::{Attribute, LinearRgb, Sampler, conversion};
 use crate::field::lane_math::clamp01;
 use crate::field::{Aabb, BATCH, Evaluator, Field, Points};
 
@@ -78,8 +78,8 @@ pub struct ByFormula {
     pub meaning: Components,
 }
 
-impl Colour for ByFormula {
-    fn sampler(&self) -> Box<dyn ColourSampler + '_> {
+impl Attribute<3> for ByFormula {
+    fn sampler(&self) -> Box<dyn Sampler<3> + '_> {
         let evaluators = self.components.each_ref().map(|field| field.evaluator());
         Box::new(FormulaSampler { evaluators, meaning: self.meaning, values: [[0.0; BATCH]; 3] })
     }
@@ -91,7 +91,7 @@ struct FormulaSampler<'a> {
     values: [[f32; BATCH]; 3],
 }
 
-impl ColourSampler for FormulaSampler<'_> {
+impl Sampler<3> for FormulaSampler<'_> {
     // The fields enter no region: pruning keeps their zero sets, but here their values count.
     fn enter(&mut self, _region: &Aabb) {}
 
@@ -102,6 +102,32 @@ impl ColourSampler for FormulaSampler<'_> {
             evaluator.values(points, values);
         }
         colours(self.meaning, &self.values, points.len, out);
+    }
+}
+
+/// A scalar that is a field's value.
+pub struct FieldValue(pub Arc<dyn Field>);
+
+impl Attribute<1> for FieldValue {
+    fn sampler(&self) -> Box<dyn Sampler<1> + '_> {
+        Box::new(FieldSampler { evaluator: self.0.evaluator(), values: [0.0; BATCH] })
+    }
+}
+
+struct FieldSampler<'a> {
+    evaluator: Box<dyn Evaluator + 'a>,
+    values: [f32; BATCH],
+}
+
+impl Sampler<1> for FieldSampler<'_> {
+    // The field enters no region, as those of a colour.
+    fn enter(&mut self, _region: &Aabb) {}
+
+    fn leave(&mut self) {}
+
+    fn sample(&mut self, points: &Points, out: &mut [[f32; 1]; BATCH]) {
+        self.evaluator.values(points, &mut self.values);
+        out.as_flattened_mut()[..points.len].copy_from_slice(&self.values[..points.len]);
     }
 }
 

@@ -1,8 +1,8 @@
-//! A colour seen from another space: positions are carried into its own before they are sampled.
+//! An attribute seen from another space: positions are carried into its own before they are sampled.
 
 use glam::DVec3;
 
-use super::{ColourSampler, LinearRgb};
+use super::Sampler;
 use crate::field::{Aabb, BATCH, Points};
 
 /// How positions of one space become positions of another.
@@ -14,21 +14,21 @@ pub trait SpaceMap {
     fn region(&self, region: &Aabb) -> Aabb;
 }
 
-/// Samples a colour of the other space at positions of this one.
-pub struct MappedSampler<'a, M> {
-    inner: Box<dyn ColourSampler + 'a>,
+/// Samples an attribute of the other space at positions of this one.
+pub struct MappedSampler<'a, M, const N: usize> {
+    inner: Box<dyn Sampler<N> + 'a>,
     map: M,
     there: Points,
 }
 
-impl<'a, M: SpaceMap> MappedSampler<'a, M> {
-    /// The sampler of the other space's colour, and the map to there.
-    pub fn new(inner: Box<dyn ColourSampler + 'a>, map: M) -> Self {
+impl<'a, M: SpaceMap, const N: usize> MappedSampler<'a, M, N> {
+    /// The sampler of the other space's attribute, and the map to there.
+    pub fn new(inner: Box<dyn Sampler<N> + 'a>, map: M) -> Self {
         Self { inner, map, there: Points::new(DVec3::ZERO) }
     }
 }
 
-impl<M: SpaceMap> ColourSampler for MappedSampler<'_, M> {
+impl<M: SpaceMap, const N: usize> Sampler<N> for MappedSampler<'_, M, N> {
     fn enter(&mut self, region: &Aabb) {
         self.inner.enter(&self.map.region(region));
     }
@@ -37,7 +37,7 @@ impl<M: SpaceMap> ColourSampler for MappedSampler<'_, M> {
         self.inner.leave();
     }
 
-    fn sample(&mut self, points: &Points, out: &mut [LinearRgb; BATCH]) {
+    fn sample(&mut self, points: &Points, out: &mut [[f32; N]; BATCH]) {
         self.map.points(points, &mut self.there);
         self.inner.sample(&self.there, out);
     }

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::{Colour, ColourSampler, LinearRgb};
+use super::{Attribute, LinearRgb};
 use crate::field::{Aabb, BATCH, Evaluator, Points};
 use crate::mesh::{MeshDistance, MeshEvaluator};
 
@@ -17,8 +17,8 @@ impl VertexColours {
     }
 }
 
-impl Colour for VertexColours {
-    fn sampler(&self) -> Box<dyn ColourSampler + '_> {
+impl Attribute<3> for VertexColours {
+    fn sampler(&self) -> Box<dyn super::Sampler<3> + '_> {
         Box::new(Sampler { mesh: &self.0, evaluator: self.0.mesh_evaluator() })
     }
 }
@@ -28,7 +28,7 @@ struct Sampler<'a> {
     evaluator: MeshEvaluator<'a>,
 }
 
-impl ColourSampler for Sampler<'_> {
+impl super::Sampler<3> for Sampler<'_> {
     fn enter(&mut self, region: &Aabb) {
         self.evaluator.enter(region);
     }

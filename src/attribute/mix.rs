@@ -1,4 +1,4 @@
-//! Two colours mixed by weight, in a chosen space.
+//! Two values mixed by weight; colours in a chosen space.
 
 use super::colour_space::{HueAxis, LANES, Lanes};
 use super::{ColourSpace, LinearRgb};
@@ -9,6 +9,34 @@ use crate::field::lane_math::{clamp01, smooth};
 const NEARLY_OPPOSITE: f32 = 150.0;
 /// Over these degrees before that, both ways are mixed, so that no two neighbours go different ways.
 const MIXED_WAYS: f32 = 15.0;
+
+/// How two values of an attribute become one.
+pub trait Mix<const N: usize>: Copy + Send + Sync {
+    /// Mixes a batch into `from`, which is kept at weight 0 and becomes `to` at weight 1; entries past `len` are
+    /// unspecified.
+    fn mix_batch(&self, from: &mut [[f32; N]; BATCH], to: &[[f32; N]; BATCH], weights: &[f32; BATCH], len: usize);
+
+    /// `from` at weight 0, `to` at weight 1.
+    fn mix(&self, from: [f32; N], to: [f32; N], weight: f32) -> [f32; N];
+}
+
+/// Each number for itself: (1 − w)·from + w·to.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Straight;
+
+impl<const N: usize> Mix<N> for Straight {
+    fn mix_batch(&self, from: &mut [[f32; N]; BATCH], to: &[[f32; N]; BATCH], weights: &[f32; BATCH], len: usize) {
+        for ((from, to), weight) in from.iter_mut().zip(to).zip(weights).take(len) {
+            *from = self.mix(*from, *to, *weight);
+        }
+    }
+
+    #[inline(always)]
+    fn mix(&self, from: [f32; N], to: [f32; N], weight: f32) -> [f32; N] {
+        let mixed = |i: usize| if weight >= 1.0 { to[i] } else { from[i] + (to[i] - from[i]) * weight };
+        std::array::from_fn(mixed)
+    }
+}
 
 /// Mixes colours of one object with colours of another.
 ///
@@ -55,22 +83,9 @@ impl Mixer {
         Self { space, turn }
     }
 
-    /// `from` at weight 0, `to` at weight 1.
-    pub fn mix(&self, from: LinearRgb, to: LinearRgb, weight: f32) -> LinearRgb {
-        let mut mixed = [from];
-        self.mix_lanes(&mut mixed, &[to], &[weight]);
-        mixed[0]
-    }
-
-    /// Mixes a batch into `from`; entries past `len` are unspecified.
-    pub fn mix_batch(
-        &self,
-        from: &mut [LinearRgb; BATCH],
-        to: &[LinearRgb; BATCH],
-        weights: &[f32; BATCH],
-        len: usize,
-    ) {
-        mix_chunks(self, from, to, weights, len);
+    /// Mixes in `space`, nearly opposite hues the way of two colours.
+    pub fn between(space: ColourSpace, from: LinearRgb, to: LinearRgb) -> Self {
+        Self::new(space, Turn::between(space, from, to))
     }
 
     #[inline(always)]
@@ -144,6 +159,18 @@ impl Mixer {
                 }
             }
         }
+    }
+}
+
+impl Mix<3> for Mixer {
+    fn mix_batch(&self, from: &mut [LinearRgb; BATCH], to: &[LinearRgb; BATCH], weights: &[f32; BATCH], len: usize) {
+        mix_chunks(self, from, to, weights, len);
+    }
+
+    fn mix(&self, from: LinearRgb, to: LinearRgb, weight: f32) -> LinearRgb {
+        let mut mixed = [from];
+        self.mix_lanes(&mut mixed, &[to], &[weight]);
+        mixed[0]
     }
 }
 

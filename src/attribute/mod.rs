@@ -1,6 +1,8 @@
 //! Colour and other attributes at points in space: sources, colour spaces, rules for set operations.
 //!
-//! Everything here answers in scene-linear Rec.709. What stands elsewhere, or moves, is seen through a [`SpaceMap`].
+//! An attribute is N numbers at every point: a colour three, scene-linear Rec.709, a scalar one. Where a source or a
+//! rule is the same for all of them it is written once, for any N. What stands elsewhere, or moves, is seen through a
+//! [`SpaceMap`].
 
 mod bands;
 mod cells;
@@ -17,10 +19,10 @@ pub use bands::Bands;
 pub use cells::{ByCell, CellIndex, Choice, CubeLattice};
 pub use colour_space::{ColourSpace, from_srgb, to_srgb};
 pub use constant::Constant;
-pub use formula::{ByFormula, Components};
+pub use formula::{ByFormula, Components, FieldValue};
 pub use mapped::{MappedSampler, SpaceMap};
 pub use mesh_colour::VertexColours;
-pub use mix::{Mixer, Turn};
+pub use mix::{Mix, Mixer, Straight, Turn};
 pub use parts::{Part, Parts, Rule};
 
 use crate::field::{Aabb, BATCH, Points};
@@ -28,18 +30,24 @@ use crate::field::{Aabb, BATCH, Points};
 /// Scene-linear Rec.709 red, green, blue.
 pub type LinearRgb = [f32; 3];
 
-/// A colour at every point of space.
-pub trait Colour: Send + Sync {
+/// A colour at every point of space, scene-linear Rec.709.
+pub type Colour = dyn Attribute<3>;
+
+/// A number at every point of space.
+pub type Scalar = dyn Attribute<1>;
+
+/// `N` numbers at every point of space.
+pub trait Attribute<const N: usize>: Send + Sync {
     /// A sampler for one thread, with its own scratch memory.
-    fn sampler(&self) -> Box<dyn ColourSampler + '_>;
+    fn sampler(&self) -> Box<dyn Sampler<N> + '_>;
 }
 
-/// Samples one colour on one thread. Regions nest as in [`crate::field::Evaluator`].
-pub trait ColourSampler {
+/// Samples one attribute on one thread. Regions nest as in [`crate::field::Evaluator`].
+pub trait Sampler<const N: usize> {
     /// All points sampled until the matching `leave` lie in the region.
     fn enter(&mut self, region: &Aabb);
     /// Leaves the innermost region.
     fn leave(&mut self);
-    /// The colour at each point, scene-linear Rec.709.
-    fn sample(&mut self, points: &Points, out: &mut [LinearRgb; BATCH]);
+    /// The numbers at each point.
+    fn sample(&mut self, points: &Points, out: &mut [[f32; N]; BATCH]);
 }

@@ -1,42 +1,42 @@
-//! The colour of a union of coloured parts, and of a blend.
+//! An attribute of a union of parts that have it, and of a blend.
 
 use std::sync::Arc;
 
 use multiversion::multiversion;
 
-use super::{Colour, ColourSampler, LinearRgb};
+use super::{Attribute, Sampler};
 use crate::field::lane_math::clamp01;
 use crate::field::{Aabb, BATCH, Evaluator, Field, Points};
 
-/// A solid with its colour. Distances, or fields that are nearly so: their values are compared between parts.
-pub type Part = (Arc<dyn Field>, Arc<dyn Colour>);
+/// A solid with its attribute. Distances, or fields that are nearly so: their values are compared between parts.
+pub type Part<const N: usize> = (Arc<dyn Field>, Arc<dyn Attribute<N>>);
 
 /// What decides between the parts.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Rule {
-    /// Inside a part its own colour, the later part's in an overlap, over `seam` world units of transition where parts
+    /// Inside a part its own value, the later part's in an overlap, over `seam` world units of transition where parts
     /// meet (0: a sharp edge); outside all parts by the inverse of the distances (STTI, eq. 6).
     Union {
         /// The width of the transition.
         seam: f64,
     },
-    /// By the inverse of the distances, inside and outside: on a part's surface its own colour, between parts all.
+    /// By the inverse of the distances, inside and outside: on a part's surface its own value, between parts all.
     Blend,
 }
 
-/// Several coloured parts as one colour. All weights are convex: parts of one colour give that colour.
+/// Several parts' values as one. All weights are convex: parts of one value give that value.
 ///
-/// The field of a difference or an intersection keeps its first operand's colour and needs nothing of this.
-pub struct Parts {
-    parts: Vec<Part>,
+/// The field of a difference or an intersection keeps its first operand's attributes and needs nothing of this.
+pub struct Parts<const N: usize> {
+    parts: Vec<Part<N>>,
     rule: Rule,
     tolerance: f32,
 }
 
-impl Parts {
-    /// The colour of these parts, the later above the earlier. Points no further outside than `tolerance`, world units,
+impl<const N: usize> Parts<N> {
+    /// The attribute of these parts, the later above the earlier. Points no further outside than `tolerance`, world units,
     /// are inside: those on a surface are a rounding error off to either side. `None` where there are no parts.
-    pub fn new(parts: Vec<Part>, rule: Rule, tolerance: f64) -> Option<Self> {
+    pub fn new(parts: Vec<Part<N>>, rule: Rule, tolerance: f64) -> Option<Self> {
         (!parts.is_empty()).then_some(Self { parts, rule, tolerance: tolerance as f32 })
     }
 
@@ -125,50 +125,50 @@ fn soft_union(distances: &[[f32; BATCH]], weights: &mut [[f32; BATCH]], len: usi
     }
 }
 
-/// Adds a part's colours by their weights, and keeps each channel's brightest.
+/// Adds a part's values by their weights, and keeps the greatest of each number.
 #[multiversion(targets = "simd")]
-fn add(
-    colours: &[LinearRgb; BATCH],
+fn add<const N: usize>(
+    values: &[[f32; N]; BATCH],
     weights: &[f32; BATCH],
     len: usize,
-    out: &mut [LinearRgb; BATCH],
-    brightest: &mut [LinearRgb; BATCH],
+    out: &mut [[f32; N]; BATCH],
+    greatest: &mut [[f32; N]; BATCH],
 ) {
     for i in 0..len.min(BATCH) {
         let counts = weights[i] > 0.0;
-        for channel in 0..3 {
-            let (part, sum, most) = (colours[i][channel], out[i][channel], brightest[i][channel]);
+        for channel in 0..N {
+            let (part, sum, most) = (values[i][channel], out[i][channel], greatest[i][channel]);
             out[i][channel] = if counts { sum + weights[i] * part } else { sum };
-            brightest[i][channel] = if counts & (part > most) { part } else { most };
+            greatest[i][channel] = if counts & (part > most) { part } else { most };
         }
     }
 }
 
-impl Colour for Parts {
-    fn sampler(&self) -> Box<dyn ColourSampler + '_> {
+impl<const N: usize> Attribute<N> for Parts<N> {
+    fn sampler(&self) -> Box<dyn Sampler<N> + '_> {
         Box::new(PartsSampler {
             parts: self,
             evaluators: self.parts.iter().map(|(field, _)| field.evaluator()).collect(),
             samplers: self.parts.iter().map(|(_, colour)| colour.sampler()).collect(),
             distances: vec![[0.0; BATCH]; self.parts.len()],
             weights: vec![[0.0; BATCH]; self.parts.len()],
-            colours: [[0.0; 3]; BATCH],
-            brightest: [[0.0; 3]; BATCH],
+            values: [[0.0; N]; BATCH],
+            greatest: [[0.0; N]; BATCH],
         })
     }
 }
 
-struct PartsSampler<'a> {
-    parts: &'a Parts,
+struct PartsSampler<'a, const N: usize> {
+    parts: &'a Parts<N>,
     evaluators: Vec<Box<dyn Evaluator + 'a>>,
-    samplers: Vec<Box<dyn ColourSampler + 'a>>,
+    samplers: Vec<Box<dyn Sampler<N> + 'a>>,
     distances: Vec<[f32; BATCH]>,
     weights: Vec<[f32; BATCH]>,
-    colours: [LinearRgb; BATCH],
-    brightest: [LinearRgb; BATCH],
+    values: [[f32; N]; BATCH],
+    greatest: [[f32; N]; BATCH],
 }
 
-impl ColourSampler for PartsSampler<'_> {
+impl<const N: usize> Sampler<N> for PartsSampler<'_, N> {
     // The fields enter no region: pruning keeps their zero sets, but here their values count.
     fn enter(&mut self, region: &Aabb) {
         self.samplers.iter_mut().for_each(|sampler| sampler.enter(region));
@@ -178,25 +178,25 @@ impl ColourSampler for PartsSampler<'_> {
         self.samplers.iter_mut().for_each(|sampler| sampler.leave());
     }
 
-    fn sample(&mut self, points: &Points, out: &mut [LinearRgb; BATCH]) {
+    fn sample(&mut self, points: &Points, out: &mut [[f32; N]; BATCH]) {
         for (evaluator, distances) in self.evaluators.iter_mut().zip(&mut self.distances) {
             evaluator.values(points, distances);
         }
         self.parts.weigh(&self.distances, &mut self.weights, points.len);
-        out[..points.len].fill([0.0; 3]);
-        self.brightest[..points.len].fill([0.0; 3]);
+        out[..points.len].fill([0.0; N]);
+        self.greatest[..points.len].fill([f32::NEG_INFINITY; N]);
         for (sampler, weights) in self.samplers.iter_mut().zip(&self.weights) {
             if weights[..points.len].iter().all(|weight| *weight == 0.0) {
                 continue;
             }
-            sampler.sample(points, &mut self.colours);
-            add(&self.colours, weights, points.len, out, &mut self.brightest);
+            sampler.sample(points, &mut self.values);
+            add(&self.values, weights, points.len, out, &mut self.greatest);
         }
-        // Weights sum to 1 but for rounding, which must not make a mean brighter than all that is in it.
-        for (out, brightest) in out[..points.len].iter_mut().zip(&self.brightest) {
-            for (out, brightest) in out.iter_mut().zip(brightest) {
-                if *out > *brightest {
-                    *out = *brightest;
+        // Weights sum to 1 but for rounding, which must not make a mean greater than all that is in it.
+        for (out, greatest) in out[..points.len].iter_mut().zip(&self.greatest) {
+            for (out, greatest) in out.iter_mut().zip(greatest) {
+                if *out > *greatest {
+                    *out = *greatest;
                 }
             }
         }
@@ -208,7 +208,7 @@ mod tests {
     use glam::{DVec3, Vec3};
 
     use super::*;
-    use crate::attribute::Constant;
+    use crate::attribute::{Constant, LinearRgb};
     use crate::field::Interval;
 
     const RED: LinearRgb = [1.0, 0.0, 0.0];
@@ -251,12 +251,12 @@ mod tests {
         }
     }
 
-    fn balls(first: LinearRgb, second: LinearRgb, apart: f64, rule: Rule) -> Parts {
-        let part = |x: f64, colour| -> Part { (Arc::new(Ball(x, 1.0)), Arc::new(Constant::new(colour))) };
+    fn balls(first: LinearRgb, second: LinearRgb, apart: f64, rule: Rule) -> Parts<3> {
+        let part = |x: f64, colour| -> Part<3> { (Arc::new(Ball(x, 1.0)), Arc::new(Constant::new(colour))) };
         Parts::new(vec![part(0.0, first), part(apart, second)], rule, 1e-6).expect("parts")
     }
 
-    fn along_x(parts: &Parts, places: &[f64]) -> Vec<LinearRgb> {
+    fn along_x(parts: &Parts<3>, places: &[f64]) -> Vec<LinearRgb> {
         let mut points = Points::new(DVec3::ZERO);
         places.iter().for_each(|x| points.push(Vec3::new(*x as f32, 0.0, 0.0)));
         let mut out = [[0.0; 3]; BATCH];

@@ -1,13 +1,14 @@
-//! One frame in memory: the band, and the colour at each voxel's closest surface point.
+//! One frame in memory: the band, and the attributes at each voxel's closest surface point.
 
 use std::fmt;
+use std::sync::Arc;
 
 use rayon::prelude::*;
 
-use crate::attribute::{Colour, ColourSampler, LinearRgb};
+use crate::attribute::{Attribute, Colour, LinearRgb, Sampler, Scalar};
 use crate::distance::band::{self, MeasuredBlock, Report, Settings};
 use crate::distance::without::{Keep, measure_kept};
-use crate::field::{BATCH, Field};
+use crate::field::{Aabb, BATCH, Field, Points};
 use crate::grid::{BLOCK_VOXELS, Band, BlockMask, Channel, mask};
 
 /// A frame's grids, and what to tell about them.
@@ -17,6 +18,8 @@ pub struct Computed {
     pub band: Band,
     /// Scene-linear Rec.709 colours on the level set's active voxels, where the scene has colours.
     pub colour: Option<Channel<LinearRgb>>,
+    /// The scalars on the same voxels.
+    pub scalars: Vec<Channel<f32>>,
     /// Counts and warnings of the measurement.
     pub report: Report,
     /// Active voxels with a colour channel above 1.
@@ -35,6 +38,15 @@ pub enum ComputeError {
         /// The colour.
         value: LinearRgb,
     },
+    /// A scalar is infinite or not a number at a world position.
+    Scalar {
+        /// The name of its grid.
+        name: String,
+        /// World units.
+        position: [f64; 3],
+        /// The number.
+        value: f32,
+    },
 }
 
 impl fmt::Display for ComputeError {
@@ -45,126 +57,196 @@ impl fmt::Display for ComputeError {
                 f,
                 "the colour at ({x:.6}, {y:.6}, {z:.6}) is ({r}, {g}, {b}): a channel is negative, infinite or not a number"
             ),
+            Self::Scalar { name, position: [x, y, z], value } => {
+                write!(f, "`{name}` at ({x:.6}, {y:.6}, {z:.6}) is {value}: it must be a finite number")
+            }
         }
     }
 }
 
 impl std::error::Error for ComputeError {}
 
-/// The colours of one block, and what was noticed in it.
-struct BlockColours {
-    /// Of the active voxels, in their order.
-    active: Box<[LinearRgb]>,
-    sum: [f64; 3],
-    bright_voxels: u64,
-    wrong: Option<ComputeError>,
+/// The attributes that a frame's grids are made from, each with the name of its grid.
+#[derive(Clone, Copy)]
+pub struct Attributes<'a> {
+    /// The colour, if there is one.
+    pub colour: Option<(&'a str, &'a Colour)>,
+    /// The scalars.
+    pub scalars: &'a [(String, Arc<Scalar>)],
 }
 
-/// Measures what is kept of a field and samples a colour at the feet.
+/// What one block has of all attributes.
+struct BlockAttributes {
+    colour: Option<Sampled<3>>,
+    scalars: Vec<Sampled<1>>,
+}
+
+/// What one block has of an attribute, and what was noticed in it.
+struct Sampled<const N: usize> {
+    /// Of the active voxels, in their order.
+    active: Box<[[f32; N]]>,
+    sum: [f64; N],
+    bright_voxels: u64,
+    /// Where a number is out of range, and what it is.
+    wrong: Option<([f64; 3], [f32; N])>,
+}
+
+/// Measures what is kept of a field and samples attributes at the feet.
 pub fn compute(
     field: &dyn Field,
-    colour: Option<(&dyn Colour, &str)>,
+    attributes: Attributes<'_>,
     settings: &Settings,
     keep: Keep,
 ) -> Result<Computed, ComputeError> {
-    let Some((colour, name)) = colour else {
-        let measured =
-            measure_kept(field, settings, keep, || |_: &MeasuredBlock| ()).map_err(ComputeError::Distance)?;
-        return Ok(Computed { band: measured.band, colour: None, report: measured.report, bright_voxels: 0 });
-    };
     let new_visitor = || {
-        let mut sampler = colour.sampler();
-        let mut sampled = [[0.0; 3]; BATCH];
-        move |block: &MeasuredBlock| sample(&mut *sampler, block, &mut sampled)
+        let mut colour = attributes.colour.map(|(_, colour)| Visitor::new(colour, 0.0));
+        let all = attributes.scalars.iter();
+        let mut scalars: Vec<Visitor<1>> = all.map(|(_, scalar)| Visitor::new(scalar.as_ref(), f32::MIN)).collect();
+        move |block: &MeasuredBlock| {
+            if colour.is_none() && scalars.is_empty() {
+                return BlockAttributes { colour: None, scalars: Vec::new() };
+            }
+            let feet = active_feet(block);
+            BlockAttributes {
+                colour: colour.as_mut().map(|colour| colour.sample(&feet, &block.region)),
+                scalars: scalars.iter_mut().map(|scalar| scalar.sample(&feet, &block.region)).collect(),
+            }
+        }
     };
     let measured = measure_kept(field, settings, keep, new_visitor).map_err(ComputeError::Distance)?;
-    if let Some(wrong) = measured.visits.iter().find_map(|block| block.wrong.clone()) {
-        return Err(wrong);
+    let mut colours = Vec::new();
+    let mut scalars: Vec<Vec<Sampled<1>>> = attributes.scalars.iter().map(|_| Vec::new()).collect();
+    for block in measured.visits {
+        colours.extend(block.colour);
+        scalars.iter_mut().zip(block.scalars).for_each(|(all, one)| all.push(one));
     }
-    let background = mean(&measured.visits, measured.band.active_voxels());
-    let bright_voxels = measured.visits.iter().map(|block| block.bright_voxels).sum();
-    let blocks = measured.visits.into_par_iter().zip(&measured.band.active);
-    let values = blocks.map(|(block, active)| spread(&block.active, active, background)).collect();
-    let channel = Channel { name: name.into(), values, background };
-    Ok(Computed { band: measured.band, colour: Some(channel), report: measured.report, bright_voxels })
+    let band = measured.band;
+    let bright_voxels = colours.iter().map(|block| block.bright_voxels).sum();
+    let mut colour = None;
+    if let Some((name, _)) = attributes.colour {
+        if let Some((position, value)) = colours.iter().find_map(|block| block.wrong) {
+            return Err(ComputeError::Colour { position, value });
+        }
+        colour = Some(channel(name, colours, &band, |colour| colour));
+    }
+    let mut channels = Vec::with_capacity(scalars.len());
+    for ((name, _), blocks) in attributes.scalars.iter().zip(scalars) {
+        if let Some((position, [value])) = blocks.iter().find_map(|block| block.wrong) {
+            return Err(ComputeError::Scalar { name: name.clone(), position, value });
+        }
+        channels.push(channel(name, blocks, &band, |[value]| value));
+    }
+    Ok(Computed { band, colour, scalars: channels, report: measured.report, bright_voxels })
 }
 
-/// The colours of a block's active voxels at their places, the background at all others.
-fn spread(colours: &[LinearRgb], active: &BlockMask, background: LinearRgb) -> [LinearRgb; BLOCK_VOXELS] {
-    let mut values = [background; BLOCK_VOXELS];
-    for (at, colour) in mask::places(active).zip(colours) {
-        values[at] = *colour;
-    }
-    values
+/// An attribute's channel over a band: its values on the active voxels, their mean everywhere else, so that samples
+/// across the band's border are not drawn to any other value.
+fn channel<const N: usize, T: Copy + Send + Sync>(
+    name: &str,
+    blocks: Vec<Sampled<N>>,
+    band: &Band,
+    one: impl Fn([f32; N]) -> T + Sync,
+) -> Channel<T> {
+    let background = one(mean(&blocks, band.active_voxels()));
+    let spread = |(block, active): (Sampled<N>, &BlockMask)| {
+        let mut values = [background; BLOCK_VOXELS];
+        for (at, value) in mask::places(active).zip(&block.active) {
+            values[at] = one(*value);
+        }
+        values
+    };
+    let values = blocks.into_par_iter().zip(&band.active).map(spread).collect();
+    Channel { name: name.into(), values, background }
 }
 
-/// The colours at a block's feet: constant along the surface's normals, so that a mesh of the level set which samples
-/// them trilinearly meets the surface's own colour. Active voxels alone are sampled, one after the other: there is no
-/// foot at others, and they are most of a block.
-fn sample(sampler: &mut dyn ColourSampler, block: &MeasuredBlock, sampled: &mut [LinearRgb; BATCH]) -> BlockColours {
+/// The feet of a block's active voxels alone, one after the other: there is no foot at others, and they are most of a
+/// block. An attribute taken there is constant along the surface's normals, so that a mesh of the level set which
+/// samples it trilinearly meets the surface's own.
+fn active_feet(block: &MeasuredBlock) -> Points {
     let mut feet = block.feet();
     feet.len = 0;
     for at in mask::places(block.active) {
         feet.push(feet.offset(at));
     }
-    sampler.enter(&block.region);
-    sampler.sample(&feet, sampled);
-    sampler.leave();
-    let sampled = &sampled[..feet.len];
-    let survey = survey(sampled.as_flattened());
-    let mut colours = BlockColours { active: sampled.into(), sum: survey.sum, bright_voxels: 0, wrong: None };
-    if survey.bright {
-        let is_bright = |colour: &&LinearRgb| colour.iter().any(|&channel| channel > 1.0);
-        colours.bright_voxels = sampled.iter().filter(is_bright).count() as u64;
-    }
-    if survey.wrong
-        && let Some(at) = sampled.iter().position(|colour| colour.iter().any(|&channel| is_wrong(channel)))
-    {
-        colours.wrong = Some(ComputeError::Colour { position: feet.position(at).to_array(), value: sampled[at] });
-    }
-    colours
+    feet
 }
 
-/// Negative, infinite or not a number.
+/// Samples one attribute in one block after the other.
+struct Visitor<'a, const N: usize> {
+    sampler: Box<dyn Sampler<N> + 'a>,
+    /// The least number that is right; the greatest is finite.
+    least: f32,
+    sampled: Box<[[f32; N]; BATCH]>,
+}
+
+impl<'a, const N: usize> Visitor<'a, N> {
+    fn new(attribute: &'a dyn Attribute<N>, least: f32) -> Self {
+        Self { sampler: attribute.sampler(), least, sampled: Box::new([[0.0; N]; BATCH]) }
+    }
+
+    fn sample(&mut self, feet: &Points, region: &Aabb) -> Sampled<N> {
+        self.sampler.enter(region);
+        self.sampler.sample(feet, &mut self.sampled);
+        self.sampler.leave();
+        let active = &self.sampled[..feet.len];
+        let survey = survey(active, self.least);
+        let mut sampled = Sampled { active: active.into(), sum: survey.sum, bright_voxels: 0, wrong: None };
+        if survey.bright {
+            sampled.bright_voxels = active.iter().filter(|value| value.iter().any(|&part| part > 1.0)).count() as u64;
+        }
+        if survey.wrong {
+            let is_wrong = |value: &[f32; N]| value.iter().any(|&part| is_wrong(part, self.least));
+            let at = active.iter().position(is_wrong);
+            sampled.wrong = at.map(|at| (feet.position(at).to_array(), active[at]));
+        }
+        sampled
+    }
+}
+
+/// Below the least, infinite or not a number.
 #[inline(always)]
-fn is_wrong(channel: f32) -> bool {
-    !(0.0..f32::INFINITY).contains(&channel)
+fn is_wrong(number: f32, least: f32) -> bool {
+    !(least..f32::INFINITY).contains(&number)
 }
 
-/// What there is to know about a block's colours.
-struct Survey {
-    sum: [f64; 3],
-    /// Some channel is above 1.
+/// What there is to know about a block's values.
+struct Survey<const N: usize> {
+    sum: [f64; N],
+    /// Some number is above 1.
     bright: bool,
-    /// Some channel is wrong.
+    /// Some number is wrong.
     wrong: bool,
 }
 
-/// Looks at red, green, blue, red, … The sums are of every eighth colour, then of these, at any vector width.
+/// Looks at values. The sums are of every eighth value, then of these, at any vector width.
 #[multiversion::multiversion(targets = "simd")]
-fn survey(channels: &[f32]) -> Survey {
-    const ROW: usize = 8 * 3;
-    let (mut sums, mut bright, mut wrong) = ([0.0; ROW], [false; ROW], [false; ROW]);
-    let (rows, rest) = channels.as_chunks::<ROW>();
+fn survey<const N: usize>(values: &[[f32; N]], least: f32) -> Survey<N> {
+    let (mut sums, mut bright, mut wrong) = ([[0.0; N]; 8], [[false; N]; 8], [[false; N]; 8]);
+    let (rows, rest) = values.as_chunks::<8>();
     for row in rows {
-        for i in 0..ROW {
-            sums[i] += f64::from(row[i]);
-            bright[i] |= row[i] > 1.0;
-            wrong[i] |= is_wrong(row[i]);
+        for i in 0..8 {
+            for part in 0..N {
+                sums[i][part] += f64::from(row[i][part]);
+                bright[i][part] |= row[i][part] > 1.0;
+                wrong[i][part] |= is_wrong(row[i][part], least);
+            }
         }
     }
-    for (i, &channel) in rest.iter().enumerate() {
-        sums[i] += f64::from(channel);
-        bright[i] |= channel > 1.0;
-        wrong[i] |= is_wrong(channel);
+    for (i, value) in rest.iter().enumerate() {
+        for part in 0..N {
+            sums[i][part] += f64::from(value[part]);
+            bright[i][part] |= value[part] > 1.0;
+            wrong[i][part] |= is_wrong(value[part], least);
+        }
     }
-    let sum = std::array::from_fn(|channel| sums.iter().skip(channel).step_by(3).sum());
-    Survey { sum, bright: bright.contains(&true), wrong: wrong.contains(&true) }
+    let sum = std::array::from_fn(|part| sums.iter().map(|sum| sum[part]).sum());
+    let any = |flags: [[bool; N]; 8]| flags.as_flattened().contains(&true);
+    Survey { sum, bright: any(bright), wrong: any(wrong) }
 }
 
-/// The mean colour, summed block after block so that it does not depend on threads.
-fn mean(blocks: &[BlockColours], active_voxels: u64) -> LinearRgb {
-    let mut sum = [0.0; 3];
+/// The mean value, summed block after block so that it does not depend on threads.
+fn mean<const N: usize>(blocks: &[Sampled<N>], active_voxels: u64) -> [f32; N] {
+    let mut sum = [0.0; N];
     for block in blocks {
         for (sum, part) in sum.iter_mut().zip(block.sum) {
             *sum += part;
@@ -182,7 +264,7 @@ mod tests {
         for len in [0, 1, 7, 8, 9, 100, BATCH] {
             let colours: Vec<LinearRgb> =
                 (0..len).map(|i| [0.001, 0.002, 0.0005].map(|part| part * i as f32)).collect();
-            let plain = survey(colours.as_flattened());
+            let plain = survey(&colours, 0.0);
             assert!(!plain.wrong && plain.bright == (len == BATCH));
             for channel in 0..3 {
                 let exact: f64 = colours.iter().map(|colour| f64::from(colour[channel])).sum();
@@ -192,7 +274,7 @@ mod tests {
                 for (value, wrong) in [(-1e-9, true), (f32::NAN, true), (f32::INFINITY, true), (1.5, false)] {
                     let mut changed = colours.clone();
                     changed.as_flattened_mut()[place] = value;
-                    let noticed = survey(changed.as_flattened());
+                    let noticed = survey(&changed, 0.0);
                     assert_eq!(noticed.wrong, wrong, "{value} at {place} of {len}");
                     assert!(noticed.bright || value <= 1.0 || value.is_nan());
                 }

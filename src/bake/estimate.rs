@@ -25,10 +25,10 @@ const BASE_BYTES: f64 = 120e6;
 pub fn estimate(prepared: &Prepared, content: &FrameContent) -> Estimate {
     let scope = Scope { lattice: prepared.lattice, half_width: prepared.half_width, region: content.region };
     let found = extent::estimate(&*content.field, &scope);
-    let coloured = content.colour.is_some();
-    let memory = BASE_BYTES + prepared.memory_estimate() as f64 + found.memory(coloured);
+    let numbers = if content.colour.is_some() { 3 } else { 0 } + content.scalars.len();
+    let memory = BASE_BYTES + prepared.memory_estimate() as f64 + found.memory(numbers);
     let bytes = |value: f64| Bytes(value.min(u64::MAX as f64) as u64);
-    Estimate { voxels: found.voxels, blocks: found.blocks, memory: bytes(memory), file: bytes(found.file(coloured)) }
+    Estimate { voxels: found.voxels, blocks: found.blocks, memory: bytes(memory), file: bytes(found.file(numbers)) }
 }
 
 /// Refuses frames whose estimate is over the limit.

@@ -2,7 +2,7 @@
 
 use std::time::{Duration, Instant};
 
-use super::compute::{ComputeError, Computed, compute};
+use super::compute::{Attributes, ComputeError, Computed, compute};
 use super::estimate::check_memory;
 use super::record::{Record, RecordFile};
 use super::sealed::{self, hexadecimal};
@@ -33,13 +33,16 @@ pub fn compute_frame(
         progress,
     };
     let name = prepared.model().output.colour_name.as_str();
-    let colour = content.colour.as_deref().map(|colour| (colour, name));
-    compute(&*content.field, colour, &settings, content.keep).map_err(|error| match error {
+    let attributes =
+        Attributes { colour: content.colour.as_deref().map(|colour| (name, colour)), scalars: &content.scalars };
+    let of_grid = |grid: &str, error: ComputeError| {
+        let problem = format!("frame {frame}: {error}");
+        prepared.attribute_problem(grid, &problem).map_or(Error::Frame(frame, error), Error::Scene)
+    };
+    compute(&*content.field, attributes, &settings, content.keep).map_err(|error| match error {
         ComputeError::Distance(band::Error::Cancelled) => Error::Interrupted,
-        ComputeError::Colour { .. } => {
-            let problem = format!("frame {frame}: {error}");
-            prepared.colour_problem(&problem).map_or(Error::Frame(frame, error), Error::Scene)
-        }
+        ComputeError::Colour { .. } => of_grid(name, error),
+        ComputeError::Scalar { name: ref grid, .. } => of_grid(&grid.clone(), error),
         error => Error::Frame(frame, error),
     })
 }
@@ -54,7 +57,7 @@ pub fn empty(prepared: &Prepared) -> Computed {
         active: Vec::new(),
         inside_tiles: Vec::new(),
     };
-    Computed { band, colour: None, report: band::Report::default(), bright_voxels: 0 }
+    Computed { band, colour: None, scalars: Vec::new(), report: band::Report::default(), bright_voxels: 0 }
 }
 
 /// What the measurement noticed, in words.
@@ -113,6 +116,7 @@ pub(super) fn vdb_frame<'a>(
     if let Some(colour) = &computed.colour {
         grids.push(vdb::Grid::colour(&computed.band, colour));
     }
+    grids.extend(computed.scalars.iter().map(|scalar| vdb::Grid::scalar(&computed.band, scalar)));
     for grid in &mut grids {
         grid.half = output.identity.half.iter().any(|name| name == grid.name);
     }

@@ -26,7 +26,7 @@ mod target;
 mod verify;
 
 pub use claim::{Claim, Wish};
-pub use compute::{ComputeError, Computed, compute};
+pub use compute::{Attributes, ComputeError, Computed, compute};
 pub use done::{State, judge_all};
 pub use error::Error;
 pub use estimate::{Estimate, check_memory, estimate};

@@ -96,6 +96,10 @@ fn grids(computed: &Computed) -> Vec<GridRecord> {
     if let Some(colour) = &computed.colour {
         grids.push(grid(&colour.name, &band.active, colour.values.iter().map(|block| block.iter().copied())));
     }
+    for scalar in &computed.scalars {
+        let values = scalar.values.iter().map(|block| block.iter().map(|value| [*value]));
+        grids.push(grid(&scalar.name, &band.active, values));
+    }
     grids
 }
 

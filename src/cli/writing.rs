@@ -193,12 +193,11 @@ fn output(request: &Request<'_>) -> Result<Output, Failure> {
         (Some(Compression::Zip), _) | (None, "zip") => vdb::Compression::Zip,
         (Some(Compression::None), _) | (None, _) => vdb::Compression::None,
     };
-    let known = ["surface", model.output.colour_name.as_str()];
+    let known: Vec<&str> = model.grid_names().into_iter().filter(|name| model.output.writes(name)).collect();
     if let Some(wrong) = writing.half.iter().find(|name| !known.contains(&name.as_str())) {
         return Err(Failure::usage(format!("--half: no grid \"{wrong}\" is written; there are {}", known.join(", "))));
     }
-    let scene_half = model.output.half.iter().map(|&name| name.to_owned());
-    let half = if writing.half.is_empty() { scene_half.collect() } else { writing.half.clone() };
+    let half = if writing.half.is_empty() { model.output.half.clone() } else { writing.half.clone() };
     let finely = match (sampling.voxel_size, sampling.resolution, model.output.voxel_size) {
         (Some(edge), _, _) | (None, None, Some(edge)) => bake::Sampling::VoxelSize(edge),
         (None, Some(resolution), _) => bake::Sampling::Resolution(resolution),

@@ -167,21 +167,23 @@ pub struct Estimate {
     pub bytes: f64,
 }
 
-/// Bytes of a block's colours, their mask counted.
-const COLOUR_BYTES: f64 = BLOCK_VOXELS as f64 * 12.0 + 64.0;
+/// Bytes of a block of one number a voxel, and of a block's mask.
+const NUMBER_BYTES: f64 = BLOCK_VOXELS as f64 * 4.0;
+const MASK_BYTES: f64 = 64.0;
 
 impl Estimate {
-    /// Bytes of the file before compression: a level set, and a colour or none.
-    pub fn file(&self, coloured: bool) -> f64 {
-        self.voxels * if coloured { 16.0 } else { 4.0 }
+    /// Bytes of the file before compression: a level set, and so many numbers a voxel in other grids (a colour: 3).
+    pub fn file(&self, numbers: usize) -> f64 {
+        self.voxels * 4.0 * (1 + numbers) as f64
     }
 
     /// Bytes that frames take at a job's peak: one that is computed, one that is written.
-    pub fn memory(&self, coloured: bool) -> f64 {
+    pub fn memory(&self, numbers: usize) -> f64 {
         // In our memory and as much again in OpenVDB's tree.
-        let frame = 2.0 * (self.bytes + if coloured { self.blocks * COLOUR_BYTES } else { 0.0 });
+        let others = if numbers > 0 { self.blocks * (numbers as f64 * NUMBER_BYTES + MASK_BYTES) } else { 0.0 };
+        let frame = 2.0 * (self.bytes + others);
         // The encoded file is held whole before it is written; hardly ever larger than the voxels.
-        1.5 * frame + self.file(coloured)
+        1.5 * frame + self.file(numbers)
     }
 }
 

@@ -27,7 +27,7 @@ pub use report::{FrameReport, Report};
 pub use section::{Round, Section};
 pub use settings::{Ease, Error, Flow, Mode, Pace, Paper, Settings, Side};
 pub use stb::Stb;
-pub use stti::{MorphColour, Transfer};
+pub use stti::{MorphAttribute, Transfer};
 
 #[cfg(test)]
 mod exact;

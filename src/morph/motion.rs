@@ -5,7 +5,7 @@ use std::sync::Arc;
 use glam::{DMat3, DVec3, Mat3, Vec3};
 
 use super::over_time::OverTime;
-use crate::attribute::{Colour, ColourSampler, MappedSampler, SpaceMap};
+use crate::attribute::{Attribute, MappedSampler, Sampler, SpaceMap};
 use crate::distance::{Distance, Foot};
 use crate::field::{Aabb, BATCH, Evaluator, Field, Gradients, Interval, Points, Slope};
 
@@ -126,7 +126,7 @@ fn rotate(turn: Mat3, from: [&[f32; BATCH]; 3], to: [&mut [f32; BATCH]; 3]) {
 /// Where an object stands at each scene time τ (0 at the shot's first frame, 1 at its last).
 pub type Motion = OverTime<Similarity>;
 
-/// A field, distance or colour of an object's space, standing in the world.
+/// A field, distance or attribute of an object's space, standing in the world.
 pub struct Moved<T: ?Sized> {
     inner: Arc<T>,
     placement: Similarity,
@@ -170,8 +170,8 @@ impl<T: Distance + ?Sized> Distance for Moved<T> {
     }
 }
 
-impl<T: Colour + ?Sized> Colour for Moved<T> {
-    fn sampler(&self) -> Box<dyn ColourSampler + '_> {
+impl<const N: usize, T: Attribute<N> + ?Sized> Attribute<N> for Moved<T> {
+    fn sampler(&self) -> Box<dyn Sampler<N> + '_> {
         Box::new(MappedSampler::new(self.inner.sampler(), self.placement))
     }
 }

@@ -13,11 +13,11 @@ use super::plain;
 use super::section::Section;
 use super::settings::{Ease, Error, Mode, Pace, Settings, Side};
 use super::stb::Stb;
-use super::stti::{MorphColour, Transfer};
+use super::stti::{MorphAttribute, Transfer};
 use super::volume::{
     Enclosing, Volume, difference, linear_fractions, object_cells, object_fractions, total, union_fractions,
 };
-use crate::attribute::{Colour, LinearRgb, Mixer, Turn};
+use crate::attribute::{Attribute, Colour, LinearRgb, Mix, Mixer, Turn};
 use crate::distance::Distance;
 use crate::field::{Aabb, BATCH, Field, Points};
 
@@ -36,7 +36,7 @@ pub struct MorphObject {
     /// Its signed distance everywhere, which the in-betweens are made of.
     pub distance: Arc<dyn Distance>,
     /// Its colour.
-    pub colour: Arc<dyn Colour>,
+    pub colour: Arc<Colour>,
     /// Where it stands, over scene time.
     pub motion: Motion,
 }
@@ -174,17 +174,29 @@ impl Morph {
     }
 
     /// The frame's colour at scene time τ. Where shape and colour are both at an end, it is the object's own.
-    pub fn colour(&self, time: f64) -> Arc<dyn Colour> {
+    pub fn colour(&self, time: f64) -> Arc<Colour> {
         self.colour_of(time, None, None)
     }
 
     /// As [`Morph::colour`], with other colours of the two objects at that time, in their own spaces, where given.
-    pub fn colour_of(&self, time: f64, from: Option<Arc<dyn Colour>>, to: Option<Arc<dyn Colour>>) -> Arc<dyn Colour> {
+    pub fn colour_of(&self, time: f64, from: Option<Arc<Colour>>, to: Option<Arc<Colour>>) -> Arc<Colour> {
+        let own = |object: &MorphObject| object.colour.clone();
+        let (from, to) = (from.unwrap_or_else(|| own(&self.from)), to.unwrap_or_else(|| own(&self.to)));
+        self.attribute(time, from, to, Mixer::new(self.settings.colour_space, self.plan.turn))
+    }
+
+    /// An attribute of the frame at scene time τ, from what it is on the two objects at that time, in their own spaces;
+    /// by the weights of colours.
+    pub fn attribute<const N: usize>(
+        &self,
+        time: f64,
+        from: Arc<dyn Attribute<N>>,
+        to: Arc<dyn Attribute<N>>,
+        mix: impl Mix<N> + 'static,
+    ) -> Arc<dyn Attribute<N>> {
         let colour_time = self.colour_time(time);
-        let placed = |object: &MorphObject, other: Option<Arc<dyn Colour>>| {
-            Moved::new(other.unwrap_or_else(|| object.colour.clone()), object.motion.at(time))
-        };
-        let (from, to) = (placed(&self.from, from), placed(&self.to, to));
+        let from = Moved::new(from, self.from.motion.at(time));
+        let to = Moved::new(to, self.to.motion.at(time));
         let distance = |object: &MorphObject| Moved::new(object.distance.clone(), object.motion.at(time));
         let t = self.time_at(time);
         if t <= 0.0 && colour_time <= 0.0 {
@@ -193,15 +205,15 @@ impl Morph {
         if t >= 1.0 && colour_time == 1.0 {
             return Arc::new(to);
         }
-        let Settings { alpha, beta, colour_space, .. } = &self.settings;
-        Arc::new(MorphColour {
+        let Settings { alpha, beta, .. } = &self.settings;
+        Arc::new(MorphAttribute {
             first: Arc::new(distance(&self.from)),
             second: Arc::new(distance(&self.to)),
             from: Arc::new(from),
             to: Arc::new(to),
             unit: self.plan.unit,
             transfer: Transfer { time: colour_time, alpha: alpha.at(time), beta: beta.at(time) },
-            mixer: Mixer::new(*colour_space, self.plan.turn),
+            mix,
         })
     }
 

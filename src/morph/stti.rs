@@ -1,9 +1,10 @@
-//! Space-time transfinite interpolation: how much of each object's colour a point has, and the mixed colour of a frame.
+//! Space-time transfinite interpolation: how much of each object's attributes a point has, and a frame's mixed
+//! attributes.
 
 use std::sync::Arc;
 
 use super::real::{Real, intersection};
-use crate::attribute::{Colour, ColourSampler, LinearRgb, Mixer};
+use crate::attribute::{Attribute, Mix, Sampler};
 use crate::distance::Distance;
 use crate::field::{Aabb, BATCH, Evaluator, Points};
 
@@ -59,29 +60,29 @@ impl Transfer {
     }
 }
 
-/// A frame's colour: both objects' colours at the point itself, mixed by [`Transfer`]. Distances and colours stand in
-/// the world as they do at this instant.
-pub struct MorphColour {
+/// A frame's attribute: that of both objects at the point itself, mixed by [`Transfer`]. Distances and attributes stand
+/// in the world as they do at this instant.
+pub struct MorphAttribute<const N: usize, M> {
     /// The first object.
     pub first: Arc<dyn Distance>,
     /// The second object.
     pub second: Arc<dyn Distance>,
-    /// The first object's colour.
-    pub from: Arc<dyn Colour>,
-    /// The second object's colour.
-    pub to: Arc<dyn Colour>,
+    /// The first object's attribute.
+    pub from: Arc<dyn Attribute<N>>,
+    /// The second object's attribute.
+    pub to: Arc<dyn Attribute<N>>,
     /// D, world units.
     pub unit: f64,
     /// The weights.
     pub transfer: Transfer,
     /// The mixing.
-    pub mixer: Mixer,
+    pub mix: M,
 }
 
-impl Colour for MorphColour {
-    fn sampler(&self) -> Box<dyn ColourSampler + '_> {
+impl<const N: usize, M: Mix<N>> Attribute<N> for MorphAttribute<N, M> {
+    fn sampler(&self) -> Box<dyn Sampler<N> + '_> {
         Box::new(MorphSampler {
-            mixer: self.mixer,
+            mix: self.mix,
             weights: Weights::new(&self.transfer),
             per_unit: (1.0 / self.unit) as f32,
             first: self.first.evaluator(),
@@ -89,24 +90,24 @@ impl Colour for MorphColour {
             from: self.from.sampler(),
             to: self.to.sampler(),
             distances: [[0.0; BATCH]; 2],
-            colours: [[0.0; 3]; BATCH],
+            values: [[0.0; N]; BATCH],
         })
     }
 }
 
-struct MorphSampler<'a> {
-    mixer: Mixer,
+struct MorphSampler<'a, const N: usize, M> {
+    mix: M,
     weights: Weights<f32>,
     per_unit: f32,
     first: Box<dyn Evaluator + 'a>,
     second: Box<dyn Evaluator + 'a>,
-    from: Box<dyn ColourSampler + 'a>,
-    to: Box<dyn ColourSampler + 'a>,
+    from: Box<dyn Sampler<N> + 'a>,
+    to: Box<dyn Sampler<N> + 'a>,
     distances: [[f32; BATCH]; 2],
-    colours: [LinearRgb; BATCH],
+    values: [[f32; N]; BATCH],
 }
 
-impl ColourSampler for MorphSampler<'_> {
+impl<const N: usize, M: Mix<N>> Sampler<N> for MorphSampler<'_, N, M> {
     fn enter(&mut self, region: &Aabb) {
         self.first.enter(region);
         self.second.enter(region);
@@ -121,15 +122,15 @@ impl ColourSampler for MorphSampler<'_> {
         self.to.leave();
     }
 
-    fn sample(&mut self, points: &Points, out: &mut [LinearRgb; BATCH]) {
+    fn sample(&mut self, points: &Points, out: &mut [[f32; N]; BATCH]) {
         let [first, second] = &mut self.distances;
         self.first.values(points, first);
         self.second.values(points, second);
         second_weights(&self.weights, self.per_unit, &mut first[..points.len], &second[..points.len]);
         let weights = first;
         self.from.sample(points, out);
-        self.to.sample(points, &mut self.colours);
-        self.mixer.mix_batch(out, &self.colours, weights, points.len);
+        self.to.sample(points, &mut self.values);
+        self.mix.mix_batch(out, &self.values, weights, points.len);
     }
 }
 

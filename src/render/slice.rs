@@ -94,7 +94,7 @@ pub enum Fill<'a> {
     /// There is none.
     None,
     /// It is known everywhere.
-    Everywhere(&'a dyn Colour),
+    Everywhere(&'a Colour),
     /// It is known at some world positions.
     Somewhere(&'a (dyn Fn(DVec3) -> Option<[f32; 3]> + Sync)),
 }

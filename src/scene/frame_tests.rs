@@ -49,7 +49,7 @@ fn colour(frame: &FrameContent, x: f64, y: f64, z: f64) -> LinearRgb {
     sample(frame.colour.as_ref().expect("it has a colour").as_ref(), DVec3::new(x, y, z))
 }
 
-fn sample(colour: &dyn Colour, at: DVec3) -> LinearRgb {
+fn sample(colour: &Colour, at: DVec3) -> LinearRgb {
     let mut points = Points::new(at);
     points.push(Vec3::ZERO);
     let mut out = [[0.0; 3]; BATCH];

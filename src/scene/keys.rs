@@ -3,9 +3,11 @@
 
 mod colours;
 mod morph;
+mod scalars;
 
 pub use colours::COLOURS;
 pub use morph::{BY_MODE, MORPH, ROUND};
+pub use scalars::SCALARS;
 
 /// What a key takes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -26,12 +28,12 @@ pub enum Kind {
     Text,
     /// One of these names.
     Choice(&'static [&'static str]),
-    /// Some of these names.
-    Choices(&'static [&'static str]),
     /// A name of an easing, or the progress itself as [`Kind::Number`].
     Progress,
     /// Two numbers, each as [`Kind::Number`], the second greater.
     Span,
+    /// Names of grids.
+    Grids,
     /// Frames, as `"1-48"` or `7`.
     Frames,
     /// A whole number, or a least and a greatest one.
@@ -54,6 +56,10 @@ pub enum Kind {
     Components,
     /// Colours with the depths at which they begin.
     Bands,
+    /// Numbers with the depths at which they begin.
+    NumberBands,
+    /// A list of numbers.
+    Numbers,
     /// Copies in cells.
     Copies,
     /// An axis.
@@ -75,9 +81,9 @@ impl Kind {
             Self::Flag => "true or false".into(),
             Self::Text => "text".into(),
             Self::Choice(names) => choices(names),
-            Self::Choices(names) => format!("list of {}", choices(names)),
             Self::Progress => "`\"linear\"`, `\"smooth\"`, or the progress as a number".into(),
             Self::Span => "two numbers, rising".into(),
+            Self::Grids => "list of grids".into(),
             Self::Frames => "frames".into(),
             Self::Depth => "whole number or `[least, greatest]`".into(),
             Self::Path => "file".into(),
@@ -89,6 +95,8 @@ impl Kind {
             Self::Palette => "list of colours".into(),
             Self::Components => "three numbers or formulas of space".into(),
             Self::Bands => "list of `[depth, colour]`, depths rising".into(),
+            Self::NumberBands => "list of `[depth, number]`, depths rising".into(),
+            Self::Numbers => "list of numbers".into(),
             Self::Copies => "copies".into(),
             Self::Box => "box".into(),
             Self::Table => "table".into(),
@@ -439,6 +447,12 @@ pub const SHAPE: &[Key] = &[
     ),
     Key::new("color", Kind::Colour, Words("`#cccccc` where another shape has a colour"), "Its colour.")
         .also(&["colour"]),
+    Key::new(
+        "attribute",
+        Kind::Table,
+        Nothing,
+        "Numbers of any name that go with the surface, `attribute.roughness = 0.4`; each becomes a grid of its name.",
+    ),
 ];
 
 /// Octree cells.
@@ -477,8 +491,8 @@ pub const PARAMETER: &[Key] = &[
 /// Names of colour spaces that colours are mixed in.
 pub const COLOUR_SPACES: &[&str] = &["rgb", "hsv", "lab", "lch", "oklab"];
 
-/// Grids that a file can hold.
-pub const GRIDS: &[&str] = &["surface", "Cd"];
+/// Grids that a file can hold, scalars aside.
+pub const GRIDS: &[&str] = &["surface", "Cd", "vel"];
 
 /// The output.
 pub const OUTPUT: &[Key] = &[
@@ -497,8 +511,13 @@ pub const OUTPUT: &[Key] = &[
         .limit(Limit::Within(1.5, 100.0))
         .unit("voxels")
         .also(&["half_width_voxels"]),
-    Key::new("grids", Kind::Choices(GRIDS), Words("all there are"), "Which grids are written."),
-    Key::new("half", Kind::Choices(GRIDS), Words("none"), "Which grids keep their numbers in 16 bits."),
+    Key::new(
+        "grids",
+        Kind::Grids,
+        Words("all there are"),
+        "Which grids are written: `surface`, `Cd`, and the names of attributes.",
+    ),
+    Key::new("half", Kind::Grids, Words("none"), "Which grids keep their numbers in 16 bits."),
     Key::new("compression", Kind::Choice(&["blosc", "zip", "none"]), Text("blosc"), "How files are packed."),
     Key::new("color_name", Kind::Text, Text("Cd"), "The colour grid's name.").also(&["colour_name"]),
 ];

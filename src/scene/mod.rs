@@ -21,7 +21,7 @@ mod morphing;
 mod number;
 mod overrides;
 mod paint;
-mod placed_colour;
+mod placed;
 mod prepare;
 mod read;
 mod reader;
@@ -33,6 +33,8 @@ mod variation;
 
 #[cfg(test)]
 mod frame_tests;
+#[cfg(test)]
+mod scalar_tests;
 #[cfg(test)]
 mod tests;
 

@@ -1,8 +1,9 @@
 //! The model: a scene that was checked, its names resolved, no text left but places for messages.
 
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
-use crate::attribute::{Choice, Components, LinearRgb};
+use crate::attribute::{Choice, Components, Mixer, Straight};
 use crate::distance::without::Keep;
 
 use super::diagnostic::Diagnostics;
@@ -97,6 +98,8 @@ pub struct Shape {
     pub bounds: Option<Bounds>,
     /// Its own colour.
     pub colour: Option<ShapeColour>,
+    /// Its own scalars, by the names of their grids.
+    pub scalars: BTreeMap<String, ShapeScalar>,
 }
 
 /// What a shape is. Lengths in scene units, directions of any length but 0.
@@ -176,31 +179,37 @@ pub struct Bounds {
     pub span: Span,
 }
 
-/// A shape's colour.
+/// A shape's colour, scene-linear.
+pub type ShapeColour = AttributeSource<3, Components, Mixer>;
+
+/// A scalar of a shape.
+pub type ShapeScalar = AttributeSource<1, (), Straight>;
+
+/// Where an attribute of a shape comes from: `N` numbers, which formulas give as `K` says and which are mixed by `M`.
 #[derive(Clone, Debug)]
-pub enum ShapeColour {
-    /// One, scene-linear.
-    Solid(LinearRgb),
-    /// Three numbers, each of space and time.
+pub enum AttributeSource<const N: usize, K, M> {
+    /// One value.
+    Solid([f32; N]),
+    /// Numbers of space and time.
     Formula {
         /// The numbers.
-        components: Box<[Component; 3]>,
+        components: Box<[Component; N]>,
         /// What they are.
-        meaning: Components,
+        meaning: K,
         /// Where they stand.
         span: Span,
     },
     /// One for each piece of space, at random.
     Random {
         /// What is chosen from.
-        choice: Choice,
+        choice: Choice<N, M>,
         /// The pieces.
         by: Pieces,
         /// What the choice starts from.
         seed: u64,
     },
     /// One for each band of depth below the surface: where it begins, units, rising.
-    Bands(Vec<(f64, LinearRgb)>),
+    Bands(Vec<(f64, [f32; N])>),
     /// Those of other shapes, which stand in this one's own space.
     Parts {
         /// The shapes, the later above the earlier.
@@ -210,7 +219,22 @@ pub enum ShapeColour {
     },
 }
 
-/// One of a colour's three numbers.
+impl<const N: usize, K, M> AttributeSource<N, K, M> {
+    /// The shapes whose values it takes.
+    pub fn parts(&self) -> &[ShapeId] {
+        match self {
+            Self::Parts { shapes, .. } => shapes,
+            _ => &[],
+        }
+    }
+
+    /// Where its formulas stand, if they are what it is.
+    pub fn formula(&self) -> Option<Span> {
+        if let Self::Formula { span, .. } = self { Some(*span) } else { None }
+    }
+}
+
+/// One of an attribute's numbers.
 #[derive(Clone, Debug)]
 pub enum Component {
     /// The same everywhere.
@@ -219,7 +243,7 @@ pub enum Component {
     Formula(Formula),
 }
 
-/// Pieces of space that take a colour each.
+/// Pieces of space that take a value each.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Pieces {
     /// The cells of a facet or of copies.
@@ -345,16 +369,33 @@ pub struct Output {
     /// Half the band's width in voxels.
     pub half_width: f64,
     /// Which grids are written; `None` for all there are.
-    pub grids: Option<Vec<&'static str>>,
+    pub grids: Option<Vec<String>>,
     /// Which grids keep 16 bits.
-    pub half: Vec<&'static str>,
+    pub half: Vec<String>,
     /// `blosc`, `zip` or `none`.
     pub compression: &'static str,
     /// The colour grid's name.
     pub colour_name: String,
 }
 
+impl Output {
+    /// Whether a grid is written where there is one of this name.
+    pub fn writes(&self, grid: &str) -> bool {
+        self.grids.as_ref().is_none_or(|grids| grids.iter().any(|name| name == grid))
+    }
+}
+
 impl Model {
+    /// The names of all scalars that any shape has, sorted.
+    pub fn scalar_names(&self) -> BTreeSet<&str> {
+        self.shapes.iter().flat_map(|shape| shape.scalars.keys()).map(String::as_str).collect()
+    }
+
+    /// The names of the grids that its frames may have.
+    pub fn grid_names(&self) -> Vec<&str> {
+        ["surface", &self.output.colour_name].into_iter().chain(self.scalar_names()).collect()
+    }
+
     /// The names that formulas know beside x, y, z, t, frame, time, with their values at a frame.
     pub fn moment(&self, frame: f64) -> Moment {
         let bare = self.shot.moment(frame, Arc::new([]));

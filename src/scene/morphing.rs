@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
+use crate::attribute::Scalar;
 use crate::distance::band;
 use crate::distance::descent::Scope;
 use crate::distance::extent::{Estimate, estimate};
@@ -19,7 +20,7 @@ use super::frames::{in_ranges, plain};
 use super::model::{Model, Morph, MorphMode, Shape, ShapeId};
 use super::morph_settings::settings;
 use super::number::{Moment, Number};
-use super::paint::Paint;
+use super::paint::{Asked, Paint, TheColour, TheScalar};
 use super::prepare::{Stop, box_of, sampled_frames, solid_box};
 use super::solid::{Solids, Stage};
 use super::variation::Variation;
@@ -166,6 +167,8 @@ pub(super) struct Planned {
     pub morph: morph::Morph,
     /// Whether anything in it has a colour.
     pub has_colour: bool,
+    /// The scalars that either object has, by the names of their grids, sorted: the first object's and the second's.
+    pub scalars: Vec<(String, [Arc<Scalar>; 2])>,
     /// How the first object is painted.
     pub from: Brush,
     /// How the second object is painted.
@@ -187,6 +190,16 @@ pub(super) fn plan(
     let from = measured(model, solids, &pair.from, voxel, memory_limit, watch)?;
     let to = measured(model, solids, &pair.to, voxel, memory_limit, watch)?;
     let has_colour = from.paint.is_some() || to.paint.is_some();
+    let mut scalars = Vec::new();
+    for name in model.scalar_names() {
+        let what = TheScalar(name);
+        let mut paint = |side: &Object| solids.paint(what, side.id, side.stage, side.voxel(voxel));
+        let [one, two] = [paint(&pair.from)?, paint(&pair.to)?];
+        if one.is_some() || two.is_some() {
+            let both = [one, two].map(|paint| paint.unwrap_or_else(|| Paint::solid(what.absent())).attribute);
+            scalars.push((name.to_owned(), both));
+        }
+    }
     let brush = |side: &Object| Brush { id: side.id, stage: side.stage, voxel: side.voxel(voxel) };
     let (from_brush, to_brush) = (brush(&pair.from), brush(&pair.to));
     let bytes = (from.distance.report().bytes + to.distance.report().bytes) as u64;
@@ -203,13 +216,13 @@ pub(super) fn plan(
         };
         Problem::new(span, format!("{error}{frame}"))
     })?;
-    Ok(Planned { morph: planned, has_colour, from: from_brush, to: to_brush, bytes })
+    Ok(Planned { morph: planned, has_colour, scalars, from: from_brush, to: to_brush, bytes })
 }
 
 /// An object's distance and colour.
 struct MeasuredSide {
     distance: Arc<DistanceObject>,
-    paint: Option<Paint>,
+    paint: Option<Paint<3>>,
 }
 
 impl MeasuredSide {
@@ -217,7 +230,7 @@ impl MeasuredSide {
         MorphObject {
             surface: Arc::clone(&side.field),
             distance: self.distance,
-            colour: self.paint.unwrap_or_else(Paint::grey).colour,
+            colour: self.paint.unwrap_or_else(|| Paint::solid(TheColour.absent())).attribute,
             motion: side.motion.clone(),
         }
     }
@@ -233,7 +246,7 @@ fn measured(
 ) -> Result<MeasuredSide, Stop> {
     let shape = model.shape(side.id);
     let cell = smallest_cell(side.voxel(voxel), &side.solid);
-    let paint = solids.paint(side.id, side.stage, side.voxel(voxel))?;
+    let paint = solids.paint(TheColour, side.id, side.stage, side.voxel(voxel))?;
     let problem = |what: String| Stop::Problem(Problem::new(shape.span, format!("`{}`: {what}", shape.name)));
     let feet = FieldFeet::new(side.field.as_ref(), &side.solid, cell, watch).map_err(|error| match error {
         band::Error::Cancelled => Stop::Cancelled,

@@ -1,23 +1,25 @@
-//! Colours of shapes at one moment.
+//! Colours and scalars of shapes at one moment.
 
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 use glam::{DAffine3, DVec3};
 
-use crate::attribute::{Bands, ByCell, ByFormula, CellIndex, Choice, Components, CubeLattice, Part, Parts, Rule};
-use crate::attribute::{Colour, Constant, LinearRgb, VertexColours};
+use crate::attribute::VertexColours;
+use crate::attribute::{Attribute, Bands, ByCell, CellIndex, Choice, Colour, Constant, CubeLattice, LinearRgb};
+use crate::attribute::{ByFormula, Components, FieldValue, Mix, Mixer, Part, Parts, Rule, Scalar, Straight};
 use crate::distance::nearest::Watch;
 use crate::distance::octree::{self, DistanceObject};
 use crate::field::cells::Cells;
 use crate::field::facet::{self, surface_points};
 use crate::field::{BATCH, Expression, Field, Graph, Points, Slope};
+use crate::mesh::MeshDistance;
 
 use super::colour::{GREY, css};
 use super::error::Problem;
-use super::model::{Component, Maker, Pieces, Shape, ShapeColour, ShapeId};
+use super::model::{AttributeSource, Component, Maker, Pieces, Shape, ShapeColour, ShapeId, ShapeScalar};
 use super::morphing::smallest_cell;
-use super::placed_colour::{PlacedColour, Way};
+use super::placed::{Placed, Way};
 use super::prepare::solid_box;
 use super::solid::{Solids, Stage};
 
@@ -26,71 +28,172 @@ use super::solid::{Solids, Stage};
 /// surface shine through.
 const TOLERANCE_VOXELS: f64 = 0.05;
 
-/// A colour, and whether it is one everywhere.
-#[derive(Clone)]
-pub(super) struct Paint {
-    /// The colour.
-    pub colour: Arc<dyn Colour>,
-    solid: Option<LinearRgb>,
+/// Which attribute of shapes is asked for.
+pub(super) trait Asked<const N: usize>: Copy {
+    /// What a formula's numbers are.
+    type Meaning: Copy;
+    /// How values are mixed.
+    type Mix: Mix<N> + 'static;
+
+    /// A shape's own.
+    fn source(self, shape: &Shape) -> Option<&AttributeSource<N, Self::Meaning, Self::Mix>>;
+
+    /// What a shape has that has none, beside others that have one.
+    fn absent(self) -> [f32; N];
+
+    /// By formulas.
+    fn by_fields(self, fields: [Arc<dyn Field>; N], meaning: Self::Meaning) -> Arc<dyn Attribute<N>>;
+
+    /// What comes with a mesh.
+    fn of_mesh(self, mesh: &Arc<MeshDistance>) -> Option<Arc<dyn Attribute<N>>>;
+
+    /// The problem of copies whose parts have several values.
+    fn several(self, shape: &Shape) -> Problem;
 }
 
-impl Paint {
-    /// One colour everywhere.
-    pub fn solid(colour: LinearRgb) -> Self {
-        Self { colour: Arc::new(Constant::new(colour)), solid: Some(colour) }
+/// The colour.
+#[derive(Clone, Copy)]
+pub(super) struct TheColour;
+
+impl Asked<3> for TheColour {
+    type Meaning = Components;
+    type Mix = Mixer;
+
+    fn source(self, shape: &Shape) -> Option<&ShapeColour> {
+        shape.colour.as_ref()
     }
 
-    /// Grey, for shapes without colour beside coloured ones.
-    pub fn grey() -> Self {
-        Self::solid(css(GREY).expect("it is a colour"))
+    fn absent(self) -> LinearRgb {
+        css(GREY).expect("it is a colour")
     }
 
-    fn of(colour: impl Colour + 'static) -> Self {
-        Self { colour: Arc::new(colour), solid: None }
+    fn by_fields(self, components: [Arc<dyn Field>; 3], meaning: Components) -> Arc<Colour> {
+        Arc::new(ByFormula { components, meaning })
     }
 
-    /// Seen through a way; one colour stays itself.
+    fn of_mesh(self, mesh: &Arc<MeshDistance>) -> Option<Arc<Colour>> {
+        Some(Arc::new(VertexColours::new(Arc::clone(mesh))?))
+    }
+
+    fn several(self, shape: &Shape) -> Problem {
+        Problem::new(shape.span, format!("the copies of `{}` cannot take its parts' several colours", shape.name))
+            .help("give it a `color` of its own: one, or { palette = …, by = \"cell\" }")
+    }
+}
+
+/// The scalar of a name.
+#[derive(Clone, Copy)]
+pub(super) struct TheScalar<'n>(pub &'n str);
+
+impl Asked<1> for TheScalar<'_> {
+    type Meaning = ();
+    type Mix = Straight;
+
+    fn source(self, shape: &Shape) -> Option<&ShapeScalar> {
+        shape.scalars.get(self.0)
+    }
+
+    fn absent(self) -> [f32; 1] {
+        [0.0]
+    }
+
+    fn by_fields(self, [field]: [Arc<dyn Field>; 1], (): ()) -> Arc<Scalar> {
+        Arc::new(FieldValue(field))
+    }
+
+    fn of_mesh(self, _mesh: &Arc<MeshDistance>) -> Option<Arc<Scalar>> {
+        None
+    }
+
+    fn several(self, shape: &Shape) -> Problem {
+        let Shape { name, span, .. } = shape;
+        let problem = format!("the copies of `{name}` cannot take the several values of its parts' `{}`", self.0);
+        let help = format!("give it an `attribute.{}` of its own: one, or {{ range = …, by = \"cell\" }}", self.0);
+        Problem::new(*span, problem).help(help)
+    }
+}
+
+/// An attribute, and whether it has one value everywhere.
+#[derive(Clone)]
+pub(super) struct Paint<const N: usize> {
+    /// The attribute.
+    pub attribute: Arc<dyn Attribute<N>>,
+    solid: Option<[f32; N]>,
+}
+
+impl<const N: usize> Paint<N> {
+    /// One value everywhere.
+    pub fn solid(value: [f32; N]) -> Self {
+        Self { attribute: Arc::new(Constant::new(value)), solid: Some(value) }
+    }
+
+    fn of(attribute: impl Attribute<N> + 'static) -> Self {
+        Self::shared(Arc::new(attribute))
+    }
+
+    fn shared(attribute: Arc<dyn Attribute<N>>) -> Self {
+        Self { attribute, solid: None }
+    }
+
+    /// Seen through a way; one value stays itself.
     fn through(self, way: Way) -> Self {
         match self.solid {
             Some(_) => self,
-            None => Self::of(PlacedColour { inner: self.colour, way }),
+            None => Self::of(Placed { inner: self.attribute, way }),
         }
     }
 }
 
 impl Solids {
-    /// A shape's colour; `None` where neither it nor a part of it has one. `voxel` is a voxel's edge.
-    pub fn paint(&mut self, id: ShapeId, stage: Stage, voxel: f64) -> Result<Option<Paint>, Problem> {
+    /// An attribute of a shape; `None` where neither it nor a part of it has one. `voxel` is a voxel's edge.
+    pub fn paint<const N: usize>(
+        &mut self,
+        what: impl Asked<N>,
+        id: ShapeId,
+        stage: Stage,
+        voxel: f64,
+    ) -> Result<Option<Paint<N>>, Problem> {
         let model = self.model();
         let shape = model.shape(id);
         match stage {
-            Stage::Own => self.own_paint(id, shape, voxel),
+            Stage::Own => self.own_paint(what, id, shape, voxel),
             Stage::Scaled | Stage::Placed => {
-                let Some(own) = self.paint(id, Stage::Own, voxel)? else { return Ok(None) };
+                let Some(own) = self.paint(what, id, Stage::Own, voxel)? else { return Ok(None) };
                 let map = self.placement(&shape.modifiers, stage)?;
                 Ok(Some(if map == DAffine3::IDENTITY { own } else { own.through(Way::Back(map.inverse())) }))
             }
         }
     }
 
-    fn own_paint(&mut self, id: ShapeId, shape: &Shape, voxel: f64) -> Result<Option<Paint>, Problem> {
-        let paint = match &shape.colour {
-            Some(ShapeColour::Solid(colour)) => return Ok(Some(Paint::solid(*colour))),
-            Some(ShapeColour::Formula { components, meaning, .. }) => Some(self.by_formula(components, *meaning)?),
-            Some(ShapeColour::Random { choice, by, seed }) => {
+    fn own_paint<const N: usize>(
+        &mut self,
+        what: impl Asked<N>,
+        id: ShapeId,
+        shape: &Shape,
+        voxel: f64,
+    ) -> Result<Option<Paint<N>>, Problem> {
+        let paint = match what.source(shape) {
+            Some(AttributeSource::Solid(value)) => return Ok(Some(Paint::solid(*value))),
+            Some(AttributeSource::Formula { components, meaning, .. }) => {
+                let mut fields = Vec::with_capacity(N);
+                for component in components.iter() {
+                    fields.push(self.component(component)?);
+                }
+                let fields = fields.try_into().unwrap_or_else(|_| unreachable!("one field a component"));
+                Some(Paint::shared(what.by_fields(fields, *meaning)))
+            }
+            Some(AttributeSource::Random { choice, by, seed }) => {
                 Some(self.at_random(id, choice.clone(), *by, *seed, voxel)?)
             }
-            Some(ShapeColour::Bands(bands)) => Some(self.by_bands(id, bands.clone(), voxel)?),
-            Some(ShapeColour::Parts { shapes, seam }) => {
-                let paint = self.parts_paint(shapes, Rule::Union { seam: *seam }, voxel)?;
-                Some(paint.unwrap_or_else(Paint::grey))
+            Some(AttributeSource::Bands(bands)) => Some(self.by_bands(id, bands.clone(), voxel)?),
+            Some(AttributeSource::Parts { shapes, seam }) => {
+                let paint = self.parts_paint(what, shapes, Rule::Union { seam: *seam }, voxel)?;
+                Some(paint.unwrap_or_else(|| Paint::solid(what.absent())))
             }
             None => {
-                let paint = self.made_paint(id, shape, voxel)?;
+                let paint = self.made_paint(what, id, shape, voxel)?;
                 if shape.modifiers.at.is_some() && paint.as_ref().is_some_and(|paint| paint.solid.is_none()) {
-                    let problem = format!("the copies of `{}` cannot take its parts' several colours", shape.name);
-                    return Err(Problem::new(shape.span, problem)
-                        .help("give it a `color` of its own: one, or { palette = …, by = \"cell\" }"));
+                    return Err(what.several(shape));
                 }
                 paint
             }
@@ -101,18 +204,24 @@ impl Solids {
         })
     }
 
-    /// The colour that comes with a maker.
-    fn made_paint(&mut self, id: ShapeId, shape: &Shape, voxel: f64) -> Result<Option<Paint>, Problem> {
+    /// The attribute that comes with a maker.
+    fn made_paint<const N: usize>(
+        &mut self,
+        what: impl Asked<N>,
+        id: ShapeId,
+        shape: &Shape,
+        voxel: f64,
+    ) -> Result<Option<Paint<N>>, Problem> {
         match &shape.maker {
-            Maker::Mesh { .. } => Ok(VertexColours::new(Arc::clone(self.assets().mesh(id))).map(Paint::of)),
-            Maker::Facet { of, .. } => self.paint(*of, Stage::Placed, voxel),
-            Maker::Union { operands, seam } => self.parts_paint(operands, Rule::Union { seam: *seam }, voxel),
-            Maker::Blend { operands, .. } => self.parts_paint(operands, Rule::Blend, voxel),
+            Maker::Mesh { .. } => Ok(what.of_mesh(self.assets().mesh(id)).map(Paint::shared)),
+            Maker::Facet { of, .. } => self.paint(what, *of, Stage::Placed, voxel),
+            Maker::Union { operands, seam } => self.parts_paint(what, operands, Rule::Union { seam: *seam }, voxel),
+            Maker::Blend { operands, .. } => self.parts_paint(what, operands, Rule::Blend, voxel),
             // What is cut shows the inside of what it is cut from.
-            Maker::Difference(operands) => self.paint(operands[0], Stage::Placed, voxel),
+            Maker::Difference(operands) => self.paint(what, operands[0], Stage::Placed, voxel),
             Maker::Intersection(operands) => {
                 for operand in operands {
-                    if let Some(paint) = self.paint(*operand, Stage::Placed, voxel)? {
+                    if let Some(paint) = self.paint(what, *operand, Stage::Placed, voxel)? {
                         return Ok(Some(paint));
                     }
                 }
@@ -122,37 +231,47 @@ impl Solids {
         }
     }
 
-    fn parts_paint(&mut self, operands: &[ShapeId], rule: Rule, voxel: f64) -> Result<Option<Paint>, Problem> {
-        let paints: Vec<Option<Paint>> =
-            operands.iter().map(|id| self.paint(*id, Stage::Placed, voxel)).collect::<Result<_, _>>()?;
+    fn parts_paint<const N: usize>(
+        &mut self,
+        what: impl Asked<N>,
+        operands: &[ShapeId],
+        rule: Rule,
+        voxel: f64,
+    ) -> Result<Option<Paint<N>>, Problem> {
+        let paints: Vec<Option<Paint<N>>> =
+            operands.iter().map(|id| self.paint(what, *id, Stage::Placed, voxel)).collect::<Result<_, _>>()?;
         if paints.iter().all(Option::is_none) {
             return Ok(None);
         }
-        let paints: Vec<Paint> = paints.into_iter().map(|paint| paint.unwrap_or_else(Paint::grey)).collect();
+        let absent = || Paint::solid(what.absent());
+        let paints: Vec<Paint<N>> = paints.into_iter().map(|paint| paint.unwrap_or_else(absent)).collect();
         if paints.iter().all(|paint| paint.solid.is_some() && paint.solid == paints[0].solid) {
             return Ok(paints.into_iter().next());
         }
-        let mut parts: Vec<Part> = Vec::with_capacity(operands.len());
+        let mut parts: Vec<Part<N>> = Vec::with_capacity(operands.len());
         for (id, paint) in operands.iter().zip(paints) {
-            parts.push((self.values(*id)?, paint.colour));
+            parts.push((self.values(*id)?, paint.attribute));
         }
         Ok(Parts::new(parts, rule, TOLERANCE_VOXELS * voxel).map(Paint::of))
     }
 
-    fn by_formula(&self, components: &[Component; 3], meaning: Components) -> Result<Paint, Problem> {
-        let field = |component: &Component| -> Result<Arc<dyn Field>, Problem> {
-            let mut graph = Graph::new();
-            let node = match component {
-                Component::Number(number) => graph.constant(self.number(number)?),
-                Component::Formula(formula) => formula.node(&mut graph, self.moment()),
-            };
-            Ok(Arc::new(Expression::new(&graph, node).keeping_values()))
+    fn component(&self, component: &Component) -> Result<Arc<dyn Field>, Problem> {
+        let mut graph = Graph::new();
+        let node = match component {
+            Component::Number(number) => graph.constant(self.number(number)?),
+            Component::Formula(formula) => formula.node(&mut graph, self.moment()),
         };
-        let [a, b, c] = components;
-        Ok(Paint::of(ByFormula { components: [field(a)?, field(b)?, field(c)?], meaning }))
+        Ok(Arc::new(Expression::new(&graph, node).keeping_values()))
     }
 
-    fn at_random(&mut self, id: ShapeId, choice: Choice, by: Pieces, seed: u64, voxel: f64) -> Result<Paint, Problem> {
+    fn at_random<const N: usize>(
+        &mut self,
+        id: ShapeId,
+        choice: Choice<N, impl Mix<N> + 'static>,
+        by: Pieces,
+        seed: u64,
+        voxel: f64,
+    ) -> Result<Paint<N>, Problem> {
         let model = self.model();
         let shape = model.shape(id);
         let cells: Arc<dyn CellIndex> = match (by, &shape.modifiers.at, &shape.maker) {
@@ -174,7 +293,12 @@ impl Solids {
     }
 
     /// Bands need a distance: the shape is measured where its field is none.
-    fn by_bands(&mut self, id: ShapeId, bands: Vec<(f64, LinearRgb)>, voxel: f64) -> Result<Paint, Problem> {
+    fn by_bands<const N: usize>(
+        &mut self,
+        id: ShapeId,
+        bands: Vec<(f64, [f32; N])>,
+        voxel: f64,
+    ) -> Result<Paint<N>, Problem> {
         let model = self.model();
         let shape = model.shape(id);
         let field = self.field(id, Stage::Own)?;
@@ -188,8 +312,8 @@ impl Solids {
                 Arc::new(measured.map_err(|error| Problem::new(shape.span, format!("`{}`: {error}", shape.name)))?)
             }
         };
-        let colour = Bands::new(distance, bands, TOLERANCE_VOXELS * voxel);
-        colour.map(Paint::of).ok_or_else(|| Problem::new(shape.span, "bands begin one below the other"))
+        let bands = Bands::new(distance, bands, TOLERANCE_VOXELS * voxel);
+        bands.map(Paint::of).ok_or_else(|| Problem::new(shape.span, "bands begin one below the other"))
     }
 }
 
@@ -218,11 +342,13 @@ impl CellIndex for NearestCopy {
     }
 }
 
-/// A field with its colour.
+/// A field with its attributes.
 #[derive(Clone)]
 pub(super) struct Scenery {
     /// F, world units.
     pub field: Arc<dyn Field>,
     /// The colour; `None` where there is none.
-    pub colour: Option<Arc<dyn Colour>>,
+    pub colour: Option<Arc<Colour>>,
+    /// The scalars by the names of their grids, sorted.
+    pub scalars: Vec<(String, Arc<Scalar>)>,
 }

@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use rayon::prelude::*;
 
-use crate::attribute::Colour;
+use crate::attribute::{Colour, Scalar, Straight};
 use crate::distance::extent::{self, extent};
 use crate::distance::nearest::Watch;
 use crate::distance::without::Keep;
@@ -16,9 +16,9 @@ use super::assets::Assets;
 use super::diagnostic::{Diagnostic, Diagnostics, listed};
 use super::error::{Error, Problem};
 use super::frames::{FrameRange, Shot};
-use super::model::{Content, Model, Morph, Shape, ShapeColour, ShapeId};
+use super::model::{AttributeSource, Content, Model, Morph, ShapeId};
 use super::morphing::{Brush, Pair, Planned, empty_frames, extent_over_shot, pair, plan};
-use super::paint::Scenery;
+use super::paint::{Asked, Paint, Scenery, TheColour, TheScalar};
 use super::solid::{Solids, Stage};
 use super::source::Span;
 use super::variation::Variation;
@@ -83,8 +83,10 @@ enum Ready {
 pub struct FrameContent {
     /// F, world units.
     pub field: Arc<dyn Field>,
-    /// The colour; `None` where nothing in the scene has one.
-    pub colour: Option<Arc<dyn Colour>>,
+    /// The colour; `None` where nothing in the scene has one, or its grid is not to be written.
+    pub colour: Option<Arc<Colour>>,
+    /// The scalars of the grids that are to be written, by their names, sorted.
+    pub scalars: Vec<(String, Arc<Scalar>)>,
     /// Where to look for the band: the solid's box grown by the band.
     pub region: Aabb,
     /// Which pieces of the solid stay.
@@ -167,7 +169,7 @@ fn ready_shape(
     id: ShapeId,
     options: &PrepareOptions<'_>,
 ) -> Result<(Ready, Aabb, Lattice), Stop> {
-    if variation.placed(id) || variation.coloured(id) {
+    if variation.placed(id) || variation.painted(id) {
         solids.build_still(&model.with_parts(&[id]), variation);
         let extent = box_over_shot(model, solids, variation, id, options)?;
         return Ok((Ready::Changing(id), extent, lattice(model, options, extent)?));
@@ -202,7 +204,7 @@ fn admit(model: &Model, morph: &Morph, pair: &Pair, about: &Lattice, options: &P
     let half_width = options.half_width.unwrap_or(model.output.half_width) as f32;
     let [from, to] = pair.bands(about.voxel_size.get(), half_width);
     let least = if from.voxels < to.voxels { from } else { to };
-    let mut needed = least.memory(false);
+    let mut needed = least.memory(0);
     if morph.cut.is_some() {
         needed *= LEAST_LEFT;
     }
@@ -216,11 +218,21 @@ fn stop_if(cancel: &AtomicBool) -> Result<(), Stop> {
     if cancel.load(Ordering::Relaxed) { Err(Stop::Cancelled) } else { Ok(()) }
 }
 
-/// A shape's field and colour.
+/// A shape's field and attributes, as far as they are to be written.
 fn scenery(solids: &mut Solids, id: ShapeId, lattice: &Lattice) -> Result<Scenery, Problem> {
     let field = solids.field(id, Stage::Placed)?;
-    let paint = solids.paint(id, Stage::Placed, lattice.voxel_size.get())?;
-    Ok(Scenery { field, colour: paint.map(|paint| paint.colour) })
+    let (model, voxel) = (solids.model(), lattice.voxel_size.get());
+    let mut colour = None;
+    if model.output.writes(&model.output.colour_name) {
+        colour = solids.paint(TheColour, id, Stage::Placed, voxel)?;
+    }
+    let mut scalars = Vec::new();
+    for name in model.scalar_names().into_iter().filter(|name| model.output.writes(name)) {
+        if let Some(paint) = solids.paint(TheScalar(name), id, Stage::Placed, voxel)? {
+            scalars.push((name.to_owned(), paint.attribute));
+        }
+    }
+    Ok(Scenery { field, colour: colour.map(|paint| paint.attribute), scalars })
 }
 
 /// The box of F ≥ 0.
@@ -345,7 +357,8 @@ impl Prepared {
                 let whole = planned.morph.field(info.t);
                 let field = self.cut(whole, frame).map_err(|problem| self.model.error(problem))?;
                 let colour = self.morph_colour(planned, &info).map_err(|problem| self.model.error(problem))?;
-                Scenery { field, colour }
+                let scalars = self.morph_scalars(planned, &info).map_err(|problem| self.model.error(problem))?;
+                Scenery { field, colour, scalars }
             }
         };
         let margin = (f64::from(self.half_width) + 2.0) * self.lattice.voxel_size.get();
@@ -354,7 +367,8 @@ impl Prepared {
             Content::Morph(morph) => morph.keep,
             Content::Shape(_) => Keep::ALL,
         };
-        Ok(FrameContent { field: scenery.field, colour: scenery.colour, region, keep, info })
+        let Scenery { field, colour, scalars } = scenery;
+        Ok(FrameContent { field, colour, scalars, region, keep, info })
     }
 
     /// A morph's field without what is to be taken away.
@@ -365,18 +379,41 @@ impl Prepared {
     }
 
     /// A morph's colour; `None` where nothing in it has one. Colours that change over time are made for the frame.
-    fn morph_colour(&self, planned: &Planned, info: &FrameInfo) -> Result<Option<Arc<dyn Colour>>, Problem> {
-        if !planned.has_colour {
+    fn morph_colour(&self, planned: &Planned, info: &FrameInfo) -> Result<Option<Arc<Colour>>, Problem> {
+        if !planned.has_colour || !self.model.output.writes(&self.model.output.colour_name) {
             return Ok(None);
         }
-        let now = |brush: &Brush| {
-            if !self.variation.coloured(brush.id) {
-                return Ok(None);
-            }
-            let mut solids = self.base.at(self.model.moment(info.frame as f64), &self.variation);
-            solids.paint(brush.id, brush.stage, brush.voxel).map(|paint| paint.map(|paint| paint.colour))
-        };
+        let now =
+            |brush: &Brush| self.repainted(TheColour, brush, info).map(|paint| paint.map(|paint| paint.attribute));
         Ok(Some(planned.morph.colour_of(info.t, now(&planned.from)?, now(&planned.to)?)))
+    }
+
+    /// A morph's scalars, mixed by the weights of colours.
+    fn morph_scalars(&self, planned: &Planned, info: &FrameInfo) -> Result<Vec<(String, Arc<Scalar>)>, Problem> {
+        let mut scalars = Vec::new();
+        for (name, [from, to]) in planned.scalars.iter().filter(|(name, _)| self.model.output.writes(name)) {
+            let now = |brush: &Brush, known: &Arc<Scalar>| -> Result<Arc<Scalar>, Problem> {
+                let now = self.repainted(TheScalar(name), brush, info)?;
+                Ok(now.map_or_else(|| Arc::clone(known), |paint| paint.attribute))
+            };
+            let (from, to) = (now(&planned.from, from)?, now(&planned.to, to)?);
+            scalars.push((name.clone(), planned.morph.attribute(info.t, from, to, Straight)));
+        }
+        Ok(scalars)
+    }
+
+    /// An attribute of a morph's object as it is in a frame; `None` where it does not change over time.
+    fn repainted<const N: usize>(
+        &self,
+        what: impl Asked<N>,
+        brush: &Brush,
+        info: &FrameInfo,
+    ) -> Result<Option<Paint<N>>, Problem> {
+        if !self.variation.painted(brush.id) {
+            return Ok(None);
+        }
+        let mut solids = self.base.at(self.model.moment(info.frame as f64), &self.variation);
+        solids.paint(what, brush.id, brush.stage, brush.voxel)
     }
 
     fn changing(&self, id: ShapeId, frame: i64) -> Result<Scenery, Problem> {
@@ -389,21 +426,24 @@ impl Prepared {
         FrameInfo { frame, t: range.share(frame as f64), outside_shot: !(range.first..=range.last).contains(&frame) }
     }
 
-    /// A problem with a colour that came out, as an error that points to the formulas it can come from; `None` where
-    /// no colour is a formula.
-    pub fn colour_problem(&self, problem: &str) -> Option<Error> {
-        let by_formula = |shape: &Shape| match &shape.colour {
-            Some(ShapeColour::Formula { span, .. }) => Some((shape.name.clone(), *span)),
-            _ => None,
+    /// A problem with a value of a grid, the colour's or a scalar's, as an error that points to the formulas it can come
+    /// from; `None` where none of them is a formula.
+    pub fn attribute_problem(&self, grid: &str, problem: &str) -> Option<Error> {
+        let is_colour = grid == self.model.output.colour_name;
+        let span = |id: ShapeId| {
+            let shape = self.model.shape(id);
+            let scalar = shape.scalars.get(grid).and_then(AttributeSource::formula);
+            if is_colour { shape.colour.as_ref().and_then(AttributeSource::formula) } else { scalar }
         };
-        let found: Vec<(String, Span)> = self.parts.iter().filter_map(|id| by_formula(self.model.shape(*id))).collect();
+        let named = |id: &ShapeId| Some((self.model.shape(*id).name.clone(), span(*id)?));
+        let found: Vec<(String, Span)> = self.parts.iter().filter_map(named).collect();
         let help = "keep its formulas from dividing by 0, and from roots and logarithms of negative numbers";
         let names: Vec<&str> = found.iter().map(|(name, _)| name.as_str()).collect();
         let problem = match found.as_slice() {
             [] => return None,
             [(_, span)] => Diagnostic::error(*span, problem).help(help),
             [(_, span), ..] => {
-                Diagnostic::error(*span, problem).help(format!("it is the colour of one of {}; {help}", listed(&names)))
+                Diagnostic::error(*span, problem).help(format!("it is that of one of {}; {help}", listed(&names)))
             }
         };
         Some(self.model.error(Problem(Box::new(problem))))

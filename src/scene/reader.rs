@@ -5,7 +5,7 @@ use std::cell::RefCell;
 use super::diagnostic::{Diagnostic, clip, listed, nearest};
 use super::formula::{Formula, Names};
 use super::frames::FrameRange;
-use super::keys::{Absent, COLOURS, Key, Kind, LATER, Limit, MAKERS};
+use super::keys::{Absent, COLOURS, Key, Kind, LATER, Limit, MAKERS, SCALARS};
 use super::number::{Number, NumberValue};
 use super::source::{Sources, Span};
 use super::value::{Data, Entry, Origin, Table, Value};
@@ -221,6 +221,7 @@ impl<'r, 'a> Fields<'r, 'a> {
         let makers = match family {
             "shape" => MAKERS,
             "color" => COLOURS,
+            "attribute" => SCALARS,
             _ => &[],
         };
         let belongs = makers.iter().find(|maker| maker.parameters.iter().any(|key| key.is_called(name)));
@@ -393,29 +394,6 @@ impl<'r, 'a> Fields<'r, 'a> {
         }
     }
 
-    /// Some of the key's names; `None` where it is left out.
-    pub fn choices(&self, name: &str) -> Option<Vec<&'static str>> {
-        let Kind::Choices(choices) = self.key(name).kind else { return None };
-        let value = self.value(name)?;
-        let Some(list) = value.list() else {
-            self.reader.wrong_kind(&self.full(name), &format!("a list of {}", listed(choices)), value);
-            return None;
-        };
-        let known = |value: &Value| {
-            let found = choices.iter().copied().find(|choice| value.text() == Some(*choice));
-            match value.text() {
-                Some(text) if is_later("grid", text) => {
-                    let problem = format!("the grid `{text}` is not supported in this version");
-                    self.reader.say(Diagnostic::error(value.span, problem));
-                }
-                _ if found.is_none() => self.reader.choice_problem(&self.full(name), choices, value),
-                _ => {}
-            }
-            found
-        };
-        Some(list.iter().filter_map(known).collect())
-    }
-
     /// Frames; `None` where they are left out.
     pub fn frames(&self, name: &str) -> Option<FrameRange> {
         self.value(name).and_then(|value| self.reader.frames(&self.full(name), value))
@@ -425,7 +403,7 @@ impl<'r, 'a> Fields<'r, 'a> {
 use Absent::Required;
 
 /// Whether the format will know a name.
-fn is_later(family: &str, name: &str) -> bool {
+pub fn is_later(family: &str, name: &str) -> bool {
     LATER.iter().any(|(table, names)| *table == family && names.contains(&name))
 }
 

@@ -70,6 +70,16 @@ const KEY: &str = "\
 `{ 1 = 0, 24 = { value = 0.5, out = [6, 0.3] }, 48 = 1, ease = \"bezier\" }`: with `ease = \"bezier\"` the keys are joined
 by one smooth curve that never goes beyond two neighbouring keys, is level at its first key, its last and wherever it
 turns (as Blender's auto-clamped handles), and can be bent by handles. A handle reaches to the neighbouring key at most.";
+const SCALARS: &str = "
+## `attribute`: numbers that go with the surface
+
+`attribute.NAME = …` gives a shape a number of any name, such as roughness or density. It is a number, keys, a formula of
+`x y z t frame time pi` and `[param]` names, or a table with exactly one of the keys below; space is that of formulas of
+colours. Each becomes a float grid of its name on the voxels of `surface`, with the value at the surface point closest to
+the voxel. Attributes go through unions, blends, cuts and morphs by the weights of colours; a part without the attribute
+counts as 0. No attribute moves the surface, not even one that is called `displacement`: a shader does that with its grid.
+
+";
 
 const ROUND: &str = "\
 Each object is cut in time by a plane: the first at t = 0, the second at t = 1. This blends each with its plane before
@@ -109,6 +119,8 @@ pub fn reference() -> String {
     section(&mut out, "`[cells.NAME]`", "", keys::CELLS);
     out.push_str(COLOURS);
     makers(&mut out, keys::COLOURS, "c");
+    out.push_str(SCALARS);
+    makers(&mut out, keys::SCALARS, "a");
     section(&mut out, "A key as a table", KEY, keys::KEY);
     section(&mut out, "`[param]`: a parameter as a table", "", keys::PARAMETER);
     section(&mut out, "`[morph]`", "", keys::MORPH);

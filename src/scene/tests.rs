@@ -443,8 +443,8 @@ fn colours_that_are_wrong() {
     );
     only(
         &colour("{ range = ['red', 'blue'] }"),
-        "3:19 only a shape with `facet` or `at` has cells to take colours; \
-         by = \"voxel\" with a `voxel_size` gives them to the cubes of a lattice",
+        "3:19 only a shape with `facet` or `at` has cells; \
+         by = \"voxel\" with a `voxel_size` takes the cubes of a lattice",
     );
     only(
         &colour("{ range = ['red'], by = 'voxel', voxel_size = 1 }"),

@@ -1,6 +1,6 @@
 //! What of a scene changes over the shot, and what does not.
 
-use super::model::{Component, Maker, Model, ShapeColour, ShapeId};
+use super::model::{AttributeSource, Component, Maker, Model, ShapeId};
 use super::number::{Number, NumberValue};
 
 /// Which shapes change over time.
@@ -8,21 +8,21 @@ use super::number::{Number, NumberValue};
 pub(super) struct Variation {
     own: Vec<bool>,
     placed: Vec<bool>,
-    coloured: Vec<bool>,
+    painted: Vec<bool>,
 }
 
 impl Variation {
     /// Looks through all shapes.
     pub fn of(model: &Model) -> Self {
         let count = model.shapes.len();
-        let mut variation = Self { own: vec![false; count], placed: vec![false; count], coloured: vec![false; count] };
+        let mut variation = Self { own: vec![false; count], placed: vec![false; count], painted: vec![false; count] };
         // Shapes stand in any order, without cycles: each round settles one more level.
         for _ in 0..=count {
             let before = variation.clone();
             for i in 0..count {
                 variation.own[i] = variation.own_varies(model, ShapeId(i));
                 variation.placed[i] = variation.own[i] || placement_varies(model, ShapeId(i));
-                variation.coloured[i] = variation.colour_varies(model, ShapeId(i));
+                variation.painted[i] = variation.paint_varies(model, ShapeId(i));
             }
             if before == variation {
                 break;
@@ -41,24 +41,29 @@ impl Variation {
         self.placed[id.0]
     }
 
-    /// Whether its colour changes in its own space.
-    pub fn coloured(&self, id: ShapeId) -> bool {
-        self.coloured[id.0]
+    /// Whether its colour or a scalar of it changes in its own space.
+    pub fn painted(&self, id: ShapeId) -> bool {
+        self.painted[id.0]
     }
 
-    fn colour_varies(&self, model: &Model, id: ShapeId) -> bool {
+    fn paint_varies(&self, model: &Model, id: ShapeId) -> bool {
         let shape = model.shape(id);
-        match &shape.colour {
-            Some(ShapeColour::Formula { components, .. }) => components.iter().any(|component| match component {
+        // Parts that move change the shape itself.
+        model.needs(id).into_iter().any(|part| self.painted[part.0])
+            || shape.colour.as_ref().is_some_and(|source| self.source_varies(model, source))
+            || shape.scalars.values().any(|source| self.source_varies(model, source))
+    }
+
+    fn source_varies<const N: usize, K, M>(&self, model: &Model, source: &AttributeSource<N, K, M>) -> bool {
+        match source {
+            AttributeSource::Formula { components, .. } => components.iter().any(|component| match component {
                 Component::Number(number) => model.varies(number),
                 Component::Formula(formula) => model.formula_varies(formula),
             }),
-            Some(ShapeColour::Parts { shapes, .. }) => {
-                shapes.iter().any(|part| self.placed[part.0] || self.coloured[part.0])
+            AttributeSource::Parts { shapes, .. } => {
+                shapes.iter().any(|part| self.placed[part.0] || self.painted[part.0])
             }
-            Some(_) => false,
-            // Parts that move change the shape itself.
-            None => model.needs(id).into_iter().any(|part| self.coloured[part.0]),
+            AttributeSource::Solid(_) | AttributeSource::Random { .. } | AttributeSource::Bands(_) => false,
         }
     }
 
@@ -117,12 +122,11 @@ impl Model {
         needs
     }
 
-    /// The shapes whose colours a shape takes without being made from them.
-    fn colour_parts(&self, id: ShapeId) -> &[ShapeId] {
-        match &self.shape(id).colour {
-            Some(ShapeColour::Parts { shapes, .. }) => shapes,
-            _ => &[],
-        }
+    /// The shapes whose colours and scalars a shape takes without being made from them.
+    fn painted_by(&self, id: ShapeId) -> Vec<ShapeId> {
+        let shape = self.shape(id);
+        let colour = shape.colour.iter().flat_map(AttributeSource::parts);
+        colour.chain(shape.scalars.values().flat_map(AttributeSource::parts)).copied().collect()
     }
 
     /// Some shapes and all that they are made from or painted by, each once, parts first.
@@ -130,8 +134,7 @@ impl Model {
         let mut found: Vec<ShapeId> = shapes.to_vec();
         let mut next = 0;
         while next < found.len() {
-            let painted_by = self.colour_parts(found[next]).iter().copied();
-            for need in self.needs(found[next]).into_iter().chain(painted_by) {
+            for need in self.needs(found[next]).into_iter().chain(self.painted_by(found[next])) {
                 if !found.contains(&need) {
                     found.push(need);
                 }

@@ -125,6 +125,12 @@ impl<'a> Grid<'a> {
         Self::new(&channel.name, Content::Vectors { values, vector_type: VectorType::Invariant })
     }
 
+    /// A number: 32 bits, of class unknown, over the band's active voxels. Its name is the channel's.
+    pub fn scalar(band: &'a Band, channel: &'a Channel<f32>) -> Self {
+        let values = Values::over(band, channel);
+        Self::new(&channel.name, Content::Floats { values, class: Class::Unknown })
+    }
+
     /// 32-bit values without further metadata.
     pub fn new(name: &'a str, content: Content<'a>) -> Self {
         Self { name, content, half: false, metadata: Metadata::new() }

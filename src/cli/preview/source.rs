@@ -50,7 +50,7 @@ pub struct Shown {
 /// The colour of the inside.
 pub enum Inside {
     None,
-    Everywhere(Arc<dyn Colour>),
+    Everywhere(Arc<Colour>),
     Voxels(VoxelColours),
 }
 

@@ -72,14 +72,14 @@ pub const COLOURS: &[Maker] = &[
     },
 ];
 
-const BY: Key = Key::new(
+pub(super) const BY: Key = Key::new(
     "by",
     Kind::Choice(&["cell", "voxel"]),
     Text("cell"),
-    "What takes a colour: each cell of `facet` or `at`, or each cube of a lattice.",
+    "What takes one: each cell of `facet` or `at`, or each cube of a lattice.",
 );
 
-const EDGE: Key = Key::new(
+pub(super) const EDGE: Key = Key::new(
     "voxel_size",
     Kind::Constant,
     Nothing,
@@ -88,7 +88,7 @@ const EDGE: Key = Key::new(
 .limit(Limit::Positive)
 .unit("units");
 
-const SEED: Key = seed("The number that the choice starts from.");
+pub(super) const SEED: Key = seed("The number that the choice starts from.");
 
 /// How parts of several colours meet.
 pub(super) const SEAM: Key = Key::new(

@@ -1,6 +1,6 @@
 //! Colours, palettes and names of both.
 
-use crate::attribute::{Choice, ColourSpace, Components, LinearRgb};
+use crate::attribute::{Choice, ColourSpace, Components, LinearRgb, Mixer};
 
 use super::super::colour::{constant, css, limits, not_a_colour};
 use super::super::diagnostic::{Diagnostic, clip, listed};
@@ -79,7 +79,7 @@ impl<'r, 'a> Building<'r, 'a> {
                         constant(self.reader, &fields.full(name), fields.value(name)?, *meaning)
                     }
                     (Some(_), Some(_)) => {
-                        self.reader.say(two_makers(path, table));
+                        self.reader.say(two_makers(path, table, keys::COLOURS));
                         None
                     }
                     (None, _) => {
@@ -110,7 +110,7 @@ impl<'r, 'a> Building<'r, 'a> {
         let Some(table) = value.table() else {
             return self.numbers(path, value, Components::Srgb);
         };
-        let maker = self.colour_maker(path, value, table)?;
+        let maker = self.attribute_maker(path, value, table, "color", keys::COLOURS)?;
         let keys = std::iter::once(&maker.key).chain(maker.parameters).collect();
         let fields = Fields::new(self.reader, path, "color", value.span, table, keys);
         let main = fields.value(maker.key.name)?;
@@ -119,7 +119,9 @@ impl<'r, 'a> Building<'r, 'a> {
             return self.numbers(&full, main, *meaning);
         }
         match maker.key.name {
-            "bands" => self.bands(&full, main).map(ShapeColour::Bands),
+            "bands" => self
+                .bands(&full, main, "[depth, colour]", |path, value| self.solid(path, value))
+                .map(ShapeColour::Bands),
             "parts" => {
                 let shapes = self.operands("parts", 1, &fields, id, may_nest);
                 let seam = fields.constant("seam").unwrap_or(0.0);
@@ -135,22 +137,28 @@ impl<'r, 'a> Building<'r, 'a> {
         }
     }
 
-    /// The one maker of a colour's table, or the error that names them all.
-    fn colour_maker(&self, path: &str, value: &Value, table: &'r Table) -> Option<&'static keys::Maker> {
-        let mut found =
-            keys::COLOURS.iter().filter(|maker| table.0.iter().any(|entry| maker.key.is_called(&entry.key)));
+    /// The one maker of the table of a colour or scalar, or the error that names them all.
+    pub(super) fn attribute_maker(
+        &self,
+        path: &str,
+        value: &Value,
+        table: &'r Table,
+        family: &str,
+        makers: &'static [keys::Maker],
+    ) -> Option<&'static keys::Maker> {
+        let mut found = makers.iter().filter(|maker| table.0.iter().any(|entry| maker.key.is_called(&entry.key)));
         match (found.next(), found.next()) {
             (Some(maker), None) => return Some(maker),
-            (Some(_), Some(_)) => self.reader.say(two_makers(path, table)),
+            (Some(_), Some(_)) => self.reader.say(two_makers(path, table, makers)),
             _ => {
-                let makers = keys::COLOURS.iter();
                 let known: Vec<_> =
-                    makers.flat_map(|maker| std::iter::once(&maker.key).chain(maker.parameters)).collect();
+                    makers.iter().flat_map(|maker| std::iter::once(&maker.key).chain(maker.parameters)).collect();
                 let unknown = table.0.iter().any(|entry| !known.iter().any(|key| key.is_called(&entry.key)));
-                Fields::new(self.reader, path, "color", value.span, table, known);
+                Fields::new(self.reader, path, family, value.span, table, known);
                 if !unknown {
-                    let names: Vec<&str> = keys::COLOURS.iter().map(|maker| maker.key.name).collect();
-                    let problem = format!("`{}` says no colour", clip(path));
+                    let names: Vec<&str> = makers.iter().map(|maker| maker.key.name).collect();
+                    let noun = if family == "color" { "colour" } else { "number" };
+                    let problem = format!("`{}` says no {noun}", clip(path));
                     let problem = Diagnostic::error(value.span, problem);
                     self.reader.say(problem.help(format!("give it one of {}", listed(&names))));
                 }
@@ -185,8 +193,8 @@ impl<'r, 'a> Building<'r, 'a> {
         Some(ShapeColour::Formula { components: Box::new([a?, b?, c?]), meaning, span: value.span })
     }
 
-    /// What takes the colours that are chosen at random.
-    fn pieces(&self, fields: &Fields<'r, 'a>, span: Span, has_cells: bool) -> Option<Pieces> {
+    /// What takes the values that are chosen at random.
+    pub(super) fn pieces(&self, fields: &Fields<'r, 'a>, span: Span, has_cells: bool) -> Option<Pieces> {
         let by_voxel = fields.choice("by") == Some("voxel");
         let edge = fields.constant("voxel_size");
         let problem = match (by_voxel, fields.entry("voxel_size")) {
@@ -196,15 +204,15 @@ impl<'r, 'a> Building<'r, 'a> {
             }
             (false, Some(entry)) => Diagnostic::error(entry.key_span, "`voxel_size` is for `by = \"voxel\"` only"),
             (false, None) if has_cells => return Some(Pieces::Cells),
-            (false, None) => Diagnostic::error(span, "only a shape with `facet` or `at` has cells to take colours")
-                .help("by = \"voxel\" with a `voxel_size` gives them to the cubes of a lattice"),
+            (false, None) => Diagnostic::error(span, "only a shape with `facet` or `at` has cells")
+                .help("by = \"voxel\" with a `voxel_size` takes the cubes of a lattice"),
         };
         self.reader.say(problem);
         None
     }
 
     /// A palette's name, or colours.
-    fn named_palette(&self, path: &str, value: &'r Value) -> Option<Choice> {
+    fn named_palette(&self, path: &str, value: &'r Value) -> Option<Choice<3, Mixer>> {
         let Some(name) = value.text() else { return self.palette(path, value).map(Choice::Palette) };
         let palettes = family(self.root, "palette").map(|entry| (entry.key.as_str(), &entry.value)).collect();
         let value = self.resolve("palette", &palettes, value, path)?;
@@ -215,13 +223,14 @@ impl<'r, 'a> Building<'r, 'a> {
     }
 
     /// Two colours.
-    fn range(&self, fields: &Fields<'r, 'a>, value: &'r Value) -> Option<Choice> {
+    fn range(&self, fields: &Fields<'r, 'a>, value: &'r Value) -> Option<Choice<3, Mixer>> {
         let path = fields.full("range");
         let space = fields.choice("color_space").and_then(ColourSpace::named);
         match value.list() {
             Some([from, to]) => {
                 let (from, to) = (self.solid(&format!("{path}[0]"), from), self.solid(&format!("{path}[1]"), to));
-                Some(Choice::Range { from: from?, to: to?, space: space? })
+                let (from, to) = (from?, to?);
+                Some(Choice::Range { from, to, mix: Mixer::between(space?, from, to) })
             }
             _ => {
                 self.reader.wrong_kind(&path, "a list of two colours", value);
@@ -231,16 +240,22 @@ impl<'r, 'a> Building<'r, 'a> {
     }
 
     /// `[[0.0, "red"], [0.1, "#ffffff"]]`.
-    fn bands(&self, path: &str, value: &'r Value) -> Option<Vec<(f64, LinearRgb)>> {
+    pub(super) fn bands<const N: usize>(
+        &self,
+        path: &str,
+        value: &'r Value,
+        wanted: &str,
+        read: impl Fn(&str, &'r Value) -> Option<[f32; N]>,
+    ) -> Option<Vec<(f64, [f32; N])>> {
         let Some(list) = value.list().filter(|list| !list.is_empty()) else {
-            self.reader.wrong_kind(path, "a list of [depth, colour]", value);
+            self.reader.wrong_kind(path, &format!("a list of {wanted}"), value);
             return None;
         };
-        let mut bands: Vec<(f64, LinearRgb)> = Vec::with_capacity(list.len());
+        let mut bands: Vec<(f64, [f32; N])> = Vec::with_capacity(list.len());
         for (i, band) in list.iter().enumerate() {
             let path = format!("{path}[{i}]");
-            let Some([depth, colour]) = band.list() else {
-                self.reader.wrong_kind(&path, "[depth, colour]", band);
+            let Some([depth, there]) = band.list() else {
+                self.reader.wrong_kind(&path, wanted, band);
                 return None;
             };
             let begin = self.reader.constant(&path, Limit::Any, depth);
@@ -249,7 +264,7 @@ impl<'r, 'a> Building<'r, 'a> {
                 self.reader.say(Diagnostic::error(depth.span, problem).help("depths rise from one band to the next"));
                 return None;
             }
-            bands.push((begin, self.solid(&path, colour)?));
+            bands.push((begin, read(&path, there)?));
         }
         Some(bands)
     }
@@ -258,9 +273,9 @@ impl<'r, 'a> Building<'r, 'a> {
 /// Colours of three numbers, as tables.
 const PLAIN: [(&str, Components); 2] = [("linear", Components::Linear), ("hsv", Components::Hsv)];
 
-/// The error about a table with two makers.
-fn two_makers(path: &str, table: &Table) -> Diagnostic {
-    let is_maker = |entry: &&Entry| keys::COLOURS.iter().any(|maker| maker.key.is_called(&entry.key));
+/// The error about a table with two makers of the same family.
+fn two_makers(path: &str, table: &Table, makers: &[keys::Maker]) -> Diagnostic {
+    let is_maker = |entry: &&Entry| makers.iter().any(|maker| maker.key.is_called(&entry.key));
     let mut found = table.0.iter().filter(is_maker);
     let (first, second) = (found.next(), found.next());
     let name = |entry: Option<&Entry>| entry.map_or_else(String::new, |entry| entry.key.clone());

@@ -4,6 +4,7 @@ mod colours;
 mod keyed;
 mod links;
 mod morph;
+mod scalars;
 mod shapes;
 
 use std::collections::BTreeMap;

@@ -2,12 +2,12 @@
 
 use crate::distance::without::Keep;
 
-use super::super::diagnostic::{Diagnostic, clip};
+use super::super::diagnostic::{Diagnostic, clip, listed};
 use super::super::frames::{FrameRange, Shot};
 use super::super::keys::{self, Limit};
 use super::super::model::{Content, Morph, MorphEase, MorphMode, MorphPaper, MorphRound, Output, ShapeId};
 use super::super::number::{Number, NumberValue};
-use super::super::reader::Fields;
+use super::super::reader::{Fields, is_later};
 use super::super::source::Span;
 use super::super::value::{Table, Value};
 use super::Building;
@@ -160,7 +160,8 @@ impl<'r, 'a> Building<'r, 'a> {
             self.reader.say(Diagnostic::error(size.key_span, problem));
         }
         let name = fields.text("color_name").unwrap_or_else(|| "Cd".into());
-        if name.is_empty() || name == "surface" || name.contains(char::is_whitespace) {
+        let taken = name == "surface" || name == "vel" || self.is_scalar(&name);
+        if name.is_empty() || taken || name.contains(char::is_whitespace) {
             let problem = format!("a grid cannot be called `{}`", clip(&name));
             self.reader
                 .say(Diagnostic::error(fields.entry("color_name").map_or(span, |entry| entry.value.span), problem));
@@ -169,12 +170,48 @@ impl<'r, 'a> Building<'r, 'a> {
             voxel_size: fields.constant("voxel_size"),
             resolution: fields.whole("resolution").unwrap_or(256).clamp(1, i64::from(u32::MAX)) as u32,
             half_width: fields.constant("half_width").unwrap_or(3.0),
-            grids: fields.choices("grids"),
-            half: fields.choices("half").unwrap_or_default(),
+            grids: self.grids(&fields, "grids", &name),
+            half: self.grids(&fields, "half", &name).unwrap_or_default(),
             compression: fields.choice("compression").unwrap_or("blosc"),
             colour_name: name,
         };
         (output, chosen)
+    }
+
+    /// Whether a shape has a scalar of this name.
+    fn is_scalar(&self, name: &str) -> bool {
+        self.shapes.iter().flatten().any(|shape| shape.scalars.contains_key(name))
+    }
+
+    /// Names of grids that this scene's frames may have; `None` where they are left out.
+    fn grids(&self, fields: &Fields<'r, 'a>, key: &str, colour: &str) -> Option<Vec<String>> {
+        let value = fields.value(key)?;
+        let path = fields.full(key);
+        let scalars = self.shapes.iter().flatten().flat_map(|shape| shape.scalars.keys().map(String::as_str));
+        let mut known: Vec<&str> = ["surface", colour].into_iter().chain(scalars).collect();
+        known.sort_unstable();
+        known.dedup();
+        let Some(list) = value.list().filter(|list| key != "grids" || !list.is_empty()) else {
+            self.reader.wrong_kind(&path, &format!("a list of {}", listed(&known)), value);
+            return None;
+        };
+        let mut names = Vec::new();
+        for value in list {
+            match value.text() {
+                Some(name) if known.contains(&name) => names.push(name.to_owned()),
+                Some(name) if is_later("grid", name) => {
+                    let problem = format!("the grid `{name}` is not supported in this version");
+                    self.reader.say(Diagnostic::error(value.span, problem));
+                }
+                _ => self.reader.choice_problem(&path, &known, value),
+            }
+        }
+        if key == "grids" && !names.iter().any(|name| name == "surface") {
+            let problem =
+                Diagnostic::error(value.span, "`output.grids` has no `surface`, on whose voxels all others stand");
+            self.reader.say(problem.help("add it to the list"));
+        }
+        Some(names)
     }
 
     /// What is baked: the morph, else the shape that is named, else the one that nobody uses.

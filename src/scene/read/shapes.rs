@@ -69,8 +69,12 @@ impl<'r, 'a> Building<'r, 'a> {
         let colour = fields
             .value("color")
             .and_then(|value| self.shape_colour(&fields.full("color"), value, id, has_cells, may_nest));
+        let scalars = fields
+            .value("attribute")
+            .map(|value| self.scalars(&fields.full("attribute"), value, id, has_cells, may_nest))
+            .unwrap_or_default();
         let name = path.trim_start_matches("shape.").into();
-        Some(Shape { name, span, maker: maker?, modifiers, bounds, colour })
+        Some(Shape { name, span, maker: maker?, modifiers, bounds, colour, scalars })
     }
 
     fn maker(&mut self, name: &str, fields: &Fields<'r, 'a>, id: ShapeId, may_nest: bool) -> Option<Maker> {

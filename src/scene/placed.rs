@@ -1,13 +1,13 @@
-//! Colours seen through affine maps and mirrors.
+//! Attributes seen through affine maps and mirrors.
 
 use std::sync::Arc;
 
 use glam::{DAffine3, DMat3, DVec3, Vec3};
 
-use crate::attribute::{Colour, ColourSampler, MappedSampler, SpaceMap};
+use crate::attribute::{Attribute, MappedSampler, Sampler, SpaceMap};
 use crate::field::{Aabb, Points};
 
-/// How positions of the world become positions of the colour's own space.
+/// How positions of the world become positions of the attribute's own space.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Way {
     /// Back through where the shape was placed: the map from the world to its own space.
@@ -16,10 +16,10 @@ pub(super) enum Way {
     Folded(usize),
 }
 
-/// A colour that stands elsewhere.
-pub(super) struct PlacedColour {
-    /// The colour in its own space.
-    pub inner: Arc<dyn Colour>,
+/// An attribute that stands elsewhere.
+pub(super) struct Placed<const N: usize> {
+    /// The attribute in its own space.
+    pub inner: Arc<dyn Attribute<N>>,
     /// The way there.
     pub way: Way,
 }
@@ -81,8 +81,8 @@ fn turned(matrix: &DMat3, points: &Points, out: &mut Points) {
     }
 }
 
-impl Colour for PlacedColour {
-    fn sampler(&self) -> Box<dyn ColourSampler + '_> {
+impl<const N: usize> Attribute<N> for Placed<N> {
+    fn sampler(&self) -> Box<dyn Sampler<N> + '_> {
         Box::new(MappedSampler::new(self.inner.sampler(), self.way))
     }
 }
@@ -97,13 +97,13 @@ mod tests {
     /// The position itself as a colour.
     struct Position;
 
-    impl Colour for Position {
-        fn sampler(&self) -> Box<dyn ColourSampler + '_> {
+    impl Attribute<3> for Position {
+        fn sampler(&self) -> Box<dyn Sampler<3> + '_> {
             Box::new(Self)
         }
     }
 
-    impl ColourSampler for Position {
+    impl Sampler<3> for Position {
         fn enter(&mut self, _region: &Aabb) {}
         fn leave(&mut self) {}
         fn sample(&mut self, points: &Points, out: &mut [LinearRgb; BATCH]) {
@@ -114,7 +114,7 @@ mod tests {
     }
 
     fn sampled(way: Way, at: DVec3) -> LinearRgb {
-        let colour = PlacedColour { inner: Arc::new(Position), way };
+        let colour = Placed { inner: Arc::new(Position), way };
         let mut points = Points::new(DVec3::new(-1.0, 0.5, 2.0));
         points.push((at - points.origin).as_vec3());
         let mut out = [[0.0; 3]; BATCH];

@@ -1,0 +1,40 @@
+//! Scalars written as tables.
+
+use super::Absent::Required;
+use super::colours::{BY, EDGE, SEAM, SEED};
+use super::{Key, Kind, Maker};
+
+/// The makers of scalars: the one key that says what a scalar written as a table is.
+pub const SCALARS: &[Maker] = &[
+    Maker {
+        key: Key::new("values", Kind::Numbers, Required, "One of these numbers at random."),
+        parameters: &[BY, EDGE, SEED],
+        formula: "",
+    },
+    Maker {
+        key: Key::new("range", Kind::Numbers, Required, "Any number between two at random: the two."),
+        parameters: &[BY, EDGE, SEED],
+        formula: "",
+    },
+    Maker {
+        key: Key::new(
+            "bands",
+            Kind::NumberBands,
+            Required,
+            "Numbers by depth below the shape's surface, as colours have them.",
+        )
+        .unit("units"),
+        parameters: &[],
+        formula: "",
+    },
+    Maker {
+        key: Key::new(
+            "parts",
+            Kind::Shapes,
+            Required,
+            "What the attribute of the same name is on each of these shapes, as colours have them; 0 on those without it.",
+        ),
+        parameters: &[SEAM],
+        formula: "Σ aⱼ/|fⱼ| / Σ 1/|fⱼ| outside (STTI, eq. 6)",
+    },
+];
