@@ -31,5 +31,6 @@ step "install" scripts/install.sh --tests
 export HFVDB_BLENDER_PYTHON=${HFVDB_BLENDER_PYTHON:-$PWD/.venv/bin/python}
 step "format" cargo fmt --check
 step "lint" cargo clippy --locked --all-targets -- -D warnings
+step "types of houdini_examples" .venv-houdini/bin/mypy --strict --cache-dir=.venv-houdini/cache houdini_examples/*.py
 step "tests" cargo test --locked
 finish

@@ -63,6 +63,8 @@ impl FromStr for Client {
 const UNREAL_CHANNELS: usize = 8;
 /// The names by which Blender finds a velocity.
 const BLENDER_VELOCITIES: [&str; 3] = ["velocity", "vel", "v"];
+/// Cycles drops values up to this by default.
+const CLIPPED: f32 = 1e-3;
 /// Metadata that OpenVDB itself writes.
 const OWN_METADATA: [&str; 7] =
     ["class", "name", "creator", "value_type", "vector_type", "is_local_space", "is_saved_as_half_float"];
@@ -154,6 +156,12 @@ fn blender(subject: &Subject<'_>, notes: &mut Notes) {
     for (grid, vectors) in subject.velocities() {
         if !BLENDER_VELOCITIES.contains(&grid.name.as_str()) {
             let problem = format!("a velocity is found by the names {}; rename it", BLENDER_VELOCITIES.join(", "));
+            notes.warn(Some(&grid.name), problem);
+        }
+        let rests = |velocity: [f32; 3]| velocity.iter().all(|part| part.abs() <= CLIPPED);
+        if !densities.is_empty() && active_values(vectors).all(rests) {
+            let problem = "it is nowhere more than 0.001, which Cycles drops, and 5.0.1 crashes where nothing is left of \
+                           a velocity; set the volume's render.clipping = 0 there";
             notes.warn(Some(&grid.name), problem);
         }
         // Looked up at the displaced place: it has to reach farther out than what it moves.

@@ -158,6 +158,12 @@ fn smoke_in_blender() {
     assert!(found.len() == 1 && found[0].starts_with("warning blender haze: the default material"), "{found:#?}");
     let found = for_blender(vec![fog(&band, &density, &band.inside_tiles), Grid::colour(&band, &colour)]);
     assert!(found.len() == 1 && found[0].starts_with("error blender Cd: "), "{found:#?}");
+    let mut resting = ball_colour(&band, "vel");
+    resting.values.iter_mut().flatten().for_each(|velocity| *velocity = [0.0, -0.0009, 0.0]);
+    let vector_type = VectorType::ContravariantRelative;
+    let vel = || Grid::new("vel", Content::Vectors { values: Values::over(&band, &resting), vector_type });
+    let found = for_blender(vec![fog(&band, &density, &[]), vel()]);
+    assert!(found.len() == 1 && found[0].contains("render.clipping = 0"), "{found:#?}");
     let mut dark = colour.clone();
     dark.values.iter_mut().flatten().for_each(|colour| colour[2] = 0.0);
     let found = for_blender(vec![fog(&band, &density, &[]), Grid::colour(&band, &dark)]);
