@@ -2,7 +2,8 @@
 # Installs what building hfvdb needs, and nothing that is there already. Safe to run again.
 #
 #   scripts/install.sh           OpenVDB and its headers, a C++ compiler, Python's OpenVDB
-#   scripts/install.sh --tests   also Blender as a Python module, in .venv, and Rust's formatter and linter
+#   scripts/install.sh --tests   also Blender as a Python module (.venv), Houdini's type stubs (.venv-houdini),
+#                                Rust's formatter and linter
 #
 # Debian 12 or newer, or another system with apt. Packages are installed as root, by sudo where needed.
 # HFVDB_BLENDER_PYTHON names a Python 3.11 that has bpy already; then .venv is not made.
@@ -12,6 +13,8 @@ cd "$(dirname "$0")/.."
 readonly rust_needed=1.95
 readonly bpy_version=5.0.1
 readonly numpy_version=1.26.4
+# What checks houdini_examples without Houdini.
+readonly type_packages=(mypy==2.4.1 types-houdini==21.0.512.3 types-usd==24.5.2)
 
 build_packages=(
     g++ pkg-config
@@ -94,6 +97,19 @@ install_blender() {
         "bpy==$bpy_version" "numpy==$numpy_version"
 }
 
+install_type_checker() {
+    local installed package
+    installed=$(.venv-houdini/bin/python -m pip freeze --disable-pip-version-check 2>/dev/null || true)
+    for package in "${type_packages[@]}"; do
+        grep --quiet --line-regexp --fixed-strings "$package" <<<"$installed" && continue
+        say "installing the type stubs of Houdini and mypy into .venv-houdini"
+        /usr/bin/python3 -m venv .venv-houdini
+        .venv-houdini/bin/python -m pip install --quiet --disable-pip-version-check "${type_packages[@]}"
+        return
+    done
+    say "the type stubs of Houdini are there, in .venv-houdini"
+}
+
 case "${1:-}" in
     "") install_packages "${build_packages[@]}" && check_rust ;;
     --tests)
@@ -101,6 +117,7 @@ case "${1:-}" in
         check_rust
         check_rust_tools
         install_blender
+        install_type_checker
         ;;
     *) fail "usage: scripts/install.sh [--tests]" ;;
 esac

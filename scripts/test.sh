@@ -32,5 +32,6 @@ export HFVDB_BLENDER_PYTHON=${HFVDB_BLENDER_PYTHON:-$PWD/.venv/bin/python}
 step "format" cargo fmt --check
 # The benches too, and what they compare with.
 step "lint" cargo clippy --locked --all-targets --all-features -- -D warnings
+step "types of houdini_examples" .venv-houdini/bin/mypy --strict --cache-dir=.venv-houdini/cache houdini_examples/*.py
 step "tests" cargo test --locked
 finish

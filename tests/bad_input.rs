@@ -173,6 +173,20 @@ fn damaged_files() {
 }
 
 #[test]
+fn files_are_checked_for_programs() {
+    let place = Workplace::new();
+    place.hfvdb("bake heart -o m_0001_v2.vdb --resolution 32").ok();
+    let run = place.hfvdb("check m_0001_v2.vdb --for blender,houdini,usd --json").ok();
+    assert!(run.stderr.contains("for blender: its frame's number is read as 2, not 0001"), "{}", run.stderr);
+    let document: serde_json::Value = serde_json::from_str(&run.stdout).expect("one document");
+    // The still's own number is 1.
+    let clients: Vec<_> = document["findings"].as_array().expect("a list").iter().map(|one| &one["client"]).collect();
+    assert_eq!(clients, [&serde_json::Value::Null, &serde_json::Value::from("blender")]);
+    place.hfvdb("check m_0001_v2.vdb --for maya").fails(2, &["maya", "blender, houdini, unreal, usd"]);
+    place.hfvdb("check heart --for blender").fails(2, &["--for", ".vdb"]);
+}
+
+#[test]
 fn interrupted() {
     for (signal, code) in [("INT", 130), ("TERM", 143)] {
         let place = Workplace::new();

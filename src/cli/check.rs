@@ -12,14 +12,28 @@ use super::options::{Global, Sampling, SceneArguments, SceneChanges};
 use super::progress::Progress;
 use crate::bake;
 use crate::scene::{Model, Origin};
-use crate::vdb::{self, Lint, Severity};
+use crate::vdb::{self, Client, Lint, Severity};
 
 /// Arguments of `hfvdb check`.
 #[derive(Args)]
+#[command(after_help = "\
+Examples:
+  hfvdb check cubism                                      a scene: errors with their line, voxels, memory, file size
+  hfvdb check cubism -v                                   each value, and whether the scene gave it
+  hfvdb check any.0001.vdb                                a file: what all programs would show wrong
+  hfvdb check any.0001.vdb --for blender,houdini          and what these two ask for
+  for f in out/*.vdb; do hfvdb check $f --for usd; done   a folder
+
+Errors, which programs show wrong or not at all, make exit code 1; warnings, which may be as you want it, do not. Each
+says what to do.")]
 pub struct Arguments {
     /// A scene file (.toml or .json), the name of a built-in scene, or a .vdb file of any maker
     #[arg(value_name = "SCENE or FILE.vdb")]
     input: String,
+
+    /// Programs that a .vdb file has to serve: blender, houdini, unreal, usd
+    #[arg(long = "for", value_name = "PROGRAMS", value_delimiter = ',')]
+    clients: Vec<Client>,
 
     #[command(flatten)]
     changes: SceneChanges,
@@ -31,14 +45,17 @@ pub struct Arguments {
 pub fn run(arguments: &Arguments, global: &Global) -> Result<(), Failure> {
     let path = Path::new(&arguments.input);
     if path.extension().is_some_and(|end| end.eq_ignore_ascii_case("vdb")) {
-        return of_file(path, global);
+        return of_file(path, &arguments.clients, global);
+    }
+    if !arguments.clients.is_empty() {
+        return Err(Failure::usage("--for is about .vdb files; bake the scene, and check what came out"));
     }
     of_scene(arguments, global)
 }
 
 /// What is wrong with a file of any maker.
-fn of_file(path: &Path, global: &Global) -> Result<(), Failure> {
-    let Lint { grids, findings } = vdb::lint(path)?;
+fn of_file(path: &Path, clients: &[Client], global: &Global) -> Result<(), Failure> {
+    let Lint { grids, findings } = vdb::lint(path, clients)?;
     let errors = findings.iter().filter(|finding| finding.severity == Severity::Error).count();
     let warnings = findings.len() - errors;
     for finding in &findings {

@@ -89,7 +89,7 @@ pub struct Sampling {
     pub half_width: Option<f64>,
 
     /// Memory the job may take, such as 8G; a job that needs more is refused with exit code 3
-    /// [default: 80 % of what is free]
+    /// [default: 80 % of the least of free memory and what cgroups, ulimit -v and ulimit -d leave]
     #[arg(long, value_name = "BYTES")]
     pub max_memory: Option<Bytes>,
 }

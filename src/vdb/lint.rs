@@ -10,6 +10,7 @@ use std::path::Path;
 use glam::{DVec3, IVec3};
 use serde::Serialize;
 
+use super::clients::{self, Client, Subject};
 use super::read::{Opened, SparseBlocks, StoredClass, Voxels, band_of};
 use super::walk::{GridLayout, Layout, Transform};
 use super::{Error, MetadataValue};
@@ -42,6 +43,8 @@ pub enum Severity {
 pub struct Finding {
     /// How bad it is.
     pub severity: Severity,
+    /// The program it is about; `None` for all.
+    pub client: Option<Client>,
     /// The grid it is about; `None` for the file.
     pub grid: Option<String>,
     /// What it is, and what to do.
@@ -50,6 +53,9 @@ pub struct Finding {
 
 impl fmt::Display for Finding {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if let Some(client) = self.client {
+            write!(f, "for {client}: ")?;
+        }
         match &self.grid {
             Some(grid) => write!(f, "grid '{grid}': {}", self.problem),
             None => f.write_str(&self.problem),
@@ -66,15 +72,19 @@ pub struct Lint {
     pub findings: Vec<Finding>,
 }
 
-/// Checks a file.
+/// Checks a file: by what all programs need, and by what some need.
 ///
 /// # Errors
 /// Those of [`super::read()`]: a file that cannot be read at all.
-pub fn lint(path: impl AsRef<Path>) -> Result<Lint, Error> {
-    let opened = Opened::open(path.as_ref())?;
+pub fn lint(path: impl AsRef<Path>, clients: &[Client]) -> Result<Lint, Error> {
+    let path = path.as_ref();
+    let opened = Opened::open(path)?;
     let layout = &opened.layout;
     let mut findings = Vec::new();
     check_file(layout, &mut findings);
+    if let Some(problem) = clients::frame_number(path, &layout.metadata) {
+        findings.push(Finding { severity: Severity::Warning, client: None, grid: None, problem });
+    }
     let mut grids = Vec::with_capacity(layout.grids.len());
     for grid in &layout.grids {
         grids.push((grid, opened.voxels(grid)?));
@@ -94,6 +104,16 @@ pub fn lint(path: impl AsRef<Path>) -> Result<Lint, Error> {
             None => notes.warn(format!("its type, {}, is not checked", grid.tree_type)),
         }
     }
+    let subject = Subject { path, layout, grids: &grids };
+    for &client in clients {
+        let found = clients::check(client, &subject).into_iter();
+        findings.extend(found.map(|(severity, grid, problem)| Finding {
+            severity,
+            client: Some(client),
+            grid,
+            problem,
+        }));
+    }
     Ok(Lint { grids: layout.grids.iter().map(|grid| grid.name.clone()).collect(), findings })
 }
 
@@ -105,7 +125,7 @@ struct Notes<'a> {
 
 impl Notes<'_> {
     fn add(&mut self, severity: Severity, problem: String) {
-        self.findings.push(Finding { severity, grid: Some(self.grid.into()), problem });
+        self.findings.push(Finding { severity, client: None, grid: Some(self.grid.into()), problem });
     }
 
     fn error(&mut self, problem: impl Into<String>) {
@@ -118,7 +138,7 @@ impl Notes<'_> {
 }
 
 fn check_file(layout: &Layout, findings: &mut Vec<Finding>) {
-    let mut add = |severity, problem| findings.push(Finding { severity, grid: None, problem });
+    let mut add = |severity, problem| findings.push(Finding { severity, client: None, grid: None, problem });
     if layout.grids.is_empty() {
         add(Severity::Error, "it holds no grid".into());
     }
@@ -235,8 +255,7 @@ fn check_vectors(
     if !is_finite(blocks, |value| value.iter().all(|part| part.is_finite()), notes) {
         return;
     }
-    let is_velocity = ["vel", "v", "velocity"].contains(&grid.name.as_str()) || vector_type.starts_with("contra");
-    if is_velocity || StoredClass::of(&grid.metadata) == StoredClass::Staggered {
+    if clients::is_velocity(grid) {
         return;
     }
     if vector_type != "invariant" {
@@ -276,7 +295,7 @@ fn is_finite<T: Copy>(blocks: &SparseBlocks<T>, test: impl Fn(T) -> bool, notes:
 }
 
 /// The values of active voxels, and of active tiles.
-fn active_values<T: Copy>(blocks: &SparseBlocks<T>) -> impl Iterator<Item = T> {
+pub(super) fn active_values<T: Copy>(blocks: &SparseBlocks<T>) -> impl Iterator<Item = T> {
     let in_block = |(values, mask)| {
         let values: &[T; 512] = values;
         values.iter().enumerate().filter(move |(offset, _)| is_active(mask, *offset)).map(|(_, value)| *value)
@@ -286,7 +305,7 @@ fn active_values<T: Copy>(blocks: &SparseBlocks<T>) -> impl Iterator<Item = T> {
 }
 
 /// How many active voxels of the one are not active in the other, those of tiles left out.
-fn missing_voxels(surface: &SparseBlocks<f32>, colours: &SparseBlocks<[f32; 3]>) -> u64 {
+pub(super) fn missing_voxels(surface: &SparseBlocks<f32>, colours: &SparseBlocks<[f32; 3]>) -> u64 {
     let blocks: HashMap<IVec3, usize> = colours.origins.iter().enumerate().map(|(i, origin)| (*origin, i)).collect();
     let tiles: HashSet<(IVec3, i32)> =
         colours.tiles.iter().filter(|tile| tile.active).map(|tile| (tile.origin, tile.edge)).collect();

@@ -15,6 +15,7 @@
 //! No field, no scene and no picture is known here.
 
 mod bridge;
+mod clients;
 mod error;
 mod frame;
 mod inspect;
@@ -26,6 +27,7 @@ pub mod rivals;
 pub mod walk;
 mod write;
 
+pub use clients::Client;
 pub use error::Error;
 pub use frame::{Blocks, Class, Content, Frame, Grid, Values, VectorType};
 pub use inspect::{FileInfo, GridInfo, Range, active_box, inspect};

@@ -51,7 +51,7 @@ pub struct Shown {
 pub enum Inside {
     None,
     Everywhere(Arc<Colour>),
-    Voxels(VoxelColours),
+    Voxels(Box<VoxelColours>),
 }
 
 /// Calls `show` with the frames of a scene.
@@ -169,7 +169,7 @@ fn read(path: &str) -> Result<Shown, Failure> {
     let of_block = |place: &IVec3| colours.places.get(&(*place - shift)).map_or(none, |&at| colours.blocks.values[at]);
     let values = band.origins.iter().map(of_block).collect();
     let colour = Channel { name: grid.name, values, background: colours.blocks.background };
-    Ok(Shown { band, colour: Some(colour), inside: Inside::Voxels(colours), fps })
+    Ok(Shown { band, colour: Some(colour), inside: Inside::Voxels(Box::new(colours)), fps })
 }
 
 /// Colours that a file has, wherever it has them.

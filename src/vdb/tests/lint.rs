@@ -4,14 +4,20 @@ use crate::vdb::*;
 
 /// What is wrong with a file of these grids: `error surface: …`.
 fn findings(grids: Vec<Grid>) -> Vec<String> {
+    findings_for(grids, "file.vdb", &[])
+}
+
+/// The same for a file of a name, and some programs: `error blender surface: …`.
+fn findings_for(grids: Vec<Grid>, name: &str, clients: &[Client]) -> Vec<String> {
     let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("file.vdb");
+    let path = folder.path().join(name);
     write(&path, &Frame { grids, metadata: Metadata::new() }, &WriteOptions::default()).unwrap();
     let line = |finding: Finding| {
         let severity = if finding.severity == Severity::Error { "error" } else { "warning" };
-        format!("{severity} {}: {}", finding.grid.unwrap_or_default(), finding.problem)
+        let client = finding.client.map(|client| format!("{client} ")).unwrap_or_default();
+        format!("{severity} {client}{}: {}", finding.grid.unwrap_or_default(), finding.problem)
     };
-    lint(&path).unwrap().findings.into_iter().map(line).collect()
+    lint(&path, clients).unwrap().findings.into_iter().map(line).collect()
 }
 
 /// The one thing that is wrong begins so.
@@ -113,4 +119,100 @@ fn colours_that_go_wrong() {
         vec![Grid::level_set("surface", &band), Grid::colour(&band, &spaced)],
         "warning C d: there is white space in its name",
     );
+}
+
+#[test]
+fn a_sound_file_serves_the_programs_that_show_surfaces() {
+    let band = ball();
+    let colour = ball_colour(&band, "Cd");
+    let grids = || vec![Grid::level_set("surface", &band), Grid::colour(&band, &colour)];
+    assert_eq!(findings_for(grids(), "m.0001.vdb", &[Client::Blender, Client::Houdini, Client::Usd]), [""; 0]);
+    let found = findings_for(grids(), "m.0001.vdb", &[Client::Unreal]);
+    assert!(found.len() == 1 && found[0].starts_with("warning unreal : it has no density"), "{found:#?}");
+    let found = findings_for(grids(), "still.vdb", &[Client::Unreal]);
+    assert!(found.len() == 2 && found[1].contains("imported as a still"), "{found:#?}");
+    let found = findings_for(grids(), "m_0001_v2.vdb", &[Client::Blender]);
+    assert!(found.len() == 1 && found[0].contains("read as 2, not 0001"), "{found:#?}");
+}
+
+/// A fog volume: the inside of the ball with its tiles, under a name.
+fn fog<'a>(band: &'a Band, channel: &'a Channel<f32>, tiles: &'a [InsideTile]) -> Grid<'a> {
+    let values = Values { tiles: Some((tiles, 1.0)), ..Values::over(band, channel) };
+    Grid::new(&channel.name, Content::Floats { values, class: Class::FogVolume })
+}
+
+#[test]
+fn smoke_in_blender() {
+    let band = ball();
+    let smoke = |name: &str| Channel {
+        name: name.into(),
+        values: vec![[0.5; BLOCK_VOXELS]; band.origins.len()],
+        background: 0.0,
+    };
+    let (density, haze) = (smoke("density"), smoke("haze"));
+    let colour = ball_colour(&band, "Cd");
+    let for_blender = |grids| findings_for(grids, "m.1.vdb", &[Client::Blender]);
+    assert!(!band.inside_tiles.is_empty(), "the ball is large enough for a tile");
+    assert_eq!(for_blender(vec![fog(&band, &density, &[]), Grid::colour(&band, &colour)]), [""; 0]);
+    let found = for_blender(vec![fog(&band, &haze, &[])]);
+    assert!(found.len() == 1 && found[0].starts_with("warning blender haze: the default material"), "{found:#?}");
+    let found = for_blender(vec![fog(&band, &density, &band.inside_tiles), Grid::colour(&band, &colour)]);
+    assert!(found.len() == 1 && found[0].starts_with("error blender Cd: "), "{found:#?}");
+    let mut resting = ball_colour(&band, "vel");
+    resting.values.iter_mut().flatten().for_each(|velocity| *velocity = [0.0, -0.0009, 0.0]);
+    let vector_type = VectorType::ContravariantRelative;
+    let vel = || Grid::new("vel", Content::Vectors { values: Values::over(&band, &resting), vector_type });
+    let found = for_blender(vec![fog(&band, &density, &[]), vel()]);
+    assert!(found.len() == 1 && found[0].contains("render.clipping = 0"), "{found:#?}");
+    let mut dark = colour.clone();
+    dark.values.iter_mut().flatten().for_each(|colour| colour[2] = 0.0);
+    let found = for_blender(vec![fog(&band, &density, &[]), Grid::colour(&band, &dark)]);
+    assert!(found.len() == 1 && found[0].contains("volume_biased"), "{found:#?}");
+}
+
+#[test]
+fn velocities_names_and_channels() {
+    let band = ball();
+    let vectors = |name: &str| ball_colour(&band, name);
+    let (motion, colour) = (vectors("motion"), vectors("tint"));
+    let velocity = |channel, vector_type| {
+        Grid::new("motion", Content::Vectors { values: Values::over(&band, channel), vector_type })
+    };
+    let moving = VectorType::ContravariantRelative;
+    let surface = || Grid::level_set("surface", &band);
+    let found = findings_for(vec![surface(), velocity(&motion, moving)], "m.1.vdb", &[Client::Blender]);
+    assert!(found.len() == 1 && found[0].contains("found by the names velocity, vel, v"), "{found:#?}");
+    let mut fewer = band.clone();
+    fewer.active[0] = [0; 8];
+    let short = Content::Vectors { values: Values::over(&fewer, &motion), vector_type: moving };
+    let found = findings_for(vec![surface(), Grid::new("vel", short)], "m.1.vdb", &[Client::Blender]);
+    assert!(found.len() == 1 && found[0].contains("ends before 'surface' does"), "{found:#?}");
+    let turned = Content::Vectors { values: Values::over(&band, &motion), vector_type: VectorType::Invariant };
+    let found = findings_for(vec![surface(), Grid::new("vel", turned)], "m.1.vdb", &[Client::Houdini]);
+    assert!(found.len() == 1 && found[0].contains("contravariant relative"), "{found:#?}");
+
+    let mut named = Grid::level_set("my-shape", &band);
+    named.metadata.insert("Some Key".into(), 1.into());
+    let grids = || vec![named.clone(), Grid::colour(&band, &colour)];
+    let found = findings_for(grids(), "m.1.vdb", &[Client::Houdini]);
+    let parts = ["'Some Key'", "called `surface`", "called `Cd`"];
+    assert!(found.len() == 3 && found.iter().zip(parts).all(|(line, part)| line.contains(part)), "{found:#?}");
+    let found = findings_for(grids(), "m.1.vdb", &[Client::Usd]);
+    assert!(found.len() == 1 && found[0].starts_with("error usd my-shape: "), "{found:#?}");
+
+    let names = ["a", "b", "c"].map(vectors);
+    let many = names.iter().map(|channel| Grid::colour(&band, channel)).collect();
+    let found = findings_for(many, "m.1.vdb", &[Client::Blender, Client::Unreal]);
+    assert!(found[0].starts_with("error blender : it has no grid of numbers"), "{found:#?}");
+    assert!(found[1].contains("9 channels"), "{found:#?}");
+    let parts = ["Cd.x", "Cd.y", "Cd.z"].map(|name| Channel {
+        name: name.into(),
+        values: vec![[0.5; BLOCK_VOXELS]; band.origins.len()],
+        background: 0.0,
+    });
+    let split = parts.iter().map(|part| {
+        Grid::new(&part.name, Content::Floats { values: Values::over(&band, part), class: Class::Unknown })
+    });
+    let found = findings_for(split.collect(), "m.1.vdb", &[Client::Blender]);
+    assert!(found.len() == 1 && found[0].contains("one vector in three grids"), "{found:#?}");
 }

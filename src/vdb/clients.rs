@@ -1,0 +1,374 @@
+//! What single programs need of a file beyond what [`super::lint()`] asks of all of them. Only what was tried in the
+//! program, or what its maker's documentation says: where nothing is known, nothing is said.
+
+use std::collections::HashSet;
+use std::fmt;
+use std::path::Path;
+use std::str::FromStr;
+
+use glam::IVec3;
+use serde::Serialize;
+
+use super::lint::{Severity, active_values, missing_voxels};
+use super::read::{SparseBlocks, StoredClass, Voxels};
+use super::walk::{GridLayout, Layout};
+use super::{Metadata, MetadataValue};
+
+/// A program that takes files.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Client {
+    /// Blender 5.0, tried.
+    Blender,
+    /// Houdini 20.0 to 21.0, by its documentation and the published code of its reader.
+    Houdini,
+    /// Unreal Engine 5.4, by its documentation.
+    Unreal,
+    /// `UsdVol` of USD 25.8 and 26.11, tried.
+    Usd,
+}
+
+impl Client {
+    /// All of them.
+    pub const ALL: [Self; 4] = [Self::Blender, Self::Houdini, Self::Unreal, Self::Usd];
+
+    fn name(self) -> &'static str {
+        match self {
+            Self::Blender => "blender",
+            Self::Houdini => "houdini",
+            Self::Unreal => "unreal",
+            Self::Usd => "usd",
+        }
+    }
+}
+
+impl fmt::Display for Client {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+impl FromStr for Client {
+    type Err = String;
+
+    fn from_str(name: &str) -> Result<Self, String> {
+        Self::ALL.into_iter().find(|client| client.name() == name).ok_or_else(|| {
+            let names = Self::ALL.map(Self::name).join(", ");
+            format!("nothing is known of \"{name}\"; take one or more of {names}")
+        })
+    }
+}
+
+/// Channels that a Sparse Volume Texture has: two attributes of four.
+const UNREAL_CHANNELS: usize = 8;
+/// The names by which Blender finds a velocity.
+const BLENDER_VELOCITIES: [&str; 3] = ["velocity", "vel", "v"];
+/// Cycles drops values up to this by default.
+const CLIPPED: f32 = 1e-3;
+/// Metadata that OpenVDB itself writes.
+const OWN_METADATA: [&str; 7] =
+    ["class", "name", "creator", "value_type", "vector_type", "is_local_space", "is_saved_as_half_float"];
+
+/// A file as the rules see it.
+pub(super) struct Subject<'a> {
+    pub path: &'a Path,
+    pub layout: &'a Layout,
+    pub grids: &'a [(&'a GridLayout, Option<Voxels>)],
+}
+
+/// What is found: how bad, of which grid, what and what to do.
+pub(super) type Note = (Severity, Option<String>, String);
+
+/// What is wrong for one program.
+pub(super) fn check(client: Client, subject: &Subject<'_>) -> Vec<Note> {
+    let mut notes = Notes(Vec::new());
+    match client {
+        Client::Blender => blender(subject, &mut notes),
+        Client::Houdini => houdini(subject, &mut notes),
+        Client::Unreal => unreal(subject, &mut notes),
+        Client::Usd => usd(subject, &mut notes),
+    }
+    notes.0
+}
+
+/// What is wrong with a file's number in its name, for whoever plays sequences.
+pub(super) fn frame_number(path: &Path, metadata: &Metadata) -> Option<String> {
+    let (named, _) = numbers(path);
+    let named = named?;
+    match metadata.get("hfvdb_frame") {
+        Some(MetadataValue::Int32(frame)) if i64::from(*frame) != named => Some(format!(
+            "the last number of its name is {named}, and it says of itself that it is frame {frame}; rename it"
+        )),
+        _ => None,
+    }
+}
+
+struct Notes(Vec<Note>);
+
+impl Notes {
+    fn error(&mut self, grid: Option<&str>, problem: impl Into<String>) {
+        self.0.push((Severity::Error, grid.map(Into::into), problem.into()));
+    }
+
+    fn warn(&mut self, grid: Option<&str>, problem: impl Into<String>) {
+        self.0.push((Severity::Warning, grid.map(Into::into), problem.into()));
+    }
+}
+
+fn blender(subject: &Subject<'_>, notes: &mut Notes) {
+    if let (Some(number), Some(meant)) = numbers(subject.path) {
+        notes.warn(
+            None,
+            format!("its frame's number is read as {number}, not {meant}: the number has to stand last before .vdb"),
+        );
+    }
+    if subject.scalars().next().is_none() && !subject.layout.grids.is_empty() {
+        notes.error(None, "it has no grid of numbers: there is nothing to mesh or to render");
+    }
+    let densities: Vec<_> = subject.scalars().filter(|(grid, _)| class(grid) == StoredClass::FogVolume).collect();
+    if let [(only, _)] = densities[..]
+        && only.name != "density"
+    {
+        let problem = "the default material renders `density` only; rename it, or set Density Attribute";
+        notes.warn(Some(&only.name), problem);
+    }
+    three_scalars(subject, notes);
+    for (fog, density) in &densities {
+        for (grid, colours) in subject.colours() {
+            let missing = missing_voxels(density, colours) + missing_tiles(density, colours);
+            if missing > 0 {
+                let problem = format!(
+                    "{missing} active voxels or tiles of '{}' have no active colour: smoke is black there",
+                    fog.name
+                );
+                notes.error(Some(&grid.name), problem);
+            }
+            let dark = active_values(colours).filter(|colour| colour.iter().any(|channel| *channel <= 0.0)).count();
+            if dark > 0 {
+                let problem = format!(
+                    "{dark} colours have a channel of 0, which Cycles of 5.0 renders near-black in smoke; set \
+                     scene.cycles.volume_biased = True there"
+                );
+                notes.warn(Some(&grid.name), problem);
+            }
+        }
+    }
+    for (grid, vectors) in subject.velocities() {
+        if !BLENDER_VELOCITIES.contains(&grid.name.as_str()) {
+            let problem = format!("a velocity is found by the names {}; rename it", BLENDER_VELOCITIES.join(", "));
+            notes.warn(Some(&grid.name), problem);
+        }
+        let rests = |velocity: [f32; 3]| velocity.iter().all(|part| part.abs() <= CLIPPED);
+        if !densities.is_empty() && active_values(vectors).all(rests) {
+            let problem = "it is nowhere more than 0.001, which Cycles drops, and 5.0.1 crashes where nothing is left of \
+                           a velocity; set the volume's render.clipping = 0 there";
+            notes.warn(Some(&grid.name), problem);
+        }
+        // Looked up at the displaced place: it has to reach farther out than what it moves.
+        for (moved, blocks) in subject.scalars() {
+            let missing = missing_voxels(blocks, vectors);
+            if missing > 0 {
+                let problem = format!(
+                    "it ends before '{}' does ({missing} voxels), so no blur shows there; extend it by the motion of \
+                     a frame",
+                    moved.name
+                );
+                notes.warn(Some(&grid.name), problem);
+                break;
+            }
+        }
+    }
+}
+
+/// Vectors that were written as three grids of numbers, which nothing puts together again.
+fn three_scalars(subject: &Subject<'_>, notes: &mut Notes) {
+    let has = |name: String| subject.scalars().any(|(grid, _)| grid.name == name);
+    for (grid, _) in subject.scalars() {
+        let Some(base) = grid.name.strip_suffix(".x") else { continue };
+        if has(format!("{base}.y")) && has(format!("{base}.z")) {
+            let problem =
+                format!("with '{base}.y' and '{base}.z' it is one vector in three grids; write one vec3s grid");
+            notes.warn(Some(&grid.name), problem);
+        }
+    }
+}
+
+fn houdini(subject: &Subject<'_>, notes: &mut Notes) {
+    for (grid, _) in subject.grids {
+        for name in grid.metadata.keys() {
+            let own = name.starts_with("file_") || OWN_METADATA.contains(&name.as_str());
+            if !own && !is_plain(name) {
+                let problem = format!("metadata '{name}' becomes an attribute: name it in plain lower-case letters");
+                notes.warn(Some(&grid.name), problem);
+            }
+        }
+    }
+    for (grid, _) in subject.scalars() {
+        if class(grid) == StoredClass::LevelSet && grid.name != "surface" {
+            notes.warn(Some(&grid.name), "a level set is called `surface` by convention; nodes ask for it by name");
+        }
+    }
+    for (grid, _) in subject.colours() {
+        if grid.name != "Cd" {
+            notes.warn(Some(&grid.name), "a colour is called `Cd` by convention; nodes ask for it by name");
+        }
+    }
+    for (grid, _) in subject.velocities() {
+        if !vector_type(grid).is_some_and(|kind| kind.starts_with("contra")) {
+            let problem = "a Transform does not turn its vectors: make their type contravariant relative";
+            notes.warn(Some(&grid.name), problem);
+        }
+    }
+}
+
+fn unreal(subject: &Subject<'_>, notes: &mut Notes) {
+    let channels: usize = subject.grids.iter().map(|(_, voxels)| width(voxels.as_ref())).sum();
+    if channels > UNREAL_CHANNELS {
+        let problem = format!(
+            "it has {channels} channels, and a Sparse Volume Texture holds {UNREAL_CHANNELS}; leave some out when you \
+             import it"
+        );
+        notes.warn(None, problem);
+    }
+    if !subject.scalars().any(|(grid, _)| class(grid) == StoredClass::FogVolume) {
+        let problem = "it has no density (a fog volume), which a Heterogeneous Volume shows; a distance needs a \
+                       material that makes a density of it";
+        notes.warn(None, problem);
+    }
+    if numbers(subject.path).0.is_none() {
+        notes.warn(None, "no number ends its name: it is imported as a still, not as a frame of a sequence");
+    }
+}
+
+fn usd(subject: &Subject<'_>, notes: &mut Notes) {
+    for (grid, _) in subject.grids {
+        let mut letters = grid.name.chars();
+        let first = letters.next().is_some_and(|first| first.is_ascii_alphabetic() || first == '_');
+        if !(first && letters.all(|letter| letter.is_ascii_alphanumeric() || letter == '_')) {
+            let problem = "a field is reached by the relationship field:NAME, and this is no name for one: letters, \
+                           digits and underscores, no digit first";
+            notes.error(Some(&grid.name), problem);
+        }
+    }
+    let shape = subject.scalars().any(|(grid, _)| class(grid) != StoredClass::Unknown);
+    if !shape {
+        notes.warn(None, "no grid is a level set or a fog volume: write fieldClass by hand in the layer");
+    }
+}
+
+impl<'a> Subject<'a> {
+    fn scalars(&self) -> impl Iterator<Item = (&'a GridLayout, &'a SparseBlocks<f32>)> {
+        self.grids.iter().filter_map(|(grid, voxels)| match voxels {
+            Some(Voxels::Floats(blocks)) => Some((*grid, blocks)),
+            _ => None,
+        })
+    }
+
+    fn vectors(&self) -> impl Iterator<Item = (&'a GridLayout, &'a SparseBlocks<[f32; 3]>)> {
+        self.grids.iter().filter_map(|(grid, voxels)| match voxels {
+            Some(Voxels::Vectors(blocks)) => Some((*grid, blocks)),
+            _ => None,
+        })
+    }
+
+    fn colours(&self) -> impl Iterator<Item = (&'a GridLayout, &'a SparseBlocks<[f32; 3]>)> {
+        self.vectors().filter(|(grid, _)| !is_velocity(grid))
+    }
+
+    fn velocities(&self) -> impl Iterator<Item = (&'a GridLayout, &'a SparseBlocks<[f32; 3]>)> {
+        self.vectors().filter(|(grid, _)| is_velocity(grid))
+    }
+}
+
+/// The number that the name ends in, and, where that seems not to be the frame's, the one that does: an earlier one of
+/// more digits.
+fn numbers(path: &Path) -> (Option<i64>, Option<String>) {
+    let stem = path.file_stem().and_then(|stem| stem.to_str()).unwrap_or_default();
+    let runs: Vec<&str> = stem.split(|letter: char| !letter.is_ascii_digit()).collect();
+    let last = runs.last().copied().unwrap_or_default();
+    let longer = runs.iter().rev().find(|run| run.len() >= 3 && run.len() > last.len() && !last.is_empty());
+    (last.parse().ok(), longer.map(|run| (*run).to_owned()))
+}
+
+fn class(grid: &GridLayout) -> StoredClass {
+    StoredClass::of(&grid.metadata)
+}
+
+fn vector_type(grid: &GridLayout) -> Option<&str> {
+    match grid.metadata.get("vector_type") {
+        Some(MetadataValue::Text(text)) => Some(text),
+        _ => None,
+    }
+}
+
+/// Whether vectors are a velocity, by their name or by their type.
+pub(super) fn is_velocity(grid: &GridLayout) -> bool {
+    BLENDER_VELOCITIES.contains(&grid.name.as_str())
+        || vector_type(grid).is_some_and(|kind| kind.starts_with("contra"))
+        || class(grid) == StoredClass::Staggered
+}
+
+fn is_plain(name: &str) -> bool {
+    name.starts_with(|first: char| first.is_ascii_lowercase() || first == '_')
+        && name.chars().all(|letter| letter.is_ascii_lowercase() || letter.is_ascii_digit() || letter == '_')
+}
+
+/// The channels of a grid.
+fn width(voxels: Option<&Voxels>) -> usize {
+    if matches!(voxels, Some(Voxels::Vectors(_))) { 3 } else { 1 }
+}
+
+/// How many active tiles of the one have neither an active tile nor blocks of the other all over them.
+fn missing_tiles(densities: &SparseBlocks<f32>, colours: &SparseBlocks<[f32; 3]>) -> u64 {
+    let blocks: HashSet<IVec3> = colours.origins.iter().copied().collect();
+    let tiles: HashSet<(IVec3, i32)> =
+        colours.tiles.iter().filter(|tile| tile.active).map(|tile| (tile.origin, tile.edge)).collect();
+    let in_tile = |origin: IVec3, from: i32| {
+        [8, 128, 4096].into_iter().filter(|edge| *edge >= from).any(|edge| {
+            let around = origin & IVec3::splat(!(edge - 1));
+            tiles.contains(&(around, edge))
+        })
+    };
+    let is_covered = |origin: IVec3, edge: i32| {
+        let steps = || (0..edge / 8).map(|step| step * 8);
+        in_tile(origin, edge)
+            || edge <= 128
+                && steps().all(|x| {
+                    steps().all(|y| {
+                        steps().all(|z| {
+                            let block = origin + IVec3::new(x, y, z);
+                            blocks.contains(&block) || in_tile(block, 8)
+                        })
+                    })
+                })
+    };
+    let missing = densities.tiles.iter().filter(|tile| tile.active && !is_covered(tile.origin, tile.edge));
+    missing.count() as u64
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_as_programs_read_them() {
+        let read = |name: &str| numbers(Path::new(name));
+        assert_eq!(read("out/m.0017.vdb"), (Some(17), None));
+        assert_eq!(read("m_1.vdb"), (Some(1), None));
+        assert_eq!(read("m_0001_v2.vdb"), (Some(2), Some("0001".into())));
+        assert_eq!(read("v2_1.vdb"), (Some(1), None));
+        assert_eq!(read("heart.vdb"), (None, None));
+        let metadata = Metadata::from([("hfvdb_frame".into(), 12.into())]);
+        assert!(frame_number(Path::new("m.0007.vdb"), &metadata).unwrap().contains("is 7"));
+        assert_eq!(frame_number(Path::new("m.0012.vdb"), &metadata), None);
+        assert_eq!(frame_number(Path::new("heart.vdb"), &metadata), None);
+    }
+
+    #[test]
+    fn clients_by_name() {
+        for client in Client::ALL {
+            assert_eq!(client.to_string().parse(), Ok(client));
+        }
+        assert!("maya".parse::<Client>().unwrap_err().contains("blender, houdini, unreal, usd"));
+    }
+}
