@@ -13,6 +13,7 @@ mod section;
 mod settings;
 mod stb;
 mod stti;
+mod velocity;
 mod volume;
 
 pub use coarse::CoarseGrid;
@@ -23,6 +24,7 @@ pub use section::{Round, Section};
 pub use settings::{Ease, Error, Flow, Mode, Pace, Paper, Settings, Side};
 pub use stb::Stb;
 pub use stti::{MorphAttribute, Transfer};
+pub use velocity::{Around, Instant, Meter, Movement};
 
 #[cfg(test)]
 mod exact;

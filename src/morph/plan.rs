@@ -272,14 +272,14 @@ impl Morph {
     }
 
     /// STB's t at scene time τ, in \[0, 1\].
-    fn time_at(&self, time: f64) -> f64 {
+    pub(super) fn time_at(&self, time: f64) -> f64 {
         let progress = self.progress(time);
         // Even pace has its ease in its curve.
         self.plan.pace.at(if self.paced() { progress } else { self.settings.ease.at(progress) })
     }
 
     /// How far the change of shape is along its span, without ease or pace, in \[0, 1\].
-    fn progress(&self, time: f64) -> f64 {
+    pub(super) fn progress(&self, time: f64) -> f64 {
         let [start, end] = self.settings.over;
         ((time - start) / (end - start)).clamp(0.0, 1.0)
     }

@@ -16,6 +16,7 @@ pub mod keys;
 mod load;
 mod model;
 mod morphing;
+mod movement;
 mod number;
 mod overrides;
 mod paint;
