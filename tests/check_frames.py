@@ -9,7 +9,8 @@ background; and over the dense box around the band that the values are those of 
 * |grad| is 1 to 0.01, by central differences, for a quarter of the voxels with all neighbours in the band: where facets
   are four voxels wide, the others have a crease of the distance between those neighbours;
 * colours are finite and inside [0, 1], and the colour's background is their mean;
-* other float grids are finite, on the same voxels, and their background is their mean.
+* other float grids are finite, on the same voxels, and their background is their mean;
+* velocities are where the surface is, further outside or not, and nowhere inside of the band.
 """
 import sys
 
@@ -106,6 +107,17 @@ def check(path):
         must(np.isfinite(numbers).all(), "%s: numbers that are not finite" % grid.name)
         off = abs(numbers.mean(dtype=np.float64) - grid.background)
         must(off <= 1e-3 * abs(numbers).max(), "%s: the background is not the mean" % grid.name)
+    velocity = by_name.get("vel")
+    if velocity is not None:
+        must(velocity.valueTypeName == "vec3s", "vel is %s" % velocity.valueTypeName)
+        must(velocity.metadata.get("vector_type") == "contravariant relative", "vel is not contravariant-relative")
+        must(velocity.metadata.get("is_local_space") is False, "vel is not in the world's space")
+        must(velocity.transform == surface.transform, "vel: two transforms")
+        must(tuple(velocity.background) == (0, 0, 0), "vel's background is not 0")
+        here = active_mask(velocity, low, high)
+        must(here[active_mask(surface, low, high)].all(), "vel is missing at voxels of the surface")
+        must(not here[values <= -background].any(), "vel inside of the band")
+        must(np.isfinite(dense(velocity, low, high, "vec3s")).all(), "velocities that are not finite")
     # The volume inside, by a step smoothed over one voxel.
     volume = float(np.clip(0.5 - values / voxel, 0, 1).sum() * voxel ** 3)
     print("%s: %d voxels, volume %.6g, |grad| error %.4f, %s" % (

@@ -4,6 +4,7 @@
 //! rule is the same for all of them it is written once, for any N. What stands elsewhere, or moves, is seen through a
 //! [`SpaceMap`].
 
+mod affine;
 mod bands;
 mod cells;
 mod colour_space;
@@ -15,6 +16,7 @@ mod mesh_colour;
 mod mix;
 mod parts;
 
+pub use affine::AffineVector;
 pub use bands::Bands;
 pub use cells::{ByCell, CellIndex, Choice, CubeLattice};
 pub use colour_space::{ColourSpace, from_srgb, to_srgb};

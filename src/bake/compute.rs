@@ -5,11 +5,13 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
+use super::velocity::{self, BlockVelocities, Velocities};
 use crate::attribute::{Attribute, Colour, LinearRgb, Sampler, Scalar};
 use crate::distance::band::{self, MeasuredBlock, Report, Settings};
 use crate::distance::without::{Keep, measure_kept};
 use crate::field::{Aabb, BATCH, Field, Points};
 use crate::grid::{BLOCK_VOXELS, Band, BlockMask, Channel, mask};
+use crate::morph::Movement;
 
 /// A frame's grids, and what to tell about them.
 #[derive(Clone, Debug)]
@@ -20,6 +22,8 @@ pub struct Computed {
     pub colour: Option<Channel<LinearRgb>>,
     /// The scalars on the same voxels.
     pub scalars: Vec<Channel<f32>>,
+    /// The velocities, where the scene asks for them.
+    pub velocities: Option<Velocities>,
     /// Counts and warnings of the measurement.
     pub report: Report,
     /// Active voxels with a colour channel above 1.
@@ -73,12 +77,15 @@ pub struct Attributes<'a> {
     pub colour: Option<(&'a str, &'a Colour)>,
     /// The scalars.
     pub scalars: &'a [(String, Arc<Scalar>)],
+    /// How the surface moves, where velocities are asked for.
+    pub movement: Option<&'a Movement>,
 }
 
 /// What one block has of all attributes.
 struct BlockAttributes {
     colour: Option<Sampled<3>>,
     scalars: Vec<Sampled<1>>,
+    velocities: Option<BlockVelocities>,
 }
 
 /// What one block has of an attribute, and what was noticed in it.
@@ -102,22 +109,27 @@ pub fn compute(
         let mut colour = attributes.colour.map(|(_, colour)| Visitor::new(colour, 0.0));
         let all = attributes.scalars.iter();
         let mut scalars: Vec<Visitor<1>> = all.map(|(_, scalar)| Visitor::new(scalar.as_ref(), f32::MIN)).collect();
+        let mut velocity =
+            attributes.movement.map(|movement| velocity::Visitor::new(movement, settings.lattice.voxel_size.get()));
         move |block: &MeasuredBlock| {
-            if colour.is_none() && scalars.is_empty() {
-                return BlockAttributes { colour: None, scalars: Vec::new() };
+            if colour.is_none() && scalars.is_empty() && velocity.is_none() {
+                return BlockAttributes { colour: None, scalars: Vec::new(), velocities: None };
             }
             let feet = active_feet(block);
             BlockAttributes {
                 colour: colour.as_mut().map(|colour| colour.sample(&feet, &block.region)),
                 scalars: scalars.iter_mut().map(|scalar| scalar.sample(&feet, &block.region)).collect(),
+                velocities: velocity.as_mut().map(|velocity| velocity.visit(block, &feet)),
             }
         }
     };
     let measured = measure_kept(field, settings, keep, new_visitor).map_err(ComputeError::Distance)?;
     let mut colours = Vec::new();
     let mut scalars: Vec<Vec<Sampled<1>>> = attributes.scalars.iter().map(|_| Vec::new()).collect();
+    let mut velocities = Vec::new();
     for block in measured.visits {
         colours.extend(block.colour);
+        velocities.extend(block.velocities);
         scalars.iter_mut().zip(block.scalars).for_each(|(all, one)| all.push(one));
     }
     let band = measured.band;
@@ -136,7 +148,8 @@ pub fn compute(
         }
         channels.push(channel(name, blocks, &band, |[value]| value));
     }
-    Ok(Computed { band, colour, scalars: channels, report: measured.report, bright_voxels })
+    let velocities = attributes.movement.map(|movement| velocity::grid(&band, velocities, movement));
+    Ok(Computed { band, colour, scalars: channels, velocities, report: measured.report, bright_voxels })
 }
 
 /// An attribute's channel over a band: its values on the active voxels, their mean everywhere else, so that samples

@@ -25,7 +25,9 @@ const BASE_BYTES: f64 = 120e6;
 pub fn estimate(prepared: &Prepared, content: &FrameContent) -> Estimate {
     let scope = Scope { lattice: prepared.lattice, half_width: prepared.half_width, region: content.region };
     let found = extent::estimate(&*content.field, &scope);
-    let numbers = if content.colour.is_some() { 3 } else { 0 } + content.scalars.len();
+    // Velocities reach further than the band, by as much as the surface moves.
+    let velocity = if content.movement.is_some() { 6 } else { 0 };
+    let numbers = if content.colour.is_some() { 3 } else { 0 } + content.scalars.len() + velocity;
     let memory = BASE_BYTES + prepared.memory_estimate() as f64 + found.memory(numbers);
     let bytes = |value: f64| Bytes(value.min(u64::MAX as f64) as u64);
     Estimate { voxels: found.voxels, blocks: found.blocks, memory: bytes(memory), file: bytes(found.file(numbers)) }

@@ -6,7 +6,7 @@ use super::compute::{Attributes, ComputeError, Computed, compute};
 use super::estimate::check_memory;
 use super::record::{Record, RecordFile};
 use super::sealed::{self, hexadecimal};
-use super::{Bytes, Error, Interrupt, Output};
+use super::{Bytes, Error, Interrupt, Output, Velocities};
 use crate::distance::band::{self, Settings};
 use crate::grid::Band;
 use crate::scene::{self, Prepared};
@@ -33,8 +33,11 @@ pub fn compute_frame(
         progress,
     };
     let name = prepared.model().output.colour_name.as_str();
-    let attributes =
-        Attributes { colour: content.colour.as_deref().map(|colour| (name, colour)), scalars: &content.scalars };
+    let attributes = Attributes {
+        colour: content.colour.as_deref().map(|colour| (name, colour)),
+        scalars: &content.scalars,
+        movement: content.movement.as_ref(),
+    };
     let of_grid = |grid: &str, error: ComputeError| {
         let problem = format!("frame {frame}: {error}");
         prepared.attribute_problem(grid, &problem).map_or(Error::Frame(frame, error), Error::Scene)
@@ -57,7 +60,8 @@ pub fn empty(prepared: &Prepared) -> Computed {
         active: Vec::new(),
         inside_tiles: Vec::new(),
     };
-    Computed { band, colour: None, scalars: Vec::new(), report: band::Report::default(), bright_voxels: 0 }
+    let report = band::Report::default();
+    Computed { band, colour: None, scalars: Vec::new(), velocities: None, report, bright_voxels: 0 }
 }
 
 /// What the measurement noticed, in words.
@@ -79,6 +83,13 @@ pub(super) fn warnings(computed: &Computed) -> Vec<String> {
     }
     if computed.bright_voxels > 0 {
         warnings.push(format!("{} voxels have a colour above 1; they are kept", computed.bright_voxels));
+    }
+    if let Some(Velocities { held_voxels, max_speed, .. }) = &computed.velocities
+        && *held_voxels > 0
+    {
+        warnings.push(format!(
+            "{held_voxels} voxels move faster than {max_speed:.6} units a second and are held to it (`output.max_speed`)"
+        ));
     }
     warnings
 }
@@ -117,10 +128,24 @@ pub(super) fn vdb_frame<'a>(
         grids.push(vdb::Grid::colour(&computed.band, colour));
     }
     grids.extend(computed.scalars.iter().map(|scalar| vdb::Grid::scalar(&computed.band, scalar)));
+    if let Some(velocities) = &computed.velocities {
+        grids.push(velocity_grid(&computed.band, velocities));
+    }
     for grid in &mut grids {
         grid.half = output.identity.half.iter().any(|name| name == grid.name);
     }
     vdb::Frame { grids, metadata: metadata(prepared, frame, output) }
+}
+
+/// Velocities as OpenVDB has them: they turn and stretch with the object, and are not of its own space.
+fn velocity_grid<'a>(band: &Band, velocities: &'a Velocities) -> vdb::Grid<'a> {
+    let Velocities { origins, active, channel, .. } = velocities;
+    let blocks = vdb::Blocks { lattice: band.lattice, origins, active };
+    let values = vdb::Values { blocks, channel, tiles: None };
+    let content = vdb::Content::Vectors { values, vector_type: vdb::VectorType::ContravariantRelative };
+    let mut grid = vdb::Grid::new(&channel.name, content);
+    grid.metadata.insert("is_local_space".into(), false.into());
+    grid
 }
 
 /// Metadata of a file: nothing that depends on time, host, threads, path or other frames.

@@ -24,6 +24,7 @@ mod run;
 mod sealed;
 mod sequence;
 mod target;
+mod velocity;
 mod verify;
 
 pub use claim::{Claim, Wish};
@@ -46,4 +47,5 @@ pub use run::{Baked, Event, Existing, Output, bake};
 pub use sealed::SealedError;
 pub use sequence::Sequence;
 pub use target::{OutputFolder, TargetError, check_place, make_ready};
+pub use velocity::Velocities;
 pub use verify::{Finding, Verdict, sequences, verify};

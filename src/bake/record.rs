@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use super::compute::Computed;
 use super::identity::Identity;
+use super::velocity::Velocities;
 use crate::grid::{is_active, measure};
 
 /// A frame that was written.
@@ -99,6 +100,9 @@ fn grids(computed: &Computed) -> Vec<GridRecord> {
     for scalar in &computed.scalars {
         let values = scalar.values.iter().map(|block| block.iter().map(|value| [*value]));
         grids.push(grid(&scalar.name, &band.active, values));
+    }
+    if let Some(Velocities { active, channel, .. }) = &computed.velocities {
+        grids.push(grid(&channel.name, active, channel.values.iter().map(|block| block.iter().copied())));
     }
     grids
 }

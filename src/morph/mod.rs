@@ -16,6 +16,7 @@ mod section;
 mod settings;
 mod stb;
 mod stti;
+mod velocity;
 mod volume;
 
 pub use coarse::CoarseGrid;
@@ -28,6 +29,7 @@ pub use section::{Round, Section};
 pub use settings::{Ease, Error, Flow, Mode, Pace, Paper, Settings, Side};
 pub use stb::Stb;
 pub use stti::{MorphAttribute, Transfer};
+pub use velocity::{Around, Instant, Meter, Movement};
 
 #[cfg(test)]
 mod exact;

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use glam::{DMat3, DVec3, Mat3, Vec3};
+use glam::{DAffine3, DMat3, DVec3, Mat3, Vec3};
 
 use super::over_time::OverTime;
 use crate::attribute::{Attribute, MappedSampler, Sampler, SpaceMap};
@@ -31,6 +31,11 @@ impl Similarity {
     /// The factor by which lengths grow.
     pub fn scale(&self) -> f64 {
         self.scale
+    }
+
+    /// As an affine map.
+    pub fn to_affine(&self) -> DAffine3 {
+        DAffine3 { matrix3: self.rotation * self.scale, translation: self.translation }
     }
 
     /// A position of the object, in the world.

@@ -514,11 +514,19 @@ pub const OUTPUT: &[Key] = &[
     Key::new(
         "grids",
         Kind::Grids,
-        Words("all there are"),
-        "Which grids are written: `surface`, `Cd`, and the names of attributes.",
+        Words("all there are but `vel`"),
+        "Which grids are written: `surface`, `Cd`, `vel`, and the names of attributes.",
     ),
     Key::new("half", Kind::Grids, Words("none"), "Which grids keep their numbers in 16 bits."),
     Key::new("compression", Kind::Choice(&["blosc", "zip", "none"]), Text("blosc"), "How files are packed."),
+    Key::new(
+        "max_speed",
+        Kind::Constant,
+        Words("the longest side of the shot's box in one frame"),
+        "The greatest speed in `vel`: where surfaces meet or part they move without limit.",
+    )
+    .limit(Limit::Positive)
+    .unit("units/s"),
     Key::new("color_name", Kind::Text, Text("Cd"), "The colour grid's name.").also(&["colour_name"]),
 ];
 
@@ -535,5 +543,5 @@ pub const LATER: &[(&str, &[&str])] = &[
     ("morph", &["delay", "keep", "weight"]),
     ("color", &["texture", "sample", "grid", "noise", "wood", "marble"]),
     ("output", &["adaptive"]),
-    ("grid", &["vel", "density"]),
+    ("grid", &["density"]),
 ];

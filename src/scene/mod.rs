@@ -18,6 +18,7 @@ mod load;
 mod model;
 mod morph_settings;
 mod morphing;
+mod movement;
 mod number;
 mod overrides;
 mod paint;

@@ -368,7 +368,7 @@ pub struct Output {
     pub resolution: u32,
     /// Half the band's width in voxels.
     pub half_width: f64,
-    /// Which grids are written; `None` for all there are.
+    /// Which grids are written; `None` for all there are but `vel`.
     pub grids: Option<Vec<String>>,
     /// Which grids keep 16 bits.
     pub half: Vec<String>,
@@ -376,12 +376,14 @@ pub struct Output {
     pub compression: &'static str,
     /// The colour grid's name.
     pub colour_name: String,
+    /// The greatest speed of `vel`, units a second; `None` for the longest side of the shot's box in one frame.
+    pub max_speed: Option<f64>,
 }
 
 impl Output {
-    /// Whether a grid is written where there is one of this name.
+    /// Whether a grid is written where there is one of this name. `vel` has to be asked for.
     pub fn writes(&self, grid: &str) -> bool {
-        self.grids.as_ref().is_none_or(|grids| grids.iter().any(|name| name == grid))
+        self.grids.as_ref().map_or(grid != "vel", |grids| grids.iter().any(|name| name == grid))
     }
 }
 
@@ -393,7 +395,7 @@ impl Model {
 
     /// The names of the grids that its frames may have.
     pub fn grid_names(&self) -> Vec<&str> {
-        ["surface", &self.output.colour_name].into_iter().chain(self.scalar_names()).collect()
+        ["surface", &self.output.colour_name, "vel"].into_iter().chain(self.scalar_names()).collect()
     }
 
     /// The names that formulas know beside x, y, z, t, frame, time, with their values at a frame.

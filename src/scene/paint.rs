@@ -26,7 +26,7 @@ use super::solid::{Solids, Stage};
 /// How far outside of a part a surface point may be, in voxels, and still count as inside it: feet lie on the
 /// surface to about a thousandth of a voxel. Less: specks of the parts behind; more: parts that end just below the
 /// surface shine through.
-const TOLERANCE_VOXELS: f64 = 0.05;
+pub(super) const TOLERANCE_VOXELS: f64 = 0.05;
 
 /// Which attribute of shapes is asked for.
 pub(super) trait Asked<const N: usize>: Copy {

@@ -11,6 +11,7 @@ use crate::distance::nearest::Watch;
 use crate::distance::without::Keep;
 use crate::field::{Aabb, Field};
 use crate::grid::{Lattice, VoxelSize};
+use crate::morph::Movement;
 
 use super::assets::Assets;
 use super::diagnostic::{Diagnostic, Diagnostics, listed};
@@ -58,18 +59,18 @@ pub struct Prepared {
     pub extent: Aabb,
     /// What was noticed, with places in the scene.
     pub warnings: Diagnostics,
-    model: Arc<Model>,
+    pub(super) model: Arc<Model>,
     /// All shapes that it is made from or painted by.
     parts: Vec<ShapeId>,
     assets: Arc<Assets>,
-    variation: Variation,
-    content: Ready,
+    pub(super) variation: Variation,
+    pub(super) content: Ready,
     /// All that does not change, built.
-    base: Solids,
+    pub(super) base: Solids,
 }
 
 /// What frames are made from.
-enum Ready {
+pub(super) enum Ready {
     /// A shape that never changes.
     Still(Scenery),
     /// A shape that is built for each frame.
@@ -87,6 +88,8 @@ pub struct FrameContent {
     pub colour: Option<Arc<Colour>>,
     /// The scalars of the grids that are to be written, by their names, sorted.
     pub scalars: Vec<(String, Arc<Scalar>)>,
+    /// How the surface moves; `None` where `vel` is not to be written.
+    pub movement: Option<Movement>,
     /// Where to look for the band: the solid's box grown by the band.
     pub region: Aabb,
     /// Which pieces of the solid stay.
@@ -355,7 +358,7 @@ impl Prepared {
             Ready::Changing(id) => self.changing(*id, frame).map_err(|problem| self.model.error(problem))?,
             Ready::Morph(planned) => {
                 let whole = planned.morph.field(info.t);
-                let field = self.cut(whole, frame).map_err(|problem| self.model.error(problem))?;
+                let field = self.cut(whole, frame as f64).map_err(|problem| self.model.error(problem))?;
                 let colour = self.morph_colour(planned, &info).map_err(|problem| self.model.error(problem))?;
                 let scalars = self.morph_scalars(planned, &info).map_err(|problem| self.model.error(problem))?;
                 Scenery { field, colour, scalars }
@@ -368,14 +371,18 @@ impl Prepared {
             Content::Shape(_) => Keep::ALL,
         };
         let Scenery { field, colour, scalars } = scenery;
-        Ok(FrameContent { field, colour, scalars, region, keep, info })
+        let mut movement = None;
+        if self.model.output.writes("vel") {
+            movement = Some(self.movement(frame).map_err(|problem| self.model.error(problem))?);
+        }
+        Ok(FrameContent { field, colour, scalars, movement, region, keep, info })
     }
 
     /// A morph's field without what is to be taken away.
-    fn cut(&self, whole: Arc<dyn Field>, frame: i64) -> Result<Arc<dyn Field>, Problem> {
+    pub(super) fn cut(&self, whole: Arc<dyn Field>, frame: f64) -> Result<Arc<dyn Field>, Problem> {
         let Content::Morph(morph) = &self.model.content else { return Ok(whole) };
         let Some(cut) = morph.cut else { return Ok(whole) };
-        self.base.at(self.model.moment(frame as f64), &self.variation).without(whole, cut)
+        self.base.at(self.model.moment(frame), &self.variation).without(whole, cut)
     }
 
     /// A morph's colour; `None` where nothing in it has one. Colours that change over time are made for the frame.

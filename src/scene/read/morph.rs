@@ -174,6 +174,7 @@ impl<'r, 'a> Building<'r, 'a> {
             half: self.grids(&fields, "half", &name).unwrap_or_default(),
             compression: fields.choice("compression").unwrap_or("blosc"),
             colour_name: name,
+            max_speed: fields.constant("max_speed"),
         };
         (output, chosen)
     }
@@ -188,7 +189,7 @@ impl<'r, 'a> Building<'r, 'a> {
         let value = fields.value(key)?;
         let path = fields.full(key);
         let scalars = self.shapes.iter().flatten().flat_map(|shape| shape.scalars.keys().map(String::as_str));
-        let mut known: Vec<&str> = ["surface", colour].into_iter().chain(scalars).collect();
+        let mut known: Vec<&str> = ["surface", colour, "vel"].into_iter().chain(scalars).collect();
         known.sort_unstable();
         known.dedup();
         let Some(list) = value.list().filter(|list| key != "grids" || !list.is_empty()) else {
@@ -279,5 +280,6 @@ fn default_output() -> Output {
         half: Vec::new(),
         compression: "blosc",
         colour_name: "Cd".into(),
+        max_speed: None,
     }
 }

@@ -1,0 +1,158 @@
+//! The grid of velocities: on the band, and as far outside of it as the surface moves in a frame.
+//!
+//! A renderer that blurs motion asks for the velocity where the surface will have been or come to within the frame. So
+//! each surface point's velocity is carried outward along with the point, as far as it moves in one frame.
+
+use std::cmp::Ordering;
+use std::collections::HashMap;
+
+use glam::{DVec3, IVec3, Vec3};
+use rayon::prelude::*;
+
+use crate::distance::band::MeasuredBlock;
+use crate::field::{BATCH, Points};
+use crate::grid::{BLOCK_VOXELS, Band, BlockMask, Channel, block_order, block_origin, is_active, mask, voxel_offset};
+use crate::morph::{Meter, Movement};
+
+/// Velocities over blocks of their own.
+#[derive(Clone, Debug)]
+pub struct Velocities {
+    /// The blocks' least corners, sorted as a band's.
+    pub origins: Vec<IVec3>,
+    /// Voxels that have a velocity: all active ones of the band, and more outside.
+    pub active: Vec<BlockMask>,
+    /// World units a second; 0 elsewhere.
+    pub channel: Channel<[f32; 3]>,
+    /// Voxels of the band whose velocity was held to the greatest speed.
+    pub held_voxels: u64,
+    /// That speed.
+    pub max_speed: f64,
+}
+
+/// The velocities of one block's active voxels, in their order.
+pub(super) struct BlockVelocities {
+    velocities: Box<[[f32; 3]]>,
+    /// From the block's middle to the voxels' closest surface points.
+    feet: Box<[Vec3]>,
+    held: u64,
+}
+
+/// Measures the velocities of one block after the other.
+pub(super) struct Visitor<'a> {
+    meter: Meter<'a>,
+    outward: Vec<Vec3>,
+    out: Box<[[f32; 3]; BATCH]>,
+    held: Box<[bool; BATCH]>,
+}
+
+impl<'a> Visitor<'a> {
+    pub(super) fn new(movement: &'a Movement, voxel: f64) -> Self {
+        let (out, held) = (Box::new([[0.0; 3]; BATCH]), Box::new([false; BATCH]));
+        Self { meter: movement.meter(voxel), outward: Vec::with_capacity(BATCH), out, held }
+    }
+
+    /// `feet` are those of the block's active voxels, one after the other.
+    pub(super) fn visit(&mut self, block: &MeasuredBlock, feet: &Points) -> BlockVelocities {
+        let [x, y, z] = block.normals;
+        self.outward.clear();
+        self.outward.extend(mask::places(block.active).map(|at| -Vec3::new(x[at], y[at], z[at])));
+        self.meter.velocities(feet, &self.outward, &mut self.out, &mut self.held);
+        BlockVelocities {
+            velocities: self.out[..feet.len].into(),
+            feet: (0..feet.len).map(|i| feet.offset(i)).collect(),
+            held: self.held[..feet.len].iter().filter(|held| **held).count() as u64,
+        }
+    }
+}
+
+/// A surface point's velocity, on its way outward.
+#[derive(Clone, Copy)]
+struct Carried {
+    voxel: IVec3,
+    foot: DVec3,
+    velocity: [f32; 3],
+    /// From the foot to the voxel, world units.
+    distance: f64,
+}
+
+impl Carried {
+    /// By voxels; of one voxel, the nearest foot first.
+    fn order(&self, other: &Self) -> Ordering {
+        let by_voxel = self.voxel.to_array().cmp(&other.voxel.to_array());
+        let (one, two) = (self.foot.to_array(), other.foot.to_array());
+        let by_foot = || one.iter().zip(&two).map(|(a, b)| a.total_cmp(b)).find(|order| order.is_ne());
+        let feet = || by_foot().unwrap_or(Ordering::Equal);
+        by_voxel.then_with(|| self.distance.total_cmp(&other.distance)).then_with(feet)
+    }
+}
+
+type Block = (BlockMask, Box<[[f32; 3]; BLOCK_VOXELS]>);
+
+/// The grid over a band, whose blocks' velocities these are.
+pub(super) fn grid(band: &Band, blocks: Vec<BlockVelocities>, movement: &Movement) -> Velocities {
+    let held_voxels = blocks.iter().map(|block| block.held).sum();
+    let mut front = Vec::new();
+    let mut all: HashMap<IVec3, Block> = HashMap::with_capacity(blocks.len());
+    for (i, block) in blocks.into_iter().enumerate() {
+        let (origin, active) = (band.origins[i], band.active[i]);
+        let middle = Points::middle_of_block(origin, &band.lattice);
+        let centres = Points::of_block(origin, &band.lattice);
+        let mut values = Box::new([[0.0; 3]; BLOCK_VOXELS]);
+        for ((at, velocity), foot) in mask::places(&active).zip(&block.velocities).zip(&block.feet) {
+            values[at] = *velocity;
+            if band.distances[i][at] < 0.0 {
+                let local = IVec3::new(at as i32 >> 6, at as i32 >> 3 & 7, at as i32 & 7);
+                let foot = middle + foot.as_dvec3();
+                let distance = foot.distance(centres.position(at));
+                front.push(Carried { voxel: origin + local, foot, velocity: *velocity, distance });
+            }
+        }
+        all.insert(origin, (active, values));
+    }
+    while !front.is_empty() {
+        let mut next: Vec<Carried> =
+            front.par_iter().flat_map_iter(|carried| outward(*carried, band, movement, &all)).collect();
+        next.par_sort_unstable_by(Carried::order);
+        next.dedup_by_key(|carried| carried.voxel);
+        for carried in &next {
+            let origin = block_origin(carried.voxel);
+            let (active, values) = all.entry(origin).or_insert_with(|| ([0; 8], Box::new([[0.0; 3]; BLOCK_VOXELS])));
+            let at = voxel_offset(carried.voxel);
+            active[at >> 6] |= 1 << (at & 63);
+            values[at] = carried.velocity;
+        }
+        front = next;
+    }
+    let mut sorted: Vec<(IVec3, Block)> = all.into_iter().collect();
+    sorted.par_sort_unstable_by_key(|(origin, _)| block_order(*origin));
+    let origins = sorted.iter().map(|(origin, _)| *origin).collect();
+    let active = sorted.iter().map(|(_, (active, _))| *active).collect();
+    let values = sorted.into_iter().map(|(_, (_, values))| *values).collect();
+    let channel = Channel { name: "vel".into(), values, background: [0.0; 3] };
+    Velocities { origins, active, channel, held_voxels, max_speed: movement.max_speed }
+}
+
+/// The neighbours that a voxel hands its velocity on to: outside, without one, and no farther from the surface point
+/// than that moves in a frame, and a voxel more for samples between voxels.
+fn outward<'a>(
+    carried: Carried,
+    band: &'a Band,
+    movement: &'a Movement,
+    known: &'a HashMap<IVec3, Block>,
+) -> impl Iterator<Item = Carried> + 'a {
+    let speed = Vec3::from(carried.velocity).as_dvec3().length();
+    let reach = speed * movement.frame_seconds;
+    let voxel = band.lattice.voxel_size.get();
+    let away = band.lattice.centre(carried.voxel) - carried.foot;
+    let neighbours = if reach > f64::from(band.background()) { 27 } else { 0 };
+    (0..neighbours).filter_map(move |i| {
+        let neighbour = carried.voxel + IVec3::new(i / 9, i / 3 % 3, i % 3) - 1;
+        let from_foot = band.lattice.centre(neighbour) - carried.foot;
+        let distance = from_foot.length();
+        let is_known = |(active, _): &Block| is_active(active, voxel_offset(neighbour));
+        let taken = from_foot.dot(away) > 0.0
+            && distance <= reach + voxel
+            && !known.get(&block_origin(neighbour)).is_some_and(is_known);
+        taken.then_some(Carried { voxel: neighbour, distance, ..carried })
+    })
+}
