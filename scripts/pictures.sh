@@ -17,6 +17,7 @@ hfvdb bake cube-to-heart --resolution 160 --output "$folder/hsv/cube-to-heart.##
 hfvdb bake cube-to-heart --variant rgb --resolution 160 --output "$folder/rgb/cube-to-heart.####.vdb"
 
 hfvdb preview cubism --pictures 12 --output "$images/cubism.png"
+hfvdb preview cubism --slice z=0.1 --frames 24 --size 400 --output "$images/cubism-inside.png"
 hfvdb preview cube-to-heart --pictures 12 --size 170 --output "$images/cube-to-heart.png"
 hfvdb preview cube-to-heart --variant rgb --pictures 12 --size 170 --output "$images/cube-to-heart-rgb.png"
 "$blender_python" scripts/render_blender.py "$folder/cubism" --output "$images/blender-cubism.png"

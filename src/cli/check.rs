@@ -18,14 +18,13 @@ use crate::vdb::{self, Client, Lint, Severity};
 #[derive(Args)]
 #[command(after_help = "\
 Examples:
-  hfvdb check cubism                                      a scene: errors with their line, voxels, memory, file size
-  hfvdb check cubism -v                                   each value, and whether the scene gave it
-  hfvdb check any.0001.vdb                                a file: what all programs would show wrong
-  hfvdb check any.0001.vdb --for blender,houdini          and what these two ask for
-  for f in out/*.vdb; do hfvdb check $f --for usd; done   a folder
+  hfvdb check cubism                              a scene: errors with their line, voxels, memory
+  hfvdb check cubism -v                           each value, and whether the scene gave it
+  hfvdb check any.0001.vdb                        a file: what all programs would show wrong
+  hfvdb check any.0001.vdb --for blender,houdini  and what these two ask for
 
-Errors, which programs show wrong or not at all, make exit code 1; warnings, which may be as you want it, do not. Each
-says what to do.")]
+Errors, which programs show wrong or not at all, make exit code 1; warnings do not: they may be as
+you want it. Each says what to do.")]
 pub struct Arguments {
     /// A scene file (.toml or .json), the name of a built-in scene, or a .vdb file of any maker
     #[arg(value_name = "SCENE or FILE.vdb")]

@@ -55,7 +55,7 @@ enum Command {
     Bake(bake::Arguments),
     /// Morph one mesh into another, without a scene file
     Morph(morph::Arguments),
-    /// Check a scene and estimate its voxels, memory and file size, or check a .vdb file
+    /// Check a scene and estimate its voxels, memory and file size, or check a .vdb file for programs
     Check(check::Arguments),
     /// Show what a .vdb file holds
     Info(info::Arguments),
@@ -63,7 +63,7 @@ enum Command {
     Scenes(scenes::Arguments),
     /// Hold frames against their manifest: missing, foreign, or a single bit flipped
     Verify(verify::Arguments),
-    /// Render a scene, a .vdb file or a sequence to a PNG
+    /// Take pictures of a scene, a .vdb file or a sequence: PNG, animated PNG, EXR
     Preview(preview::Arguments),
 }
 

@@ -140,7 +140,7 @@ impl Notes<'_> {
 fn check_file(layout: &Layout, findings: &mut Vec<Finding>) {
     let mut add = |severity, problem| findings.push(Finding { severity, client: None, grid: None, problem });
     if layout.grids.is_empty() {
-        add(Severity::Error, "it holds no grid".into());
+        add(Severity::Error, "it holds no grid; was it written to its end?".into());
     }
     if layout.format > FORMAT {
         let problem = format!("its format is {}; programs with OpenVDB 12 or older expect {FORMAT}", layout.format);
@@ -176,15 +176,15 @@ fn check_floats(grid: &GridLayout, blocks: &SparseBlocks<f32>, notes: &mut Notes
     let outside = blocks.background;
     let like_a_band = |end: f32| (0.5..1.1).contains(&(end.abs() / outside.abs()));
     if outside != 0.0 && least < 0.0 && greatest > 0.0 && like_a_band(least) && like_a_band(greatest) {
-        notes.error(format!("its values are those of a level set and its class is {class}: it is shown as smoke"));
+        notes.error(format!("its values are those of a level set and its class is {class}: it is shown as smoke; set its class to level set"));
     } else if class == StoredClass::FogVolume && least < 0.0 {
-        notes.warn(format!("a density of {least} is negative"));
+        notes.warn(format!("a density of {least} is negative; clamp it to 0"));
     }
 }
 
 fn check_level_set(grid: &GridLayout, blocks: &SparseBlocks<f32>, notes: &mut Notes) {
     if blocks.active.is_empty() && blocks.tiles.is_empty() {
-        return notes.warn("it is empty");
+        return notes.warn("it is empty; delete the frame if that was not meant");
     }
     let Some(voxel_size) = cubic(&grid.transform) else {
         return notes.error("its voxels are no cubes, so its values are no distances; resample it");
@@ -192,7 +192,9 @@ fn check_level_set(grid: &GridLayout, blocks: &SparseBlocks<f32>, notes: &mut No
     let background = 0.0 - blocks.background;
     let half_width = f64::from(background) / voxel_size.get();
     if background == 0.0 {
-        return notes.error("its background is 0, so all that is far outside lies on the surface");
+        return notes.error(
+            "its background is 0, so all that is far outside lies on the surface; make it the half width of the band",
+        );
     }
     if background < 0.0 {
         return notes.error(format!(
@@ -206,14 +208,14 @@ fn check_level_set(grid: &GridLayout, blocks: &SparseBlocks<f32>, notes: &mut No
     }
     let voxels = format!("its band is {half_width:.2} voxels wide on each side");
     if half_width < HALF_WIDTHS[0] - 1e-3 {
-        notes.error(format!("{voxels}: too thin to mesh and to sample"));
+        notes.error(format!("{voxels}: too thin to mesh and to sample; write 3"));
     } else if half_width < HALF_WIDTHS[1] - 1e-3 {
         notes.warn(format!("{voxels}; tools expect {}", HALF_WIDTHS[1]));
     }
     let limit = background * (1.0 + ROUNDING);
     let beyond = active_values(blocks).filter(|value| value.abs() > limit).count();
     if beyond > 0 {
-        notes.error(format!("{beyond} active values lie beyond its background, {background}"));
+        notes.error(format!("{beyond} active values lie beyond its background, {background}; clamp them to it"));
     }
     let band = band_of(blocks, IVec3::ZERO, voxel_size, half_width as f32);
     let slope = measure::slope_error(&band);
@@ -264,10 +266,10 @@ fn check_vectors(
     let count = |test: fn(&f32) -> bool| active_values(blocks).filter(|value| value.iter().any(test)).count();
     let (negative, bright) = (count(|part| *part < 0.0), count(|part| *part > 1.0));
     if negative > 0 {
-        notes.error(format!("{negative} colours have a negative channel"));
+        notes.error(format!("{negative} colours have a negative channel; clamp them to 0"));
     }
     if bright > 0 {
-        notes.warn(format!("{bright} colours have a channel above 1"));
+        notes.warn(format!("{bright} colours have a channel above 1: no surface reflects more than it gets; scale them unless they are meant so"));
     }
     let Some((other, surface)) = surface else { return };
     if other.transform != grid.transform {
@@ -276,7 +278,7 @@ fn check_vectors(
     let missing = missing_voxels(surface, blocks);
     if missing > 0 {
         notes.error(format!(
-            "{missing} active voxels of '{}' have no active value here: its mesh takes the background's colour there",
+            "{missing} active voxels of '{}' have no active value here: its mesh takes the background's colour there; write it on the same voxels",
             other.name
         ));
     }
@@ -289,7 +291,7 @@ fn check_vectors(
 fn is_finite<T: Copy>(blocks: &SparseBlocks<T>, test: impl Fn(T) -> bool, notes: &mut Notes) -> bool {
     let wrong = active_values(blocks).chain([blocks.background]).filter(|value| !test(*value)).count();
     if wrong > 0 {
-        notes.error(format!("{wrong} values are not finite numbers"));
+        notes.error(format!("{wrong} values are not finite numbers; look for a division by 0 in what made them"));
     }
     wrong == 0
 }

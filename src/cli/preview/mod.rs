@@ -24,18 +24,19 @@ use target::{Kind, Target, Writer};
 #[derive(Args)]
 #[command(after_help = "\
 The name of the output says what is made of the frames:
-  heart.png         a picture of one frame; of several a contact sheet, with curves of volume, change and pieces
-  heart.apng        all frames as an animated picture, at the scene's frames a second; browsers play it
-  heart.####.png    a picture of each frame
-  heart.exr         one frame in layers for compositing: beauty (R G B A), depth.Z, normal.XYZ, colour.RGB, mask.A
-  heart.####.exr    the same of each frame
+  heart.png       a picture of one frame; of several a contact sheet, with the curves of volume,
+                  change and pieces
+  heart.apng      all frames, moving, at the scene's frames a second; browsers play it
+  heart.####.png  a picture of each frame
+  heart.exr       one frame in layers for compositing: beauty (R G B A), depth.Z, normal.XYZ,
+                  colour.RGB, mask.A; heart.####.exr for each frame
 The camera is the same over all frames.
 
 Examples:
-  hfvdb preview cubism -o cubism.png --pictures 12            a contact sheet; the curves are of all 48 frames
-  hfvdb preview cubism -o cubism.apng                         the morph, moving
-  hfvdb preview cubism -o inside.png --slice z=0              what is inside: colours, and lines of equal distance
-  hfvdb preview out/cubism.*.vdb -o cubism.apng               files of any maker")]
+  hfvdb preview cubism -o cubism.png --pictures 12   a contact sheet; curves of all 48 frames
+  hfvdb preview cubism -o cubism.apng                the morph, moving
+  hfvdb preview cubism -o inside.png --slice z=0     colours inside, lines of equal distance
+  hfvdb preview out/cubism.*.vdb -o cubism.apng      files of any maker")]
 pub struct Arguments {
     /// A scene file, the name of a built-in scene, or .vdb files (several are a sequence)
     #[arg(value_name = "SCENE or FILE.vdb", required = true)]
