@@ -32,6 +32,8 @@ pub enum Kind {
     Progress,
     /// Two numbers, each as [`Kind::Number`], the second greater.
     Span,
+    /// Whole frames, rising.
+    KeyFrames,
     /// Frames, as `"1-48"` or `7`.
     Frames,
     /// A whole number, or a least and a greatest one.
@@ -78,6 +80,7 @@ impl Kind {
             Self::Choices(names) => format!("list of {}", choices(names)),
             Self::Progress => "`\"linear\"`, `\"smooth\"`, or the progress as a number".into(),
             Self::Span => "two numbers, rising".into(),
+            Self::KeyFrames => "list of whole frames, rising".into(),
             Self::Frames => "frames".into(),
             Self::Depth => "whole number or `[least, greatest]`".into(),
             Self::Path => "file".into(),
