@@ -109,7 +109,7 @@ pub(super) fn write_frame(
     let written = vdb::write(sequence.pattern.file(frame), &vdb_frame, &options).map_err(Error::Write)?;
     let file = sequence.file_name(frame);
     let content = (written.bytes, hexadecimal(&written.sha256));
-    let record = Record::new(frame, file, content, computed, [compute, start.elapsed()]);
+    let record = Record::new(frame, file, content, computed, prepared.report(frame), [compute, start.elapsed()]);
     let record =
         RecordFile { hfvdb_record: 1, pattern: sequence.pattern.text(), identity: output.identity.clone(), record };
     sealed::write(&sequence.record(frame), &record)?;

@@ -8,6 +8,7 @@ use super::compute::Computed;
 use super::identity::Identity;
 use super::velocity::Velocities;
 use crate::grid::{is_active, measure};
+use crate::scene::MorphReport;
 
 /// A frame that was written.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -28,6 +29,9 @@ pub struct Record {
     pub blocks: u64,
     /// Volume inside, cubic world units.
     pub volume: f64,
+    /// Of a morph: its numbers, measured on the morph's coarse grid.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub morph: Option<MorphReport>,
     /// Its grids.
     pub grids: Vec<GridRecord>,
     /// Seconds to compute it.
@@ -70,6 +74,7 @@ impl Record {
         file: String,
         (bytes, sha256): (u64, String),
         computed: &Computed,
+        morph: Option<MorphReport>,
         durations: [Duration; 2],
     ) -> Self {
         let [compute_seconds, write_seconds] = durations.map(|duration| duration.as_secs_f64());
@@ -82,6 +87,7 @@ impl Record {
             active_voxels: computed.band.active_voxels(),
             blocks: computed.band.origins.len() as u64,
             volume: measure::volume(&computed.band),
+            morph,
             grids: grids(computed),
             compute_seconds,
             write_seconds,

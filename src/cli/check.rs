@@ -11,7 +11,7 @@ use super::job;
 use super::options::{Global, Sampling, SceneArguments, SceneChanges};
 use super::progress::Progress;
 use crate::bake;
-use crate::scene::{Model, Origin};
+use crate::scene::{Model, MorphReport, Origin};
 use crate::vdb::{self, Client, Lint, Severity};
 
 /// Arguments of `hfvdb check`.
@@ -93,13 +93,19 @@ fn of_scene(arguments: &Arguments, global: &Global) -> Result<(), Failure> {
             largest = Some(estimate);
         }
     }
+    // Measured only where it is asked for: it takes about as long as a preview.
+    let numbers: Vec<(i64, MorphReport)> = if global.verbose {
+        (shot.first..=shot.last).map_while(|frame| Some((frame, prepared.report(frame)?))).collect()
+    } else {
+        Vec::new()
+    };
     drop(progress);
     let count = shot.last - shot.first + 1;
     let voxel_size = prepared.lattice.voxel_size.get();
     let limit = job::limit(&arguments.sampling);
     let Some(estimate) = largest else { return Ok(()) };
     if global.json {
-        super::print_json(&json!({
+        let mut document = json!({
             "scene": scene.scene,
             "frames": [shot.first, shot.last],
             "voxel_size": voxel_size,
@@ -112,7 +118,12 @@ fn of_scene(arguments: &Arguments, global: &Global) -> Result<(), Failure> {
                 "file_bytes": estimate.file.0,
             },
             "memory_limit_bytes": limit.0,
-        }))?;
+        });
+        if !numbers.is_empty() {
+            document["morph"] =
+                numbers.iter().map(|(frame, report)| json!({ "frame": frame, "report": report })).collect();
+        }
+        super::print_json(&document)?;
     } else {
         let mut text = if global.verbose { settings(&model) } else { String::new() };
         let size = prepared.extent.size();
@@ -123,6 +134,7 @@ fn of_scene(arguments: &Arguments, global: &Global) -> Result<(), Failure> {
              about {:.2e} voxels, {} of memory (limit {limit}), at most {} a file before compression\n",
             shot.first, shot.last, size.x, size.y, size.z, model.unit, estimate.voxels, estimate.memory, estimate.file
         );
+        text.push_str(&table(&numbers, model.shot.fps));
         super::print(&text)?;
     }
     if estimate.memory > limit {
@@ -130,6 +142,31 @@ fn of_scene(arguments: &Arguments, global: &Global) -> Result<(), Failure> {
         return Err(Failure::from(error).with_results());
     }
     Ok(())
+}
+
+/// A morph's numbers, a line for each frame. Volumes in cubic units, speed in units a second.
+fn table(numbers: &[(i64, MorphReport)], fps: f64) -> String {
+    if numbers.is_empty() {
+        return String::new();
+    }
+    let mut text = format!(
+        "{:>8} {:>7} {:>12} {:>12} {:>12} {:>6} {:>12}\n",
+        "frame", "t", "volume to be", "volume", "change", "pieces", "top speed"
+    );
+    for (frame, report) in numbers {
+        let target = report.numbers.target.map_or_else(|| "-".into(), |target| format!("{target:.5}"));
+        // Writing to a string cannot fail.
+        let _ = writeln!(
+            text,
+            "{frame:>8} {:>7.4} {target:>12} {:>12.5} {:>12.5} {:>6} {:>12.4}",
+            report.numbers.t,
+            report.numbers.volume,
+            report.numbers.change,
+            report.numbers.pieces,
+            report.displacement * fps
+        );
+    }
+    text
 }
 
 /// Every value and who gave it.

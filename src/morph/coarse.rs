@@ -76,7 +76,42 @@ impl CoarseGrid {
         voxel.cmpeq(IVec3::ZERO).any() || voxel.cmpeq(last).any()
     }
 
-    fn block_points(&self, index: usize) -> (Points, Aabb) {
+    /// How many parts of face-connected cells there are among those that are at least half inside.
+    pub(super) fn pieces(&self, fractions: &[f32]) -> usize {
+        let size = IVec3::from_array(self.blocks) * BLOCK_EDGE;
+        let mut open: Vec<bool> = fractions.iter().map(|fraction| *fraction >= 0.5).collect();
+        let (mut pieces, mut stack) = (0, Vec::new());
+        for start in 0..open.len() {
+            if !std::mem::take(&mut open[start]) {
+                continue;
+            }
+            pieces += 1;
+            stack.push(start);
+            while let Some(cell) = stack.pop() {
+                let voxel = self.voxel(cell);
+                for step in [IVec3::X, IVec3::Y, IVec3::Z].into_iter().flat_map(|axis| [axis, -axis]) {
+                    let next = voxel + step;
+                    if next.cmpge(IVec3::ZERO).all() && next.cmplt(size).all() {
+                        let next = self.cell(next);
+                        if std::mem::take(&mut open[next]) {
+                            stack.push(next);
+                        }
+                    }
+                }
+            }
+        }
+        pieces
+    }
+
+    /// The place of a voxel's cell.
+    fn cell(&self, voxel: IVec3) -> usize {
+        let (block, local) = (voxel / BLOCK_EDGE, voxel % BLOCK_EDGE);
+        let [_, ny, nz] = self.blocks;
+        let block = (block.x * ny + block.y) * nz + block.z;
+        block as usize * BATCH + (local.x * 64 + local.y * 8 + local.z) as usize
+    }
+
+    pub(super) fn block_points(&self, index: usize) -> (Points, Aabb) {
         let half_block = self.edge * f64::from(BLOCK_EDGE) * 0.5;
         let middle =
             DVec3::from_array(self.least) + (self.block(index).as_dvec3() + 0.5) * (self.edge * f64::from(BLOCK_EDGE));

@@ -16,6 +16,7 @@ mod section;
 mod settings;
 mod stb;
 mod stti;
+mod surfels;
 mod velocity;
 mod volume;
 

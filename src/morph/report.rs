@@ -1,14 +1,15 @@
 //! Numbers on a morph's frames, measured on its coarse grid.
 
 use rayon::prelude::*;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::plan::Morph;
 use super::settings::Mode;
+use super::surfels::Surfels;
 use super::volume::{Enclosing, difference, total};
 
 /// Numbers on one frame, volumes in cubic world units, measured on the coarse grid.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct FrameReport {
     /// Scene time τ.
     pub time: f64,
@@ -22,6 +23,8 @@ pub struct FrameReport {
     pub volume: f64,
     /// What lies in this frame or in the one before, but not in both; 0 in the first.
     pub change: f64,
+    /// Connected pieces.
+    pub pieces: usize,
 }
 
 /// Numbers on a sequence of frames.
@@ -53,6 +56,13 @@ impl Morph {
         Report { frames, median_change, largest_over_median }
     }
 
+    /// The farthest that the surface goes from one scene time to another, world units, to a part of a cell of the coarse
+    /// grid; what appears or vanishes counts by how far it is from the rest.
+    pub fn displacement(&self, from: f64, to: f64) -> f64 {
+        let [from, to] = [from, to].map(|time| Surfels::new(&self.plan().grid, self.field(time).as_ref()));
+        from.farthest(&to)
+    }
+
     pub(super) fn frame_report(&self, time: f64) -> (FrameReport, Vec<f32>) {
         let fresh = if self.still.is_none() { Some(self.measure(time)) } else { None };
         let measured = fresh.as_ref().or(self.still.as_ref()).expect("one of both is there");
@@ -64,6 +74,7 @@ impl Morph {
             _ => None,
         };
         let volume = total(&fractions) * cell;
-        (FrameReport { time, t, a0, target, volume, change: 0.0 }, fractions)
+        let pieces = self.plan().grid.pieces(&fractions);
+        (FrameReport { time, t, a0, target, volume, change: 0.0, pieces }, fractions)
     }
 }

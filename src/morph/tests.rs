@@ -573,6 +573,35 @@ fn points_outside(aabb: &Aabb) -> impl Iterator<Item = DVec3> {
     points.flat_map(|points| (0..BATCH).map(move |i| points.position(i))).filter(|position| !aabb.contains(*position))
 }
 
+/// A ball that moves without changing, and balls around one centre: the farthest that their surfaces go is known.
+#[test]
+fn the_surfaces_farthest_way() {
+    let ball = || Exact::ball(0.0, 0.7);
+    let way = || Motion::moving(|time| Similarity::new(1.0, DVec3::ZERO, DVec3::X * time).expect("sound"));
+    let moving = Morph::new(object(ball(), YELLOW, way()), object(ball(), PINK, way()), Settings::default());
+    let moving = moving.expect("a morph");
+    let cell = moving.plan().grid.edge();
+    for (from, to, wanted) in [(0.3, 0.4, 0.1), (0.4, 0.9, 0.5), (0.9, 0.9, 0.0)] {
+        let found = moving.displacement(from, to);
+        assert!((found - wanted).abs() < 0.2 * cell, "{found} for {wanted}");
+    }
+    let growing = morph_with(Exact::ball(0.0, 0.5), Exact::ball(0.0, 0.9), Settings::default());
+    let radius = |time: f64| {
+        let field = growing.field(time);
+        (0..9000).map(|i| f64::from(i) * 1e-4).find(|x| field.reference(DVec3::X * *x) < 0.0).unwrap_or(0.9)
+    };
+    let cell = growing.plan().grid.edge();
+    for (from, to) in [(0.0, 0.2), (0.2, 0.7), (0.7, 1.0)] {
+        let (found, wanted) = (growing.displacement(from, to), radius(to) - radius(from));
+        assert!((found - wanted).abs() < 0.2 * cell, "{found} for {wanted}");
+    }
+    // Two that lie apart, one shrinking as the other grows: two pieces on the way.
+    let bridge = OverTime::still(0.05);
+    let apart = morph_with(Exact::ball(-1.0, 0.5), Exact::ball(1.0, 0.5), flow(Flow { bridge, ..Flow::default() }));
+    let pieces: Vec<usize> = apart.report(&[0.0, 0.5, 1.0]).frames.iter().map(|frame| frame.pieces).collect();
+    assert_eq!(pieces, [1, 2, 1]);
+}
+
 #[test]
 fn the_same_bits_on_one_thread_and_two() {
     let plan = |threads: usize| {

@@ -417,6 +417,51 @@ fn a_morphs_ease_by_keys_and_formula() {
 }
 
 #[test]
+fn a_chain_of_objects() {
+    let shapes = "frames = '1-9'\noutput.voxel_size = 0.06\n[shape.a]\nsphere = 1\ncolor = 'red'\n[shape.b]\nbox = 1.4\nmove = [0.2, 0, 't']\n\
+                  [shape.c]\nsphere = 0.6\ncolor = 'blue'\n[morph]\ncolor_space = 'rgb'\n";
+    let of = |keys: &str| prepared_with(&format!("{shapes}{keys}\n"), None).unwrap_or_else(|error| panic!("{error}"));
+    let chain = of("through = ['a', 'b', 'c']\nat = [1, 4, 9]\nvolume = { 1 = 1, 4 = 1, 6 = 1.3, 9 = 1 }");
+    // Each key frame is its object, to the bit.
+    let (first, middle, last) = (chain.frame(1).unwrap(), chain.frame(4).unwrap(), chain.frame(9).unwrap());
+    assert_eq!(value(&first, 0.7, 0.0, 0.0), 1.0 - 0.7);
+    assert!((value(&middle, 0.2 + 0.6, 0.0, 0.375) - 0.1).abs() < 1e-12);
+    assert_eq!(value(&last, 0.0, 0.5, 0.0), 0.6 - 0.5);
+    assert_eq!([colour(&first, 1.0, 0.0, 0.0), colour(&last, 0.6, 0.0, 0.0)], [RED, BLUE]);
+    let [r, g, b] = colour(&middle, 0.9, 0.0, 0.3);
+    assert!(r == g && g == b && r > 0.5, "{r} {g} {b}");
+    // Its parts are the morphs of two by themselves.
+    let parts = [
+        of("from = 'a'\nto = 'b'\nover = '1-4'"),
+        of("from = 'b'\nto = 'c'\nover = '4-9'\nvolume = { 4 = 1, 6 = 1.3, 9 = 1 }"),
+    ];
+    for (part, frames) in parts.iter().zip([1..=3, 4..=9]) {
+        for number in frames {
+            let (whole, alone) = (chain.frame(number).unwrap(), part.frame(number).unwrap());
+            for (x, y, z) in [(0.4, 0.5, 0.1), (-0.7, 0.1, 0.6), (0.9, 0.2, -0.3)] {
+                assert_eq!(value(&whole, x, y, z), value(&alone, x, y, z), "frame {number}");
+                assert_eq!(colour(&whole, x, y, z), colour(&alone, x, y, z), "frame {number}");
+            }
+        }
+    }
+    // The numbers of a frame: of the way to it, whichever morph that is of.
+    let numbers = |frame: i64| chain.report(frame).expect("a morph");
+    let t = |frame: i64| numbers(frame).numbers.t;
+    assert_eq!((numbers(1).numbers.change, t(1), t(4), t(5) > 0.0), (0.0, 0.0, 1.0, true));
+    for frame in 2..=9 {
+        let MorphReport { numbers, displacement } = numbers(frame);
+        assert!(numbers.change > 0.0 && displacement > 0.01 && numbers.pieces == 1, "{frame}: {numbers:?}");
+    }
+    // Evenly where nobody says when: at frames 1, 5 and 9.
+    let even = of("through = ['a', 'b', 'c']");
+    assert!((value(&even.frame(5).unwrap(), 0.8, 0.0, 0.5) - 0.1).abs() < 1e-12);
+    refused(
+        &format!("{shapes}through = ['a', 'b', 'c']\nvolume = {{ 1 = 1, 5 = 2, 9 = 1 }}\n"),
+        "`morph.volume` is 2 at frame 5, and must be 1 there",
+    );
+}
+
+#[test]
 fn linear_blending_and_the_plain_union() {
     let text = "frames = '1-9'\n[shape.a]\nsphere = 1\ncolor = 'red'\n[shape.b]\nbox = 1.4\ncolor = 'blue'\nmove = [0.6, 0, 0]\n\
                 [morph]\nfrom = 'a'\nto = 'b'\npace = 't'\n";
@@ -448,7 +493,7 @@ fn linear_blending_and_the_plain_union() {
 
 #[test]
 fn a_blend_without_end_is_said_with_its_frame() {
-    let keys = "mode = 'paper'\nslab = [-1, 2]\na0 = { 1 = 0.1, 5 = 1000 }";
+    let keys = "mode = 'paper'\nslab = [-1, 2]\na0 = { 1 = 0.1, 5 = 1000 }\na1 = 100\na2 = 100";
     let error = prepared_with(&format!("{BALLS}{keys}\n"), None).err().expect("it is refused").to_string();
     assert!(error.contains("the in-betweens spread far outside both objects, first at t = "), "{error}");
     assert!(error.contains(" (frame "), "{error}");

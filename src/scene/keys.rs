@@ -34,6 +34,8 @@ pub enum Kind {
     Span,
     /// Names of grids.
     Grids,
+    /// Whole frames, rising.
+    KeyFrames,
     /// Frames, as `"1-48"` or `7`.
     Frames,
     /// A whole number, or a least and a greatest one.
@@ -84,6 +86,7 @@ impl Kind {
             Self::Progress => "`\"linear\"`, `\"smooth\"`, or the progress as a number".into(),
             Self::Span => "two numbers, rising".into(),
             Self::Grids => "list of grids".into(),
+            Self::KeyFrames => "list of whole frames, rising".into(),
             Self::Frames => "frames".into(),
             Self::Depth => "whole number or `[least, greatest]`".into(),
             Self::Path => "file".into(),

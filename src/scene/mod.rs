@@ -50,7 +50,7 @@ pub use load::{Source, load, morph_of_meshes};
 pub use model::*;
 pub use number::{BadNumber, Moment, Number, NumberValue};
 pub use overrides::Overrides;
-pub use prepare::{FrameContent, FrameInfo, PrepareOptions, Prepared};
+pub use prepare::{FrameContent, FrameInfo, MorphReport, PrepareOptions, Prepared};
 pub use reader::Setting;
 pub use reference::reference;
 pub use source::{Place, Span};

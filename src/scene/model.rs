@@ -69,8 +69,9 @@ pub struct Parameter {
 pub enum Content {
     /// One shape.
     Shape(ShapeId),
-    /// One shape becoming another.
-    Morph(Box<Morph>),
+    /// One shape becoming another, and that one the next: at least one morph, each beginning at the frame and with the
+    /// shape where the one before it ends.
+    Morph(Vec<Morph>),
 }
 
 impl Content {
@@ -78,7 +79,7 @@ impl Content {
     pub fn shows(&self, id: ShapeId) -> bool {
         match self {
             Self::Shape(shown) => *shown == id,
-            Self::Morph(morph) => morph.from == id || morph.to == id,
+            Self::Morph(morphs) => morphs.iter().any(|morph| morph.from == id || morph.to == id),
         }
     }
 }

@@ -30,6 +30,7 @@ use super::variation::Variation;
 const MOST_CELLS: f64 = 512.0;
 
 /// One of the two objects before it is measured.
+#[derive(Clone)]
 pub(super) struct Object {
     id: ShapeId,
     stage: Stage,
@@ -50,7 +51,7 @@ pub(super) fn smallest_cell(voxel: f64, solid: &Aabb) -> f64 {
     voxel.max(solid.size().max_element() / MOST_CELLS)
 }
 
-/// What both objects are, before anything depends on the voxel size.
+/// What both objects of a morph are, before anything depends on the voxel size.
 pub(super) struct Pair {
     from: Object,
     to: Object,
@@ -177,18 +178,30 @@ pub(super) struct Planned {
     pub bytes: u64,
 }
 
-/// Measures both objects and plans the morph. `voxel` is about a voxel's edge.
+/// How objects are measured.
+pub(super) struct Measuring<'w> {
+    /// About a voxel's edge.
+    pub voxel: f64,
+    /// The most memory that one may take, in bytes.
+    pub memory_limit: Option<usize>,
+    /// Told how far it is, and asked whether to stop.
+    pub watch: Watch<'w>,
+    /// Those measured so far: a chain shows all but its first and last twice.
+    pub done: Vec<(ShapeId, MeasuredSide)>,
+}
+
+/// Measures both objects and plans the morph.
 pub(super) fn plan(
     model: &Arc<Model>,
     solids: &mut Solids,
     morph: &Morph,
     pair: Pair,
-    voxel: f64,
-    memory_limit: Option<usize>,
-    watch: &Watch<'_>,
+    measuring: &mut Measuring<'_>,
 ) -> Result<Planned, Stop> {
-    let from = measured(model, solids, &pair.from, voxel, memory_limit, watch)?;
-    let to = measured(model, solids, &pair.to, voxel, memory_limit, watch)?;
+    let before = measuring.done.len();
+    let from = measured(model, solids, &pair.from, measuring)?;
+    let to = measured(model, solids, &pair.to, measuring)?;
+    let voxel = measuring.voxel;
     let has_colour = from.paint.is_some() || to.paint.is_some();
     let mut scalars = Vec::new();
     for name in model.scalar_names() {
@@ -202,7 +215,7 @@ pub(super) fn plan(
     }
     let brush = |side: &Object| Brush { id: side.id, stage: side.stage, voxel: side.voxel(voxel) };
     let (from_brush, to_brush) = (brush(&pair.from), brush(&pair.to));
-    let bytes = (from.distance.report().bytes + to.distance.report().bytes) as u64;
+    let bytes = measuring.done[before..].iter().map(|(_, side)| side.distance.report().bytes as u64).sum();
     let settings = settings(model, morph)?;
     let planned = morph::Morph::new(from.object(&pair.from), to.object(&pair.to), settings).map_err(|error| {
         let span = match error {
@@ -220,7 +233,8 @@ pub(super) fn plan(
 }
 
 /// An object's distance and colour.
-struct MeasuredSide {
+#[derive(Clone)]
+pub(super) struct MeasuredSide {
     distance: Arc<DistanceObject>,
     paint: Option<Paint<3>>,
 }
@@ -240,10 +254,12 @@ fn measured(
     model: &Model,
     solids: &mut Solids,
     side: &Object,
-    voxel: f64,
-    memory_limit: Option<usize>,
-    watch: &Watch<'_>,
+    measuring: &mut Measuring<'_>,
 ) -> Result<MeasuredSide, Stop> {
+    if let Some((_, done)) = measuring.done.iter().find(|(id, _)| *id == side.id) {
+        return Ok(done.clone());
+    }
+    let Measuring { voxel, memory_limit, ref watch, .. } = *measuring;
     let shape = model.shape(side.id);
     let cell = smallest_cell(side.voxel(voxel), &side.solid);
     let paint = solids.paint(TheColour, side.id, side.stage, side.voxel(voxel))?;
@@ -258,24 +274,32 @@ fn measured(
         BuildError::Cancelled => Stop::Cancelled,
         error => problem(error.to_string()),
     })?;
-    Ok(MeasuredSide { distance: Arc::new(distance), paint })
+    let measured = MeasuredSide { distance: Arc::new(distance), paint };
+    measuring.done.push((side.id, measured.clone()));
+    Ok(measured)
 }
 
-/// The box of F ≥ 0 over the whole shot: while the shape changes, as the morph knows it; before and after, of the
-/// object that is seen.
-pub(super) fn extent_over_shot(model: &Model, morph: &Morph, planned: &morph::Morph) -> Result<Aabb, Problem> {
+/// The morph of a chain that a frame shows: where one ends, the next.
+pub(super) fn shown_at(morphs: &[Morph], frame: f64) -> usize {
+    morphs.iter().rposition(|morph| morph.over.first as f64 <= frame).unwrap_or(0)
+}
+
+/// The box of F ≥ 0 over the whole shot: while a shape changes, as its morph knows it; before and after, of the object
+/// that is seen.
+pub(super) fn extent_over_shot(model: &Model, morphs: &[Morph], planned: &[Planned]) -> Result<Aabb, Problem> {
     let range = model.shot.range;
-    let over = morph.over;
-    let frames: Vec<f64> = sampled_frames(model.shot.range)
-        .into_iter()
-        .filter(|&frame| {
-            let at_an_end = frame == range.first as f64 || frame == range.last as f64;
-            at_an_end || frame <= over.first as f64 || frame >= over.last as f64
-        })
-        .collect();
-    let mut all = if over.last <= range.first || over.first >= range.last { None } else { Some(planned.extent()) };
+    let (first, last) = (morphs[0].over.first, morphs[morphs.len() - 1].over.last);
+    let frames = sampled_frames(range).into_iter().filter(|&frame| {
+        let at_an_end = frame == range.first as f64 || frame == range.last as f64;
+        at_an_end || frame <= first as f64 || frame >= last as f64
+    });
+    let seen = morphs.iter().zip(planned).filter(|(morph, _)| {
+        let over = morph.over;
+        over.last > range.first && over.first < range.last
+    });
+    let mut all = seen.map(|(_, planned)| planned.morph.extent()).reduce(Aabb::union);
     for frame in frames {
-        let field = planned.field(range.share(frame));
+        let field = planned[shown_at(morphs, frame)].morph.field(range.share(frame));
         // A section in the papers' mode may be empty at the ends.
         let seen = box_of(field.as_ref()).ok();
         all = match (all, seen) {
@@ -283,12 +307,12 @@ pub(super) fn extent_over_shot(model: &Model, morph: &Morph, planned: &morph::Mo
             (one, other) => one.or(other),
         };
     }
-    all.ok_or_else(|| Problem::new(morph.span, "nothing is inside in any frame of the morph"))
+    all.ok_or_else(|| Problem::new(morphs[0].span, "nothing is inside in any frame of the morph"))
 }
 
 /// One warning that names the frames that hold nothing. Where a₀ follows from the volume there are none.
-pub(super) fn empty_frames(model: &Model, morph: &Morph, planned: &morph::Morph) -> Option<Diagnostic> {
-    let help = match &morph.mode {
+pub(super) fn empty_frames(model: &Model, morphs: &[Morph], planned: &[Planned]) -> Option<Diagnostic> {
+    let help = match &morphs[0].mode {
         MorphMode::Volume { .. } | MorphMode::Union => return None,
         MorphMode::Linear => {
             "linear blending needs objects that overlap: move them together, or use `mode = \"volume\"`"
@@ -299,17 +323,18 @@ pub(super) fn empty_frames(model: &Model, morph: &Morph, planned: &morph::Morph)
     };
     let range = model.shot.range;
     let frames: Vec<i64> = sampled_frames(range).into_iter().map(|frame| frame.round() as i64).collect();
-    let times: Vec<f64> = frames.iter().map(|frame| range.share(*frame as f64)).collect();
-    let report = planned.report(&times);
-    let empty: Vec<(i64, f64)> = frames
-        .into_iter()
-        .zip(&report.frames)
-        .filter(|(_, report)| report.volume == 0.0)
-        .map(|(frame, report)| (frame, report.t))
-        .collect();
+    let mut empty: Vec<(i64, f64)> = Vec::new();
+    for (place, planned) in planned.iter().enumerate() {
+        let own = |frame: &i64| shown_at(morphs, *frame as f64) == place;
+        let frames: Vec<i64> = frames.iter().copied().filter(own).collect();
+        let times: Vec<f64> = frames.iter().map(|frame| range.share(*frame as f64)).collect();
+        let report = planned.morph.report(&times);
+        let all = frames.into_iter().zip(&report.frames);
+        empty.extend(all.filter(|(_, report)| report.volume == 0.0).map(|(frame, report)| (frame, report.t)));
+    }
     let (first, last) = (empty.first()?.1, empty.last()?.1);
     let numbers: Vec<i64> = empty.iter().map(|(frame, _)| *frame).collect();
     let count = if empty.len() == 1 { "frame" } else { "frames" };
     let problem = format!("the morph is empty in {count} {} (t = {first:.3} to {last:.3})", in_ranges(&numbers));
-    Some(Diagnostic::warning(morph.span, problem).help(help))
+    Some(Diagnostic::warning(morphs[0].span, problem).help(help))
 }

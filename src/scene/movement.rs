@@ -52,8 +52,9 @@ impl Prepared {
                 }
                 Ready::Morph(planned) => {
                     let (time, later) = (shot.range.share(now), shot.range.share(then));
-                    let field = self.cut(planned.morph.moving_field(later), then)?;
-                    (field, planned.morph.own_way(time, later))
+                    // Beside an object of a chain the instants lie in two morphs.
+                    let field = self.cut(planned[self.shown(then)].morph.moving_field(later), then)?;
+                    (field, planned[self.shown(now)].morph.own_way(time, later))
                 }
             };
             movement.around.push(Around { instant, field, own });

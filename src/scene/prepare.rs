@@ -1,9 +1,11 @@
 //! A model made ready for frames: meshes read, the box of the whole shot and the voxel size known.
 
+use std::collections::BTreeSet;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
 
 use crate::attribute::{Colour, Scalar, Straight};
 use crate::distance::extent::{self, extent};
@@ -11,14 +13,14 @@ use crate::distance::nearest::Watch;
 use crate::distance::without::Keep;
 use crate::field::{Aabb, Field};
 use crate::grid::{Lattice, VoxelSize};
-use crate::morph::Movement;
+use crate::morph::{FrameReport, Movement};
 
 use super::assets::Assets;
 use super::diagnostic::{Diagnostic, Diagnostics, listed};
 use super::error::{Error, Problem};
 use super::frames::{FrameRange, Shot};
 use super::model::{AttributeSource, Content, Model, Morph, ShapeId};
-use super::morphing::{Brush, Pair, Planned, empty_frames, extent_over_shot, pair, plan};
+use super::morphing::{Brush, Measuring, Pair, Planned, empty_frames, extent_over_shot, pair, plan, shown_at};
 use super::paint::{Asked, Paint, Scenery, TheColour, TheScalar};
 use super::solid::{Solids, Stage};
 use super::source::Span;
@@ -75,8 +77,8 @@ pub(super) enum Ready {
     Still(Scenery),
     /// A shape that is built for each frame.
     Changing(ShapeId),
-    /// A morph.
-    Morph(Box<Planned>),
+    /// A chain of morphs.
+    Morph(Vec<Planned>),
 }
 
 /// All that a frame's grids are computed from.
@@ -96,6 +98,17 @@ pub struct FrameContent {
     pub keep: Keep,
     /// The frame's place in time.
     pub info: FrameInfo,
+}
+
+/// Numbers on a frame of a morph.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct MorphReport {
+    /// Its volume and what changed since the frame before.
+    #[serde(flatten)]
+    pub numbers: FrameReport,
+    /// The farthest that the surface went since the frame before, world units, to a part of a cell of the morph's coarse
+    /// grid; 0 in the shot's first.
+    pub displacement: f64,
 }
 
 /// A frame's place in time.
@@ -136,7 +149,9 @@ impl From<Problem> for Stop {
 fn prepare(model: &Arc<Model>, options: &PrepareOptions<'_>) -> Result<Prepared, Stop> {
     let roots = match &model.content {
         Content::Shape(id) => vec![*id],
-        Content::Morph(morph) => [morph.from, morph.to].into_iter().chain(morph.cut).collect(),
+        Content::Morph(morphs) => {
+            morphs.iter().flat_map(|morph| [morph.from, morph.to].into_iter().chain(morph.cut)).collect()
+        }
     };
     let parts = model.with_parts(&roots);
     let assets = Arc::new(Assets::load(model, &parts)?);
@@ -146,10 +161,10 @@ fn prepare(model: &Arc<Model>, options: &PrepareOptions<'_>) -> Result<Prepared,
     let mut warnings = solids.cut_by_bounds(&parts)?;
     let (content, extent, lattice) = match &model.content {
         Content::Shape(id) => ready_shape(model, &mut solids, &variation, *id, options)?,
-        Content::Morph(morph) => ready_morph(model, &mut solids, &variation, morph, options)?,
+        Content::Morph(morphs) => ready_morphs(model, &mut solids, &variation, morphs, options)?,
     };
-    if let (Content::Morph(morph), Ready::Morph(planned)) = (&model.content, &content) {
-        warnings.extend(empty_frames(model, morph, &planned.morph));
+    if let (Content::Morph(morphs), Ready::Morph(planned)) = (&model.content, &content) {
+        warnings.extend(empty_frames(model, morphs, planned));
     }
     Ok(Prepared {
         lattice,
@@ -182,21 +197,50 @@ fn ready_shape(
     Ok((Ready::Still(scenery(solids, id, &lattice)?), extent, lattice))
 }
 
-fn ready_morph(
+fn ready_morphs(
     model: &Arc<Model>,
     solids: &mut Solids,
     variation: &Variation,
-    morph: &Morph,
+    morphs: &[Morph],
     options: &PrepareOptions<'_>,
 ) -> Result<(Ready, Aabb, Lattice), Stop> {
-    let pair = pair(model, solids, variation, morph)?;
+    let pairs = morphs.iter().map(|morph| pair(model, solids, variation, morph)).collect::<Result<Vec<_>, _>>()?;
+    let both = pairs.iter().map(|pair| pair.both).reduce(Aabb::union).expect("a chain has a morph");
     // The in-betweens' box is known only once the objects are measured; about a voxel is enough for that.
-    let about = lattice(model, options, pair.both)?;
-    admit(model, morph, &pair, &about, options)?;
-    let watch = Watch { cancel: options.cancel, progress: options.progress };
-    let planned = plan(model, solids, morph, pair, about.voxel_size.get(), options.memory_limit, &watch)?;
-    let extent = extent_over_shot(model, morph, &planned.morph)?;
-    Ok((Ready::Morph(Box::new(planned)), extent, lattice(model, options, extent)?))
+    let about = lattice(model, options, both)?;
+    for (morph, pair) in morphs.iter().zip(&pairs) {
+        admit(model, morph, pair, &about, options)?;
+    }
+    let mut measuring = Measuring {
+        voxel: about.voxel_size.get(),
+        memory_limit: options.memory_limit,
+        watch: Watch { cancel: options.cancel, progress: options.progress },
+        done: Vec::new(),
+    };
+    let mut planned = Vec::new();
+    for (morph, pair) in morphs.iter().zip(pairs) {
+        planned.push(plan(model, solids, morph, pair, &mut measuring)?);
+    }
+    alike(&mut planned);
+    let extent = extent_over_shot(model, morphs, &planned)?;
+    Ok((Ready::Morph(planned), extent, lattice(model, options, extent)?))
+}
+
+/// Gives all morphs of a chain the same grids: where none of a morph's objects has an attribute, it is what shapes
+/// without it count as.
+fn alike(chain: &mut [Planned]) {
+    let has_colour = chain.iter().any(|planned| planned.has_colour);
+    let names: BTreeSet<String> =
+        chain.iter().flat_map(|planned| planned.scalars.iter().map(|(name, _)| name.clone())).collect();
+    for planned in chain {
+        planned.has_colour = has_colour;
+        for (place, name) in names.iter().enumerate() {
+            if planned.scalars.get(place).is_none_or(|(there, _)| there != name) {
+                let absent = || Paint::solid(TheScalar(name).absent()).attribute;
+                planned.scalars.insert(place, (name.clone(), [absent(), absent()]));
+            }
+        }
+    }
 }
 
 /// Refuses a morph whose frames cannot but take too much memory, before its objects are measured.
@@ -357,6 +401,7 @@ impl Prepared {
             Ready::Still(scenery) => scenery.clone(),
             Ready::Changing(id) => self.changing(*id, frame).map_err(|problem| self.model.error(problem))?,
             Ready::Morph(planned) => {
+                let planned = &planned[self.shown(frame as f64)];
                 let whole = planned.morph.field(info.t);
                 let field = self.cut(whole, frame as f64).map_err(|problem| self.model.error(problem))?;
                 let colour = self.morph_colour(planned, &info).map_err(|problem| self.model.error(problem))?;
@@ -367,7 +412,7 @@ impl Prepared {
         let margin = (f64::from(self.half_width) + 2.0) * self.lattice.voxel_size.get();
         let region = scenery.field.bounding_box().unwrap_or(self.extent).grown(margin);
         let keep = match &self.model.content {
-            Content::Morph(morph) => morph.keep,
+            Content::Morph(morphs) => morphs[0].keep,
             Content::Shape(_) => Keep::ALL,
         };
         let Scenery { field, colour, scalars } = scenery;
@@ -378,10 +423,32 @@ impl Prepared {
         Ok(FrameContent { field, colour, scalars, movement, region, keep, info })
     }
 
+    /// Numbers on a morph's frame and on the way to it from the one before, measured on the morph's coarse grid; `None`
+    /// where the scene is no morph. The same whatever else is asked for.
+    pub fn report(&self, frame: i64) -> Option<MorphReport> {
+        let Ready::Morph(planned) = &self.content else { return None };
+        let range = self.model.shot.range;
+        let (frame, before) = (frame.clamp(range.first, range.last), (frame - 1).clamp(range.first, range.last));
+        let [from, to] = [before, frame].map(|frame| range.share(frame as f64));
+        // A chain's object at its own frame is the end of the morph to it.
+        let morph = &planned[self.shown(before as f64)].morph;
+        let numbers = morph.report(&[from, to]).frames.pop()?;
+        let displacement = if before == frame { 0.0 } else { morph.displacement(from, to) };
+        Some(MorphReport { numbers, displacement })
+    }
+
+    /// Which morph of a chain a frame shows.
+    pub(super) fn shown(&self, frame: f64) -> usize {
+        match &self.model.content {
+            Content::Morph(morphs) => shown_at(morphs, frame),
+            Content::Shape(_) => 0,
+        }
+    }
+
     /// A morph's field without what is to be taken away.
     pub(super) fn cut(&self, whole: Arc<dyn Field>, frame: f64) -> Result<Arc<dyn Field>, Problem> {
-        let Content::Morph(morph) = &self.model.content else { return Ok(whole) };
-        let Some(cut) = morph.cut else { return Ok(whole) };
+        let Content::Morph(morphs) = &self.model.content else { return Ok(whole) };
+        let Some(cut) = morphs[0].cut else { return Ok(whole) };
         self.base.at(self.model.moment(frame), &self.variation).without(whole, cut)
     }
 
@@ -458,7 +525,10 @@ impl Prepared {
 
     /// About how much memory the prepared scene itself holds, in bytes: frames come on top.
     pub fn memory_estimate(&self) -> u64 {
-        let distances = if let Ready::Morph(planned) = &self.content { planned.bytes } else { 0 };
+        let distances = match &self.content {
+            Ready::Morph(planned) => planned.iter().map(|planned| planned.bytes).sum(),
+            _ => 0,
+        };
         self.assets.bytes() + distances
     }
 }

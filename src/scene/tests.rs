@@ -365,6 +365,41 @@ fn a_morphs_ease_that_is_wrong() {
 }
 
 #[test]
+fn chains_that_are_wrong() {
+    let morph = |keys: &str| {
+        format!("frames='1-9'\n[shape.a]\nsphere=1\n[shape.b]\nbox=1\n[shape.c]\nbox=2\n[morph]\n{keys}\n")
+    };
+    only(&morph("to = 'b'"), "8:2 `morph` has no `from`; What it is at the first frame.");
+    only(&morph("from = 'c'\nthrough = ['a', 'b', 'c']"), "9:1 `from` and `through` say the same thing twice");
+    only(&morph("through = ['a']"), "9:11 `morph.through` must be at least two shapes, such as [\"a\", \"b\", \"c\"]");
+    only(&morph("through = ['a', 'd', 'c']"), "9:18 there is no `shape.d`; did you mean `a`?");
+    only(&morph("through = ['a', 'b', 'c']\nat = [1, 9]"), "10:6 `morph.at` has 2 frames for 3 shapes");
+    only(&morph("through = ['a', 'b', 'c']\nat = [1, 9, 4]"), "10:13 `morph.at` must rise from shape to shape");
+    only(&morph("through = ['a', 'b', 'c']\nat = [1, 4.5, 9]"), "10:10 `morph.at` must be whole frames");
+    only(&morph("from = 'a'\nto = 'b'\nat = [1, 9]"), "11:1 `at` goes with `through`");
+    only(
+        &morph("through = ['a', 'b', 'c']\nease = { 1 = 0, 9 = 1 }"),
+        "10:8 `morph.ease` by keys or formula is the progress of one morph, and `through` makes several; \"linear\" and \"smooth\" are of each",
+    );
+    only(
+        &morph("through = ['a', 'b', 'c']\ncolor_over = '1-5'"),
+        "10:1 `color_over` does not go with `through`; colours change from shape to shape",
+    );
+    only(
+        &morph("through = ['a', 'b', 'c']\nat = [1, 4, 9]\nover = '1-9'"),
+        "11:1 `over` and `at` say the same thing twice",
+    );
+    only(
+        &morph("through = ['a', 'b', 'c']\nover = '1-2'"),
+        "10:9 2 frames are too few for 3 shapes, one after the other",
+    );
+    only(
+        &morph("through = ['a', 'b', 'c']\nat = [1, 4, 12]"),
+        "10:6 `morph.at` reaches beyond the scene's frames, 1-9; the morph is not whole within the shot",
+    );
+}
+
+#[test]
 fn formulas_point_into_the_text() {
     only("[shape.a]\nsphere = \"1 + tt\"\n", "2:15 nothing here is called `tt`; did you mean `t`?");
     only("[shape.a]\nformula = \"1 - x^2 - (y^2\"\n", "2:22 this `(` is never closed");

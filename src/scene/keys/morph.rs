@@ -5,8 +5,20 @@ use super::{COLOUR_SPACES, Key, Kind, Limit};
 
 /// The morph.
 pub const MORPH: &[Key] = &[
-    Key::new("from", Kind::Shape, Required, "What it is at the first frame."),
-    Key::new("to", Kind::Shape, Required, "What it is at the last frame."),
+    Key::new("from", Kind::Shape, Words("must be there, or `through`"), "What it is at the first frame."),
+    Key::new("to", Kind::Shape, Words("must be there, or `through`"), "What it is at the last frame."),
+    Key::new(
+        "through",
+        Kind::Shapes,
+        Nothing,
+        "In place of `from` and `to`: the shapes that it becomes one after the other, each by a morph of its own with all other keys alike. At its frame each is shown as it is, so `volume` is 1 there.",
+    ),
+    Key::new(
+        "at",
+        Kind::KeyFrames,
+        Words("evenly over `over`"),
+        "The frame of each shape of `through`; before the first and after the last it stands.",
+    ),
     Key::new(
         "mode",
         Kind::Choice(&["volume", "paper", "linear", "union"]),

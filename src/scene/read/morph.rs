@@ -11,25 +11,25 @@ use super::super::reader::{Fields, is_later};
 use super::super::source::Span;
 use super::super::value::{Table, Value};
 use super::Building;
+use super::chain::Link;
 use super::links::Node;
 
 impl<'r, 'a> Building<'r, 'a> {
     /// `None` where there is none, or where an error was said.
-    pub(super) fn morph(&mut self, shot: &Shot) -> Option<Morph> {
+    pub(super) fn morph(&mut self, shot: &Shot) -> Option<Vec<Morph>> {
         let entry = self.root.get("morph")?;
         let keys = keys::MORPH.iter().collect();
         let fields = Fields::of_value(self.reader, "morph", "morph", entry.key_span, &entry.value, keys)?;
-        let from = fields.value("from").and_then(|value| self.shape_reference("morph.from", value));
-        let to = fields.value("to").and_then(|value| self.shape_reference("morph.to", value));
         let cut = fields.value("cut").and_then(|value| self.shape_reference("morph.cut", value));
         let mode = self.morph_mode(&fields);
-        let over = self.within_shot(&fields, "over", shot).unwrap_or(shot.range);
-        let colour_over = self.within_shot(&fields, "color_over", shot).unwrap_or(over);
+        let ease = self.ease(&fields);
+        let chain = self.chain(&fields, &ease, shot);
         if shot.still {
             let problem = Diagnostic::error(entry.key_span, "a morph needs the scene's `frames`");
             self.reader.say(problem.help("such as frames = \"1-48\""));
         }
-        Some(Morph {
+        let chain = chain?;
+        let morph = Morph {
             cut,
             keep: Keep {
                 largest_only: fields.choice("keep") == Some("largest"),
@@ -37,17 +37,25 @@ impl<'r, 'a> Building<'r, 'a> {
             },
             even_pace: fields.choice("pace") == Some("even"),
             mode,
-            ease: self.ease(&fields),
+            ease,
             octopus: fields.flag("octopus"),
             colour_space: fields.choice("color_space").unwrap_or("oklab"),
             alpha: fields.required_number("alpha"),
             beta: fields.required_number("beta"),
-            over,
-            colour_over,
+            over: chain[0].over,
+            colour_over: chain[0].colour_over,
             span: entry.key_span,
-            from: from?,
-            to: to?,
-        })
+            from: chain[0].from,
+            to: chain[0].to,
+        };
+        let link = |link: Link| Morph {
+            from: link.from,
+            to: link.to,
+            over: link.over,
+            colour_over: link.colour_over,
+            ..morph.clone()
+        };
+        Some(chain.into_iter().map(link).collect())
     }
 
     fn morph_mode(&self, fields: &Fields<'r, 'a>) -> MorphMode {
@@ -129,7 +137,7 @@ impl<'r, 'a> Building<'r, 'a> {
         Some(MorphRound { a0: number("a0"), reach: number("reach"), a3: number("a3"), depth: number("depth") })
     }
 
-    fn within_shot(&self, fields: &Fields<'r, 'a>, name: &str, shot: &Shot) -> Option<FrameRange> {
+    pub(super) fn within_shot(&self, fields: &Fields<'r, 'a>, name: &str, shot: &Shot) -> Option<FrameRange> {
         let range = fields.frames(name)?;
         let span = fields.entry(name).map_or(fields.span, |entry| entry.value.span);
         if range.count() < 2 {
@@ -216,12 +224,12 @@ impl<'r, 'a> Building<'r, 'a> {
     }
 
     /// What is baked: the morph, else the shape that is named, else the one that nobody uses.
-    pub(super) fn content(&self, morph: Option<Morph>, chosen: Option<(ShapeId, Span)>) -> Option<Content> {
+    pub(super) fn content(&self, morph: Option<Vec<Morph>>, chosen: Option<(ShapeId, Span)>) -> Option<Content> {
         if let Some(morph) = morph {
             if let Some((_, span)) = chosen {
                 self.reader.say(Diagnostic::warning(span, "`output.shape` is not used: the morph is what is baked"));
             }
-            return Some(Content::Morph(Box::new(morph)));
+            return Some(Content::Morph(morph));
         }
         if self.root.get("morph").is_some() {
             return None;
