@@ -1,5 +1,5 @@
-//! Frames opened in real Blender: meshed, played as a sequence, and their colours compared with the exact ones at every
-//! vertex of the mesh.
+//! Frames opened in real Blender: meshed, played as a sequence, their colours compared with the exact ones at every vertex
+//! of the mesh, and their motion blurred.
 //!
 //! `HFVDB_BLENDER_PYTHON` names a Python that has Blender as a module (`scripts/test.sh` sets it). Without it these
 //! tests say that they were skipped.
@@ -294,5 +294,30 @@ fn second_surfaces_and_crumbs_are_found() {
     assert!(problems("crumb.vdb").contains("2 pieces instead of 1"), "{}", problems("crumb.vdb"));
     for name in ["unfilled2.vdb", "unfilled3.vdb"] {
         assert!(problems(name).contains("a second surface"), "{name}: {}", problems(name));
+    }
+}
+
+/// A ball of radius 0.5 that moves 0.375 units a frame is seen so much wider, and is so much narrower where nothing else
+/// is seen, as the shutter is open.
+#[test]
+fn motion_is_blurred_in_blender_as_the_velocities_say() {
+    let Some(python) = blender() else { return };
+    let place = Workplace::new();
+    let scene = "frames = '1-9'\n[shape.a]\nsphere = 0.5\nmove = ['3*t - 1.5', 0, 0]\n\
+                 [output]\ngrids = ['surface', 'vel']\nvoxel_size = 0.03\n";
+    place.write("moving.toml", scene);
+    place.hfvdb("bake moving.toml --frames 5 -o moving.####.vdb").ok();
+    let script = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/motion_blur.py");
+    let run = place.run(Command::new(python).arg(script).arg(place.path("moving.0005.vdb"))).ok();
+    let lines =
+        run.stdout.lines().map(|line| line.split(' ').filter_map(|number| number.parse::<f64>().ok()).collect());
+    let lines: Vec<Vec<f64>> = lines.filter(|numbers: &Vec<f64>| numbers.len() == 3).collect();
+    assert_eq!(lines.len(), 3, "{}", run.stdout);
+    for line in &lines {
+        let [shutter, seen, alone] = line[..] else { unreachable!("three numbers") };
+        // Where less than 2 % is seen counts as nothing, at both ends; and a pixel is 0.005 units.
+        let (wider, error) = (0.375 * shutter, 0.02 + 0.04 * 0.375 * shutter);
+        assert!((seen - (1.0 + wider)).abs() < error, "{line:?}");
+        assert!((alone - (1.0 - wider)).abs() < error, "{line:?}");
     }
 }

@@ -216,6 +216,43 @@ mod tests {
         assert_eq!(weight(0.4, 0.0, 0.5, 0.1, 0.2), 0.4);
     }
 
+    /// Outside of the object at an end its colour gives way with the distance, from all of it on the surface.
+    #[test]
+    fn outside_at_the_ends_the_other_colour_comes_in_evenly() {
+        for (alpha, beta) in parameters().filter(|(_, beta)| (0.1..0.9).contains(beta)) {
+            for second in [-0.7, -0.2, 0.0, 0.4] {
+                let mut last = 0.0;
+                for far in [1e-9, 1e-3, 0.1, 0.5] {
+                    let at_start = weight(0.0, alpha, beta, -far, second);
+                    assert!(at_start > last && at_start < 1.0, "{at_start} after {last}");
+                    // The second object stands as the first does, with β turned round.
+                    let at_end = 1.0 - weight(1.0, alpha, 1.0 - beta, second, -far);
+                    assert!((at_start - at_end).abs() < 1e-12);
+                    last = at_start;
+                }
+                assert!(weight(0.0, alpha, beta, -1e-9, second) < 1e-6);
+            }
+        }
+    }
+
+    /// At its limits β leaves one of the distances out; in the middle both count alike.
+    #[test]
+    fn beta_at_its_limits_and_in_the_middle() {
+        for alpha in [0.05, 0.3, 2.0] {
+            for (first, second) in places() {
+                for time in [0.1, 0.5, 0.9] {
+                    assert_eq!(weight(time, alpha, 0.0, first, second), weight(time, alpha, 0.0, first, 0.3));
+                    assert_eq!(weight(time, alpha, 1.0, first, second), weight(time, alpha, 1.0, 0.3, second));
+                    let turned = weight(1.0 - time, alpha, 0.5, second, first);
+                    assert!((weight(time, alpha, 0.5, first, second) + turned - 1.0).abs() < 1e-12);
+                    // By time alone whatever β, where α is large.
+                    let by_time = weight(time, 1e5, 0.2, first, second);
+                    assert!((by_time - time).abs() < 1e-3, "{by_time} at {time}");
+                }
+            }
+        }
+    }
+
     #[test]
     fn beta_favours_an_object() {
         let at = |beta: f64| weight(0.5, 0.3, beta, -0.4, -0.4);

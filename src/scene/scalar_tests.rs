@@ -150,6 +150,23 @@ fn scalars_go_through_a_morph_by_the_weights_of_colours() {
     }
 }
 
+/// Past the end of `color_over` the second object's colour creeps on outward with `octopus`, and stands without.
+#[test]
+fn the_octopus_goes_on_past_the_end_of_the_colours() {
+    let mix = |octopus: bool, frame: i64, at: [f64; 3]| {
+        let scene = prepared(&format!(
+            "frames = '1-9'\n[shape.a]\nsphere = 1\nmove = [-1, 0, 0]\n[shape.b]\nsphere = 1\nmove = [1, 0, 0]\n\
+             attribute.mix = 1\n[morph]\nfrom = 'a'\nto = 'b'\ncolor_over = '1-5'\noctopus = {octopus}\n"
+        ));
+        scalar(&scene.frame(frame).unwrap(), "mix", at)
+    };
+    let outside = [-1.2, 0.2, 0.0];
+    let creeping = [5, 6, 8].map(|frame| mix(true, frame, outside));
+    assert!(creeping[0] < creeping[1] && creeping[1] < creeping[2] && creeping[2] < 1.0, "{creeping:?}");
+    assert_eq!([6, 8].map(|frame| mix(false, frame, outside)), [creeping[0]; 2]);
+    assert_eq!([5, 8].map(|frame| mix(true, frame, [1.5, 0.0, 0.0])), [1.0; 2]);
+}
+
 #[test]
 fn grids_choose_what_is_computed() {
     let text = |grids: &str| {

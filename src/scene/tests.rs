@@ -114,6 +114,11 @@ fn wrong_types_and_ranges() {
         "unit = \"parsec\"\n[shape.a]\nsphere=1",
         "1:9 `unit` cannot be `parsec`; there is `m`, `cm`, `mm`, `km`, `in` and `ft`",
     );
+    let morph = |line: &str| {
+        format!("frames='1-9'\n[shape.a]\nsphere=1\n[shape.b]\nbox=1\n[morph]\nfrom='a'\nto='b'\n{line}\n")
+    };
+    only(&morph("alpha = -0.1"), "9:9 `morph.alpha` must be 0 or greater");
+    only(&morph("beta = 1.5"), "9:8 `morph.beta` must be from 0 to 1");
     only("hfvdb = 2\n[shape.a]\nsphere=1", "1:9 `hfvdb` must be from 1 to 1");
     only("[shape]\na = 3\n", "2:5 `shape.a` must be a table");
     only("shape = 3\n", "1:9 `shape` must be a table");
