@@ -148,6 +148,7 @@ impl Morph {
             Mode::Paper(paper) => Stage::Between(paper.at(time).section(t)),
             Mode::Linear(_) => Stage::Linear(t),
             Mode::Union => Stage::Union(t),
+            Mode::Still => Stage::From,
             Mode::Flow(flow) => {
                 let a0 = match &self.still {
                     Some(measured) => self.enclosing(measured, time, t).a0,
@@ -226,14 +227,14 @@ impl Morph {
 
     /// STB's t at scene time τ, in \[0, 1\].
     pub(super) fn time_at(&self, time: f64) -> f64 {
-        self.plan.pace.at(self.settings.eased(time))
+        if matches!(self.settings.mode, Mode::Still) { 0.0 } else { self.plan.pace.at(self.settings.eased(time)) }
     }
 
     fn paced(&self) -> bool {
         match &self.settings.mode {
             Mode::Flow(flow) => flow.pace == Pace::Even,
             Mode::Linear(pace) => *pace == Pace::Even,
-            Mode::Paper(_) | Mode::Union => false,
+            Mode::Paper(_) | Mode::Union | Mode::Still => false,
         }
     }
 
@@ -244,12 +245,13 @@ impl Morph {
         if t <= 0.0 {
             return plain(object_fractions(grid, &measured.first, unit));
         }
-        if t >= 1.0 {
+        if t >= 1.0 && !matches!(self.settings.mode, Mode::Still) {
             return plain(object_fractions(grid, &measured.second, unit));
         }
         match &self.settings.mode {
             Mode::Linear(_) => plain(linear_fractions(grid, measured, unit, t)),
             Mode::Union => plain(union_fractions(grid, measured, unit)),
+            Mode::Still => plain(object_fractions(grid, &measured.first, unit)),
             Mode::Paper(paper) => Volume::new(grid, measured, unit, paper.at(time).section(t)).as_it_is(),
             Mode::Flow(flow) => {
                 let volume = Volume::new(grid, measured, unit, flow.section(t, time));

@@ -51,6 +51,8 @@ pub enum Mode {
     Linear(Pace),
     /// Both objects at once between the ends, by max.
     Union,
+    /// The first object's all along; attributes alone go over (STTI §6.3).
+    Still,
     /// All of the blend's parameters by hand, t as it comes; frames may be empty.
     Paper(OverTime<Paper>),
 }
@@ -214,7 +216,7 @@ impl Settings {
             match &self.mode {
                 Mode::Flow(flow) => flow.check(share, time)?,
                 Mode::Paper(paper) => paper.at(time).check()?,
-                Mode::Linear(_) | Mode::Union => {}
+                Mode::Linear(_) | Mode::Union | Mode::Still => {}
             }
             if let Ease::Keyed(progress) = &self.ease {
                 within("ease", progress.at(time), 0.0, 1.0)?;

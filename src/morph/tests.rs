@@ -568,6 +568,39 @@ fn the_plain_modes_are_their_formulas() {
     }
 }
 
+/// A shape that stays, and takes on the other's colour first where the other is near.
+#[test]
+fn a_still_shape_takes_colours_alone() {
+    let (from, to) = (Exact::ball(-0.3, 0.5), Exact::ball(1.2, 0.4));
+    let settings = Settings { mode: Mode::Still, colour_over: [0.0, 0.5], octopus: true, ..Settings::default() };
+    let morph = morph_with(from.clone(), to, settings);
+    let cell = DVec3::splat(morph.plan().grid.edge());
+    assert!(morph.extent().min.cmpge(DVec3::new(-0.8, -0.5, -0.5) - cell).all());
+    assert!(morph.extent().max.cmple(DVec3::new(0.2, 0.5, 0.5) + cell).all());
+    let points = random_points(3, 1.5);
+    for time in [0.0, 0.4, 1.0] {
+        assert_eq!(morph.stage(time), Stage::From);
+        let field = morph.field(time);
+        assert!((0..BATCH).all(|i| field.reference(points.position(i)) == from.reference(points.position(i))));
+    }
+    let report = morph.report(&[0.0, 0.5, 1.0]);
+    assert!(report.frames.iter().all(|frame| frame.volume == report.frames[0].volume && frame.change == 0.0));
+    // How near the colour is to the other's, where the other is near and where it is far.
+    let mut feet = Points::new(DVec3::ZERO);
+    feet.push(glam::Vec3::new(0.2, 0.0, 0.0));
+    feet.push(glam::Vec3::new(-0.8, 0.0, 0.0));
+    let share = |time: f64| -> [f32; 2] {
+        let mut out = [[0.0; 3]; BATCH];
+        morph.colour(time).sampler().sample(&feet, &mut out);
+        let distance = |a: LinearRgb, b: LinearRgb| (0..3).map(|i| (a[i] - b[i]).powi(2)).sum::<f32>().sqrt();
+        std::array::from_fn(|i| 1.0 - distance(out[i], PINK) / distance(YELLOW, PINK))
+    };
+    let shares = [0.0, 0.25, 0.5, 1.0].map(share);
+    assert!(shares[0].iter().all(|share| share.abs() < 1e-6));
+    assert!(shares[1..].iter().all(|[near, far]| near > far), "{shares:?}");
+    assert!(shares.windows(2).all(|two| two[1][0] > two[0][0] && two[1][1] > two[0][1]), "{shares:?}");
+}
+
 fn points_outside(aabb: &Aabb) -> impl Iterator<Item = DVec3> {
     let points = (0..20).map(|seed| random_points(seed, 2.0));
     points.flat_map(|points| (0..BATCH).map(move |i| points.position(i))).filter(|position| !aabb.contains(*position))

@@ -20,6 +20,21 @@ const SCENES: &[BuiltIn] = &[
         line: "a cube becomes a heart; variants rgb and linear",
     },
     BuiltIn {
+        name: "three-ways",
+        text: include_str!("../../scenes/three-ways.toml"),
+        line: "a cube, a heart and a ring in a chain, with a scalar that goes with them",
+    },
+    BuiltIn {
+        name: "red-blue",
+        text: include_str!("../../scenes/red-blue.toml"),
+        line: "how alpha and beta carry colour: --set alpha=3 --set beta=0.25",
+    },
+    BuiltIn {
+        name: "octopus",
+        text: include_str!("../../scenes/octopus.toml"),
+        line: "a shape takes on the colours of what it sits on",
+    },
+    BuiltIn {
         name: "cubism",
         text: include_str!("../../scenes/cubism.toml"),
         line: "two cubes of coloured, faceted cells flow into one another",

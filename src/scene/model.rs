@@ -319,6 +319,8 @@ pub enum MorphMode {
     Linear,
     /// Both objects at once on the way.
     Union,
+    /// The first object all along.
+    Still,
     /// The STB paper's numbers as given.
     Paper(Box<MorphPaper>),
 }

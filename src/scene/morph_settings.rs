@@ -27,6 +27,7 @@ pub(super) fn settings(model: &Arc<Model>, morph: &Morph) -> Result<morph::Setti
         }),
         MorphMode::Linear => Mode::Linear(pace),
         MorphMode::Union => Mode::Union,
+        MorphMode::Still => Mode::Still,
         MorphMode::Paper(numbers) => Mode::Paper(paper(model, numbers)?),
     };
     Ok(morph::Settings {

@@ -313,7 +313,7 @@ pub(super) fn extent_over_shot(model: &Model, morphs: &[Morph], planned: &[Plann
 /// One warning that names the frames that hold nothing. Where a₀ follows from the volume there are none.
 pub(super) fn empty_frames(model: &Model, morphs: &[Morph], planned: &[Planned]) -> Option<Diagnostic> {
     let help = match &morphs[0].mode {
-        MorphMode::Volume { .. } | MorphMode::Union => return None,
+        MorphMode::Volume { .. } | MorphMode::Union | MorphMode::Still => return None,
         MorphMode::Linear => {
             "linear blending needs objects that overlap: move them together, or use `mode = \"volume\"`"
         }

@@ -521,6 +521,10 @@ fn what_a_morphs_mode_does_not_use() {
         &morph("mode = 'union'\nease = 'smooth'"),
         "10:1 `ease` is not for `mode = \"union\"`; it goes with `volume`, `paper` and `linear`",
     );
+    only(
+        &morph("mode = 'still'\nover = '1-4'"),
+        "10:1 `over` is not for `mode = \"still\"`; it goes with `volume`, `paper`, `linear` and `union`",
+    );
     only(&morph("mode = 'linear'\na0 = 1"), "10:1 `a0` is for `mode = \"paper\"` only");
     only(&morph("mode = 'paper'\na1 = -1"), "10:6 `morph.a1` must be greater than 0");
     only(&morph("volume = { 1 = 1, 5 = 0, 9 = 1 }"), "9:23 `morph.volume.5` must be from 0.001 to 100");

@@ -21,9 +21,9 @@ pub const MORPH: &[Key] = &[
     ),
     Key::new(
         "mode",
-        Kind::Choice(&["volume", "paper", "linear", "union"]),
+        Kind::Choice(&["volume", "paper", "linear", "union", "still"]),
         Text("volume"),
-        "How the shape changes. `volume`: space-time blending, the volume runs evenly from the one's to the other's. `paper`: the same with a0 … a3 and s as given. `linear`: (1 − t)·f₁ + t·f₂ of the two distances; objects that lie apart vanish on the way. `union`: both objects at once on the way, by max, so it jumps at both ends: what space-time blending smooths out.",
+        "How the shape changes. `volume`: space-time blending, the volume runs evenly from the one's to the other's. `paper`: the same with a0 … a3 and s as given. `linear`: (1 − t)·f₁ + t·f₂ of the two distances; objects that lie apart vanish on the way. `union`: both objects at once on the way, by max, so it jumps at both ends: what space-time blending smooths out. `still`: the shape stays the first one, colours and attributes alone go over, first where the last one is near; with `octopus` they creep on.",
     ),
     Key::new(
         "bridge",
@@ -122,4 +122,5 @@ pub const BY_MODE: &[(&[&str], &[&str])] = &[
     (&["bridge", "volume"], &["volume"]),
     (&["pace"], &["volume", "linear"]),
     (&["ease"], &["volume", "paper", "linear"]),
+    (&["through", "at", "over"], &["volume", "paper", "linear", "union"]),
 ];

@@ -64,6 +64,7 @@ impl<'r, 'a> Building<'r, 'a> {
         match mode {
             "linear" => return MorphMode::Linear,
             "union" => return MorphMode::Union,
+            "still" => return MorphMode::Still,
             "volume" => {
                 let (bridge, volume) = (fields.required_number("bridge"), fields.required_number("volume"));
                 return MorphMode::Volume { bridge, volume };
