@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Makes all pictures of the documentation anew, in docs/images: the program's own contact sheets, and those rendered in
-# Blender (Cycles). About ten minutes on two cores; what is baked for it stays in out/pictures.
+# Blender (Cycles). Many minutes on two cores; what is baked for it stays in out/pictures.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -20,6 +20,16 @@ hfvdb preview cubism --pictures 12 --output "$images/cubism.png"
 hfvdb preview cubism --slice z=0.1 --frames 24 --size 400 --output "$images/cubism-inside.png"
 hfvdb preview cube-to-heart --pictures 12 --size 170 --output "$images/cube-to-heart.png"
 hfvdb preview cube-to-heart --variant rgb --pictures 12 --size 170 --output "$images/cube-to-heart-rgb.png"
+hfvdb preview cube-to-heart --variant linear --pictures 12 --size 170 --output "$images/cube-to-heart-linear.png"
+hfvdb preview three-ways --pictures 12 --size 170 --output "$images/three-ways.png"
+hfvdb preview octopus --pictures 8 --output "$images/octopus.png"
+for alpha in 0.05 0.3 3; do
+    for beta in 0.15 0.5 0.85; do
+        hfvdb bake red-blue --set "alpha=$alpha" --set "beta=$beta" --frames 7 --resolution 128 --quiet \
+            --output "$folder/alpha=$alpha, beta=$beta.vdb"
+    done
+done
+hfvdb preview "$folder"/alpha*.vdb --columns 3 --output "$images/red-blue.png"
 "$blender_python" scripts/render_blender.py "$folder/cubism" --output "$images/blender-cubism.png"
 "$blender_python" scripts/render_blender.py "$folder/hsv" "$folder/rgb" --pictures 6 \
     --output "$images/blender-cube-to-heart.png"

@@ -52,6 +52,20 @@ fn the_name_says_what_is_made() {
     assert_eq!(pictures(&place, "each.0007.png").1, 64);
 }
 
+/// Files that are no sequence are not taken for one, whatever digits their names end in.
+#[test]
+fn files_of_several_names_stand_side_by_side() {
+    let place = workplace();
+    for name in ["beta=0.5", "beta=0.15", "ring.5"] {
+        place.hfvdb(&format!("bake ball.toml --resolution 24 --frames 24 -o {name}.vdb")).ok();
+    }
+    let told = place.hfvdb("preview beta=0.5.vdb beta=0.15.vdb ring.5.vdb --size 64 -o all.png --json").ok();
+    let told = json(&told.stdout);
+    assert_eq!((0..3).map(|i| told["frames"][i]["frame"].as_i64().unwrap()).collect::<Vec<_>>(), [1, 2, 3]);
+    let files = place.hfvdb("preview beta=0.5.vdb ring.5.vdb --size 64 -o each.####.png").ok();
+    assert_eq!(files.stdout, "each.0001.png\neach.0002.png\n");
+}
+
 #[test]
 fn layers_go_into_an_exr() {
     let place = workplace();

@@ -29,6 +29,8 @@ const LEAST_WIDTH: usize = 640;
 pub struct SheetFrame {
     /// Its number.
     pub frame: i64,
+    /// What stands under its picture, where it is not the number: the frame is then none of a sequence.
+    pub label: Option<String>,
     /// Its picture; a frame without one is in the curves only.
     pub image: Option<Image>,
     /// The solid's volume.
@@ -51,16 +53,17 @@ pub struct ContactSheet {
 }
 
 impl ContactSheet {
-    /// Puts the sheet together. A sequence of fewer than two frames has no curves.
+    /// Puts the sheet together. There are curves only of a sequence, of two frames or more.
     pub fn compose(&self) -> Image {
-        let pictures: Vec<(i64, &Image)> =
-            self.frames.iter().filter_map(|frame| frame.image.as_ref().map(|image| (frame.frame, image))).collect();
+        let pictures: Vec<(&SheetFrame, &Image)> =
+            self.frames.iter().filter_map(|frame| frame.image.as_ref().map(|image| (frame, image))).collect();
         let cell_width = pictures.iter().map(|(_, image)| image.width()).max().unwrap_or(0);
         let cell_height = pictures.iter().map(|(_, image)| image.height()).max().unwrap_or(0);
         let columns = self.columns(pictures.len());
         let rows = pictures.len().div_ceil(columns);
         let row_height = cell_height + LINE + GAP;
-        let curves = if self.frames.len() < 2 { Vec::new() } else { self.curves() };
+        let is_sequence = self.frames.len() > 1 && self.frames.iter().all(|frame| frame.label.is_none());
+        let curves = if is_sequence { self.curves() } else { Vec::new() };
         let least = if curves.is_empty() { 1 } else { LEAST_WIDTH };
         let width = (columns.min(pictures.len()) * (cell_width + GAP) + GAP).max(least);
         let heading = if self.title.is_empty() { 0 } else { LINE + GAP };
@@ -77,7 +80,8 @@ impl ContactSheet {
             sheet.paste(image, left + (cell_width - image.width()) / 2, top);
             let middle = (left + cell_width / 2) as i64;
             let under = (top + cell_height) as i64;
-            text::draw(&mut sheet, middle, under, &frame.to_string(), Style::Plain, Align::Centre, INK);
+            let label = frame.label.clone().unwrap_or_else(|| frame.frame.to_string());
+            text::draw(&mut sheet, middle, under, &label, Style::Plain, Align::Centre, INK);
         }
         if !curves.is_empty() {
             let panel = Image::new(width - 2 * GAP, panel_height, PANEL);
@@ -141,7 +145,8 @@ mod tests {
 
     fn frame(number: i64, pixels: usize) -> SheetFrame {
         let image = Some(Image::new(pixels, pixels, [number as u8, 0, 0, 255]));
-        SheetFrame { frame: number, image, volume: 1.0, change: (number > 1).then_some(0.1), pieces: 1 }
+        let change = (number > 1).then_some(0.1);
+        SheetFrame { frame: number, label: None, image, volume: 1.0, change, pieces: 1 }
     }
 
     #[test]
@@ -161,6 +166,9 @@ mod tests {
         assert!(ContactSheet::default().compose().encode_png().is_ok());
         let one = ContactSheet { frames: vec![frame(7, 30)], ..Default::default() }.compose();
         assert!(one.height() < 100, "one frame has no curves");
+        let named = SheetFrame { label: Some("a".into()), ..frame(7, 30) };
+        let named = ContactSheet { frames: vec![named.clone(), named], ..Default::default() }.compose();
+        assert!(named.height() < 100, "what is no sequence has no curves");
         let blind = SheetFrame { image: None, ..frame(2, 1) };
         let curves_only = ContactSheet { frames: vec![blind.clone(), blind], ..Default::default() }.compose();
         assert_eq!(curves_only.width(), LEAST_WIDTH);

@@ -147,6 +147,7 @@ fn show(
         if writer.wants_sheet() {
             sheet.frames.push(SheetFrame {
                 frame: source.numbers[place],
+                label: source.labels.as_ref().map(|labels| labels[place].clone()),
                 image,
                 volume: measure::volume(&shown.band),
                 change: last.as_ref().and_then(|last| measure::change(last, &shown.band)),

@@ -31,6 +31,8 @@ pub struct Source<'a> {
     pub name: String,
     /// Their numbers.
     pub numbers: Vec<i64>,
+    /// Their names, where they are no frames of one sequence.
+    pub labels: Option<Vec<String>>,
     /// The box that holds the object in all of them.
     pub bounds: Aabb,
     /// Gives the frame at a place in the list.
@@ -88,7 +90,7 @@ pub fn of_scene(
         Ok(Shown { band: computed.band, colour: computed.colour, inside, fps: model.shot.fps })
     };
     let (name, bounds) = (arguments.inputs[0].clone(), prepared.extent);
-    show(&Source { name, numbers: numbers.clone(), bounds, compute: &compute }, &progress)
+    show(&Source { name, numbers: numbers.clone(), labels: None, bounds, compute: &compute }, &progress)
 }
 
 /// Whether an input is a file of voxels.
@@ -123,16 +125,29 @@ pub fn of_files(
             own.map_or(Aabb::new(DVec3::NEG_ONE, DVec3::ONE), |(least, greatest)| Aabb::new(least, greatest))
         }
     };
-    let numbers = inputs.iter().enumerate().map(|(place, path)| number(path).unwrap_or(place as i64 + 1)).collect();
+    let (names, frames): (Vec<&str>, Vec<Option<i64>>) = inputs.iter().map(|path| name_and_number(path)).unzip();
+    let is_sequence = names.iter().all(|name| *name == names[0]) && frames.iter().all(Option::is_some);
+    let (name, numbers, labels) = if is_sequence {
+        (inputs[0].clone(), frames.into_iter().flatten().collect(), None)
+    } else {
+        let labels: Vec<String> = inputs.iter().map(|path| stem(path).to_owned()).collect();
+        let title = if inputs.len() == 1 { inputs[0].clone() } else { format!("{} files", inputs.len()) };
+        (title, (1..=inputs.len() as i64).collect(), Some(labels))
+    };
     let compute = |place: usize| read(&inputs[place]);
-    show(&Source { name: inputs[0].clone(), numbers, bounds, compute: &compute }, &progress)
+    show(&Source { name, numbers, labels, bounds, compute: &compute }, &progress)
 }
 
-/// The number in a file's name, as programs read it: the last digits before the extension.
-fn number(path: &str) -> Option<i64> {
-    let stem = Path::new(path).file_stem().and_then(|stem| stem.to_str()).unwrap_or_default();
-    let digits = stem.len() - stem.trim_end_matches(|c: char| c.is_ascii_digit()).len();
-    stem[stem.len() - digits..].parse().ok()
+/// A file's name without its extension.
+fn stem(path: &str) -> &str {
+    Path::new(path).file_stem().and_then(|stem| stem.to_str()).unwrap_or_default()
+}
+
+/// The name of a file's sequence, and its number as programs read it: the last digits before the extension.
+fn name_and_number(path: &str) -> (&str, Option<i64>) {
+    let whole = path.rsplit_once('.').map_or(path, |(whole, _)| whole);
+    let name = whole.trim_end_matches(|c: char| c.is_ascii_digit());
+    (name, whole[name.len()..].parse().ok())
 }
 
 /// The level set of a file, and a colour over the same blocks if there is one.
