@@ -21,6 +21,7 @@ hfvdb preview cubism --slice z=0.1 --frames 24 --size 400 --output "$images/cubi
 hfvdb preview cube-to-heart --pictures 12 --size 170 --output "$images/cube-to-heart.png"
 hfvdb preview cube-to-heart --variant rgb --pictures 12 --size 170 --output "$images/cube-to-heart-rgb.png"
 hfvdb preview cube-to-heart --variant linear --pictures 12 --size 170 --output "$images/cube-to-heart-linear.png"
+hfvdb preview cube-to-heart --variant paper --pictures 12 --size 170 --output "$images/cube-to-heart-paper.png"
 hfvdb preview three-ways --pictures 12 --size 170 --output "$images/three-ways.png"
 hfvdb preview octopus --pictures 8 --output "$images/octopus.png"
 for alpha in 0.05 0.3 3; do

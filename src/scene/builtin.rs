@@ -17,7 +17,7 @@ const SCENES: &[BuiltIn] = &[
     BuiltIn {
         name: "cube-to-heart",
         text: include_str!("../../scenes/cube-to-heart.toml"),
-        line: "a cube becomes a heart; variants rgb and linear",
+        line: "a cube becomes a heart; variants rgb, linear and paper",
     },
     BuiltIn {
         name: "three-ways",
