@@ -5,7 +5,6 @@ Importing this starts Blender (`pip install bpy`, tried with 5.0.1) with nothing
 goes to stderr from here on; what a script has to say goes to `STDOUT`.
 """
 import os
-import re
 import sys
 
 STDOUT = os.fdopen(os.dup(1), "w")
@@ -14,35 +13,11 @@ os.dup2(2, 1)
 import bpy  # noqa: E402
 import numpy as np  # noqa: E402
 
+sys.path.append(os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "blender_examples"))
+from hfvdb_blender import Graph, last_number, new_object  # noqa: E402
+
 bpy.ops.wm.read_factory_settings(use_empty=True)
 bpy.context.scene.render.threads_mode, bpy.context.scene.render.threads = "FIXED", os.cpu_count() or 1
-
-
-class Graph:
-    """A geometry node tree, written as nested calls."""
-
-    def __init__(self, name):
-        self.tree = bpy.data.node_groups.new(name, "GeometryNodeTree")
-        self.tree.interface.new_socket("Geometry", in_out="OUTPUT", socket_type="NodeSocketGeometry")
-
-    def add(self, kind, output=0, settings=None, **inputs):
-        """A node with settings and inputs (by name, or i0, i1, ... by place); returns one of its outputs."""
-        node = self.tree.nodes.new(kind)
-        for key, value in (settings or {}).items():
-            setattr(node, key, value)
-        for key, value in inputs.items():
-            place = re.fullmatch(r"i(\d+)", key)
-            socket = node.inputs[int(place[1])] if place else node.inputs[key]
-            if isinstance(value, bpy.types.NodeSocket):
-                self.tree.links.new(value, socket)
-            else:
-                socket.default_value = value
-        return node.outputs[output]
-
-    def finish(self, geometry):
-        out = self.tree.nodes.new("NodeGroupOutput")
-        self.tree.links.new(geometry, out.inputs[0])
-        return self.tree
 
 
 def coloured_mesh(volume, surface, colour, probe=None, material=None):
@@ -80,19 +55,6 @@ def coloured_mesh(volume, surface, colour, probe=None, material=None):
     if material:
         mesh = graph.add("GeometryNodeSetMaterial", "Geometry", Geometry=mesh, Material=material)
     return graph.finish(mesh)
-
-
-def new_object(name, data):
-    """An object with data, in the scene."""
-    item = bpy.data.objects.new(name, data)
-    bpy.context.scene.collection.objects.link(item)
-    return item
-
-
-def last_number(path):
-    """The number that Blender reads: the last run of digits before the extension."""
-    found = re.search(r"(\d+)\.vdb$", os.path.basename(path))
-    return int(found[1]) if found else None
 
 
 class Player:
