@@ -142,6 +142,19 @@ fn a_dry_run_writes_nothing_and_tells_what_would_come() {
 }
 
 #[test]
+fn nobody_reading_stderr_stops_no_bake() {
+    let place = workplace();
+    for (arguments, code) in [(format!("{BAKE} --frames 30"), 0), ("bake no.toml -o out/n.vdb".into(), 1)] {
+        let (reader, writer) = std::io::pipe().expect("a pipe");
+        drop(reader);
+        let mut command = Command::new(env!("CARGO_BIN_EXE_hfvdb"));
+        command.args(arguments.split_whitespace()).current_dir(place.root()).stdout(Stdio::null()).stderr(writer);
+        assert_eq!(command.status().expect("the program starts").code(), Some(code), "{arguments}");
+    }
+    assert_eq!(place.frames("out"), ["m.0030.vdb"]);
+}
+
+#[test]
 fn the_log_of_events_is_json_line_by_line() {
     let place = workplace();
     place.hfvdb(&format!("{BAKE} --frames 3")).ok();

@@ -59,7 +59,7 @@ fn of_file(path: &Path, clients: &[Client], global: &Global) -> Result<(), Failu
     let warnings = findings.len() - errors;
     for finding in &findings {
         match finding.severity {
-            Severity::Error => eprintln!("error: {}: {finding}", path.display()),
+            Severity::Error => super::say(&format!("error: {}: {finding}", path.display())),
             Severity::Warning => global.warn(&format!("{}: {finding}", path.display())),
         }
     }

@@ -72,9 +72,9 @@ impl Failure {
         if events::tell(event, &serde_json::json!({ "exit_code": self.code, "message": self.message })) {
             // A log of events holds nothing else.
         } else if self.rendered {
-            eprintln!("{}", self.message.trim_end());
+            super::say(self.message.trim_end());
         } else {
-            eprintln!("error: {}", self.message);
+            super::say(&format!("error: {}", self.message));
         }
         if json && !self.told {
             let document = serde_json::json!({ "error": { "exit_code": self.code, "message": self.message } });

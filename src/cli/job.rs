@@ -30,7 +30,7 @@ fn warn(warnings: &scene::Diagnostics, global: &Global) {
     if events::on() {
         global.warn(warnings.render(false).trim_end());
     } else if !global.quiet {
-        eprintln!("{}", warnings.render(styled()).trim_end());
+        super::say(warnings.render(styled()).trim_end());
     }
 }
 

@@ -127,6 +127,11 @@ fn print(text: &str) -> Result<(), Failure> {
     }
 }
 
+/// Says something on stderr. Where its reader went away there is nobody to tell, and the work goes on.
+fn say(text: &str) {
+    let _ = std::io::stderr().lock().write_all(format!("{text}\n").as_bytes());
+}
+
 /// Prints one JSON document on stdout.
 fn print_json(document: &serde_json::Value) -> Result<(), Failure> {
     print(&format!("{document:#}\n"))

@@ -36,7 +36,7 @@ impl Global {
     /// Warns on stderr, unless nothing shall be said.
     pub fn warn(&self, text: &str) {
         if !events::tell("warning", &json!({ "message": text })) && !self.quiet {
-            eprintln!("warning: {text}");
+            super::say(&format!("warning: {text}"));
         }
     }
 }

@@ -104,7 +104,7 @@ impl Progress {
 
     /// A line above the bar that is said in any case.
     pub fn print(&self, text: &str) {
-        self.bar.suspend(|| eprintln!("{text}"));
+        self.bar.suspend(|| super::say(text));
     }
 }
 

@@ -42,7 +42,7 @@ pub fn report(
     if !global.quiet && !events::on() && !done.is_empty() {
         let frames = if written == 1 { "1 frame".into() } else { format!("{written} frames") };
         let kept = if done.len() > written { format!(", {} kept", done.len() - written) } else { String::new() };
-        eprintln!("{frames}, {bytes}, in {seconds:.1} s{kept}");
+        super::say(&format!("{frames}, {bytes}, in {seconds:.1} s{kept}"));
     }
     let path = |record: &Record| sequence.pattern.file(record.frame);
     if global.json {

@@ -55,7 +55,7 @@ pub fn run(arguments: &Arguments, global: &Global) -> Result<(), Failure> {
     let all: Vec<Finding> =
         loose.into_iter().chain(verdicts.into_iter().flat_map(|verdict| verdict.findings)).collect();
     for line in grouped(&all) {
-        eprintln!("{line}");
+        super::say(&line);
     }
     let files = if problems == 1 { "1 file is".into() } else { format!("{problems} files are") };
     Err(Failure::work(format!("{files} not as they should be; `hfvdb bake` with --resume bakes frames again"))

@@ -136,7 +136,7 @@ fn to_do(
         text += &format!("; and {} more reasons", why.len() - shown);
     }
     if !events::tell("message", &json!({ "message": text })) && !global.quiet {
-        eprintln!("{text}");
+        super::say(&text);
     }
     Ok((kept, to_do))
 }
