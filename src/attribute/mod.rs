@@ -25,7 +25,7 @@ pub use formula::{ByFormula, Components, FieldValue};
 pub use mapped::{MappedSampler, SpaceMap};
 pub use mesh_colour::VertexColours;
 pub use mix::{Mix, Mixer, Straight, Turn};
-pub use parts::{Part, Parts, Rule};
+pub use parts::{Overlap, Part, Parts, Rule};
 
 use crate::field::{Aabb, BATCH, Points};
 

@@ -22,6 +22,23 @@ pub enum Rule {
     },
     /// By the inverse of the distances, inside and outside: on a part's surface its own value, between parts all.
     Blend,
+    /// As the partitions of a morph (STTI, section 4.2.2): inside a partition its own value, outside all that of the
+    /// master, or where there is none of the nearest.
+    Partitions {
+        /// What holds inside several.
+        overlap: Overlap,
+        /// The place of the one that holds outside all.
+        master: Option<usize>,
+    },
+}
+
+/// What a point inside several partitions has.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Overlap {
+    /// The value of the last of them (STTI, eq. 8).
+    Priority,
+    /// The mean of all their values (STTI, eq. 9).
+    Mix,
 }
 
 /// Several parts' values as one. All weights are convex: parts of one value give that value.
@@ -50,6 +67,19 @@ impl<const N: usize> Parts<N> {
             Rule::Union { .. } => {
                 inverse_distances(distances, weights, len);
                 sharp_union(distances, weights, len, self.tolerance);
+            }
+            Rule::Partitions { overlap, master } => {
+                match master {
+                    None => nearest(distances, weights, len),
+                    Some(master) => {
+                        weights.iter_mut().for_each(|weight| weight[..len].fill(0.0));
+                        weights[master][..len].fill(1.0);
+                    }
+                }
+                match overlap {
+                    Overlap::Priority => sharp_union(distances, weights, len, self.tolerance),
+                    Overlap::Mix => even_union(distances, weights, len, self.tolerance),
+                }
             }
         }
     }
@@ -82,6 +112,24 @@ fn inverse_distances(distances: &[[f32; BATCH]], weights: &mut [[f32; BATCH]], l
     }
 }
 
+/// The part whose distance is greatest takes it all, the later of two.
+#[multiversion(targets = "simd")]
+fn nearest(distances: &[[f32; BATCH]], weights: &mut [[f32; BATCH]], len: usize) {
+    let len = len.min(BATCH);
+    let (mut greatest, mut nearest) = ([f32::NEG_INFINITY; BATCH], [0; BATCH]);
+    for (part, distance) in (0u32..).zip(distances) {
+        for i in 0..len {
+            nearest[i] = if distance[i] >= greatest[i] { part } else { nearest[i] };
+            greatest[i] = if distance[i] >= greatest[i] { distance[i] } else { greatest[i] };
+        }
+    }
+    for (part, weight) in (0u32..).zip(weights) {
+        for i in 0..len {
+            weight[i] = if nearest[i] == part { 1.0 } else { 0.0 };
+        }
+    }
+}
+
 /// The last part that holds the point takes it all.
 #[multiversion(targets = "simd")]
 fn sharp_union(distances: &[[f32; BATCH]], weights: &mut [[f32; BATCH]], len: usize, tolerance: f32) {
@@ -96,6 +144,24 @@ fn sharp_union(distances: &[[f32; BATCH]], weights: &mut [[f32; BATCH]], len: us
         for i in 0..len {
             let own = if inside[i] == part { 1.0 } else { 0.0 };
             weight[i] = if inside[i] == u32::MAX { weight[i] } else { own };
+        }
+    }
+}
+
+/// All parts that hold the point share it evenly.
+#[multiversion(targets = "simd")]
+fn even_union(distances: &[[f32; BATCH]], weights: &mut [[f32; BATCH]], len: usize, tolerance: f32) {
+    let len = len.min(BATCH);
+    let mut holding = [0.0; BATCH];
+    for distance in distances {
+        for i in 0..len {
+            holding[i] += if distance[i] >= -tolerance { 1.0 } else { 0.0 };
+        }
+    }
+    for (distance, weight) in distances.iter().zip(weights) {
+        for i in 0..len {
+            let share = if distance[i] >= -tolerance { 1.0 / holding[i] } else { 0.0 };
+            weight[i] = if holding[i] > 0.0 { share } else { weight[i] };
         }
     }
 }
@@ -271,6 +337,22 @@ mod tests {
         assert_eq!(colours, [RED, RED, BLUE, BLUE, BLUE, BLUE]);
         // On the surface, a rounding error outside.
         assert_eq!(along_x(&parts, &[-1.000_000_4])[0], RED);
+    }
+
+    #[test]
+    fn partitions_share_overlaps_by_priority_or_evenly_and_gaps_go_to_the_master() {
+        let at = |overlap, master, places: &[f64]| {
+            along_x(&balls(RED, BLUE, 1.5, Rule::Partitions { overlap, master }), places)
+        };
+        // Inside the first, both, the second, none.
+        let places = [0.0, 0.75, 1.5, 3.5];
+        assert_eq!(at(Overlap::Priority, Some(0), &places), [RED, BLUE, BLUE, RED]);
+        assert_eq!(at(Overlap::Priority, Some(1), &places), [RED, BLUE, BLUE, BLUE]);
+        assert_eq!(at(Overlap::Mix, Some(0), &places), [RED, [0.5, 0.0, 0.5], BLUE, RED]);
+        // Without a master the nearest.
+        for overlap in [Overlap::Priority, Overlap::Mix] {
+            assert_eq!(at(overlap, None, &[-1.5, 0.0, 1.5, 3.5]), [RED, RED, BLUE, BLUE]);
+        }
     }
 
     #[test]

@@ -8,6 +8,7 @@ mod coarse;
 mod motion;
 mod over_time;
 mod pace;
+mod partition;
 mod plain;
 mod plan;
 mod real;

@@ -90,7 +90,7 @@ pub struct Morph {
     pub(super) from: MorphObject,
     pub(super) to: MorphObject,
     pub(super) settings: Settings,
-    plan: Plan,
+    pub(super) plan: Plan,
     /// The coarse grid's distances, where no object moves.
     pub(super) still: Option<Measured>,
 }
@@ -277,10 +277,18 @@ impl Morph {
         Measured::new(&self.plan.grid, &first, &second, self.plan.unit)
     }
 
-    fn measure_still(&mut self) {
+    pub(super) fn measure_still(&mut self) {
         if self.from.motion.is_still() && self.to.motion.is_still() {
             self.still = Some(self.measure(0.0));
         }
+    }
+
+    /// The way round between the objects' mean colours, from the first's distances at the start and the second's at the
+    /// end.
+    pub(super) fn turn(&self, first: &[f32], second: &[f32]) -> Turn {
+        let [start, end] = self.settings.over;
+        let (from, to) = (self.mean_colour(&self.from, start, first), self.mean_colour(&self.to, end, second));
+        Turn::between(self.settings.colour_space, from, to)
     }
 
     /// The mean of an object's colour over cells spread evenly over its surface, or else over the whole grid.
@@ -330,10 +338,7 @@ impl Morph {
             let (changes, measured) = changes(&progress);
             Even { times: progress.clone(), changes, measured }
         };
-        let [start, end] = self.settings.over;
-        let from = self.mean_colour(&self.from, start, &at(0).first);
-        let to = self.mean_colour(&self.to, end, &at(STEPS).second);
-        self.plan.turn = Turn::between(self.settings.colour_space, from, to);
+        self.plan.turn = self.turn(&at(0).first, &at(STEPS).second);
         if self.paced() {
             let points = progress.iter().zip(&times).map(|(progress, t)| [*progress, *t]).collect();
             self.plan.pace = Curve::through(points).unwrap_or_else(Curve::line);

@@ -44,6 +44,11 @@ const SCENES: &[BuiltIn] = &[
         text: include_str!("../../scenes/cubism-sliced.toml"),
         line: "the same, cut open in every frame: the colours inside",
     },
+    BuiltIn {
+        name: "partitions",
+        text: include_str!("../../scenes/partitions.toml"),
+        line: "a figure becomes a lamp, part by part",
+    },
 ];
 
 const FILES: &[(&str, &[u8])] = &[("cube.obj", include_bytes!("../../scenes/cube.obj"))];

@@ -36,7 +36,7 @@ fn prepared(text: &str) -> Prepared {
 }
 
 #[track_caller]
-fn refused(text: &str, wanted: &str) {
+pub(super) fn refused(text: &str, wanted: &str) {
     let error = prepared_with(text, None).err().expect("it is refused").to_string();
     assert!(error.contains(wanted), "{error}");
 }

@@ -48,6 +48,8 @@ pub enum Kind {
     Shape,
     /// Names of shapes; one of them may be a shape written in place.
     Shapes,
+    /// Pairs of names of shapes.
+    ShapePairs,
     /// The name of cells, or cells written in place.
     Cells,
     /// A colour.
@@ -93,6 +95,7 @@ impl Kind {
             Self::Formula => "formula".into(),
             Self::Shape => "shape".into(),
             Self::Shapes => "list of shapes".into(),
+            Self::ShapePairs => "list of pairs of shapes".into(),
             Self::Cells => "cells".into(),
             Self::Colour => "colour".into(),
             Self::Palette => "list of colours".into(),

@@ -16,6 +16,7 @@ mod keyed;
 pub mod keys;
 mod load;
 mod model;
+mod morph_paint;
 mod morph_settings;
 mod morphing;
 mod movement;
@@ -34,6 +35,8 @@ mod variation;
 
 #[cfg(test)]
 mod frame_tests;
+#[cfg(test)]
+mod partition_tests;
 #[cfg(test)]
 mod scalar_tests;
 #[cfg(test)]

@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
-use crate::attribute::{Choice, Components, Mixer, Straight};
+use crate::attribute::{Choice, Components, Mixer, Overlap, Straight};
 use crate::distance::without::Keep;
 
 use super::diagnostic::Diagnostics;
@@ -301,8 +301,21 @@ pub struct Morph {
     pub over: FrameRange,
     /// The frames of the colours' change.
     pub colour_over: FrameRange,
+    /// Which parts correspond; `None` where the objects' colours change as wholes.
+    pub correspondence: Option<Correspondence>,
     /// Where the scene says so.
     pub span: Span,
+}
+
+/// Which part of a morph's first object becomes which part of the second.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Correspondence {
+    /// Operands of the two unions, each in one pair; the later pair above the earlier.
+    pub pairs: Vec<[ShapeId; 2]>,
+    /// What holds where several pairs are.
+    pub overlap: Overlap,
+    /// The place of the pair that holds where none is.
+    pub master: Option<usize>,
 }
 
 /// How a morph's shape is found.

@@ -1,5 +1,6 @@
 //! The morph of a scene: two objects with their motion, measured once, planned once.
 
+use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use glam::DVec3;
@@ -55,6 +56,8 @@ pub(super) fn smallest_cell(voxel: f64, solid: &Aabb) -> f64 {
 pub(super) struct Pair {
     from: Object,
     to: Object,
+    /// Their corresponding parts, each in its object's space.
+    parts: Vec<[Object; 2]>,
     /// The box around both over the whole shot.
     pub both: Aabb,
 }
@@ -87,7 +90,24 @@ pub(super) fn pair(
         boxes.reduce(Aabb::union).unwrap_or(side.solid)
     };
     let both = over_shot(&from).union(over_shot(&to));
-    Ok(Pair { from, to, both })
+    let mut parts = Vec::new();
+    for pair in morph.correspondence.iter().flat_map(|correspondence| &correspondence.pairs) {
+        parts.push([part(model, solids, &from, pair[0])?, part(model, solids, &to, pair[1])?]);
+    }
+    Ok(Pair { from, to, parts, both })
+}
+
+/// A part of an object, which it stands still in.
+fn part(model: &Model, solids: &mut Solids, whole: &Object, id: ShapeId) -> Result<Object, Problem> {
+    if whole.stage != Stage::Own {
+        let shape = model.shape(whole.id);
+        let problem = format!("`{}` is stretched, and so its parts cannot be told apart for `pairs`", shape.name);
+        return Err(Problem::new(shape.span, problem).help("stretch its parts"));
+    }
+    // Between parts values are compared: they hold everywhere.
+    let field = solids.values(id)?;
+    let solid = solid_box(model, id, field.as_ref())?;
+    Ok(Object { id, stage: Stage::Placed, field, solid, motion: whole.motion.clone() })
 }
 
 fn side(model: &Arc<Model>, solids: &mut Solids, variation: &Variation, id: ShapeId) -> Result<Object, Problem> {
@@ -174,6 +194,8 @@ pub(super) struct Planned {
     pub from: Brush,
     /// How the second object is painted.
     pub to: Brush,
+    /// The morphs of corresponding parts, by whose places the attributes go; none where they go by the objects.
+    pub parts: Vec<Planned>,
     /// Memory that the distances take, in bytes.
     pub bytes: u64,
 }
@@ -187,7 +209,7 @@ pub(super) struct Measuring<'w> {
     /// Told how far it is, and asked whether to stop.
     pub watch: Watch<'w>,
     /// Those measured so far: a chain shows all but its first and last twice.
-    pub done: Vec<(ShapeId, MeasuredSide)>,
+    pub done: Vec<(ShapeId, Stage, MeasuredSide)>,
 }
 
 /// Measures both objects and plans the morph.
@@ -199,37 +221,76 @@ pub(super) fn plan(
     measuring: &mut Measuring<'_>,
 ) -> Result<Planned, Stop> {
     let before = measuring.done.len();
-    let from = measured(model, solids, &pair.from, measuring)?;
-    let to = measured(model, solids, &pair.to, measuring)?;
+    let settings = settings(model, morph)?;
+    let mut planned = ready(model, solids, [&pair.from, &pair.to], measuring, |from, to| {
+        morph::Morph::new(from, to, settings).map_err(|error| no_plan(model, morph, &error))
+    })?;
+    for [from, to] in &pair.parts {
+        let whole = &planned.morph;
+        let part = ready(model, solids, [from, to], measuring, |from, to| Ok(whole.of_parts(from, to)))?;
+        planned.parts.push(part);
+    }
+    alike(&mut planned.parts);
+    planned.bytes = measuring.done[before..].iter().map(|(_, _, side)| side.distance.report().bytes as u64).sum();
+    Ok(planned)
+}
+
+/// What is wrong with a morph that cannot be planned.
+fn no_plan(model: &Model, morph: &Morph, error: &morph::Error) -> Problem {
+    let span = match error {
+        morph::Error::Unbounded(Side::From) => model.shape(morph.from).span,
+        morph::Error::Unbounded(Side::To) => model.shape(morph.to).span,
+        _ => morph.span,
+    };
+    let frame = match error {
+        morph::Error::Spreads { time, .. } => format!(" (frame {})", plain(model.shot.frame_at(*time).round())),
+        _ => String::new(),
+    };
+    Problem::new(span, format!("{error}{frame}"))
+}
+
+/// Measures two objects, or two parts of them, and finds their attributes; `make` plans their morph.
+fn ready(
+    model: &Model,
+    solids: &mut Solids,
+    [from, to]: [&Object; 2],
+    measuring: &mut Measuring<'_>,
+    make: impl FnOnce(MorphObject, MorphObject) -> Result<morph::Morph, Problem>,
+) -> Result<Planned, Stop> {
+    let (one, two) = (measured(model, solids, from, measuring)?, measured(model, solids, to, measuring)?);
     let voxel = measuring.voxel;
-    let has_colour = from.paint.is_some() || to.paint.is_some();
+    let has_colour = one.paint.is_some() || two.paint.is_some();
     let mut scalars = Vec::new();
     for name in model.scalar_names() {
         let what = TheScalar(name);
         let mut paint = |side: &Object| solids.paint(what, side.id, side.stage, side.voxel(voxel));
-        let [one, two] = [paint(&pair.from)?, paint(&pair.to)?];
+        let [one, two] = [paint(from)?, paint(to)?];
         if one.is_some() || two.is_some() {
             let both = [one, two].map(|paint| paint.unwrap_or_else(|| Paint::solid(what.absent())).attribute);
             scalars.push((name.to_owned(), both));
         }
     }
     let brush = |side: &Object| Brush { id: side.id, stage: side.stage, voxel: side.voxel(voxel) };
-    let (from_brush, to_brush) = (brush(&pair.from), brush(&pair.to));
-    let bytes = measuring.done[before..].iter().map(|(_, side)| side.distance.report().bytes as u64).sum();
-    let settings = settings(model, morph)?;
-    let planned = morph::Morph::new(from.object(&pair.from), to.object(&pair.to), settings).map_err(|error| {
-        let span = match error {
-            morph::Error::Unbounded(Side::From) => model.shape(morph.from).span,
-            morph::Error::Unbounded(Side::To) => model.shape(morph.to).span,
-            _ => morph.span,
-        };
-        let frame = match error {
-            morph::Error::Spreads { time, .. } => format!(" (frame {})", plain(model.shot.frame_at(time).round())),
-            _ => String::new(),
-        };
-        Problem::new(span, format!("{error}{frame}"))
-    })?;
-    Ok(Planned { morph: planned, has_colour, scalars, from: from_brush, to: to_brush, bytes })
+    let morph = make(one.object(from), two.object(to))?;
+    let (from, to) = (brush(from), brush(to));
+    Ok(Planned { morph, has_colour, scalars, from, to, parts: Vec::new(), bytes: 0 })
+}
+
+/// Gives all morphs of a chain, or of corresponding parts, the same grids: where none of a morph's objects has an
+/// attribute, it is what shapes without it count as.
+pub(super) fn alike(morphs: &mut [Planned]) {
+    let has_colour = morphs.iter().any(|planned| planned.has_colour);
+    let names: BTreeSet<String> =
+        morphs.iter().flat_map(|planned| planned.scalars.iter().map(|(name, _)| name.clone())).collect();
+    for planned in morphs {
+        planned.has_colour = has_colour;
+        for (place, name) in names.iter().enumerate() {
+            if planned.scalars.get(place).is_none_or(|(there, _)| there != name) {
+                let absent = || Paint::solid(TheScalar(name).absent()).attribute;
+                planned.scalars.insert(place, (name.clone(), [absent(), absent()]));
+            }
+        }
+    }
 }
 
 /// An object's distance and colour.
@@ -256,7 +317,7 @@ fn measured(
     side: &Object,
     measuring: &mut Measuring<'_>,
 ) -> Result<MeasuredSide, Stop> {
-    if let Some((_, done)) = measuring.done.iter().find(|(id, _)| *id == side.id) {
+    if let Some((_, _, done)) = measuring.done.iter().find(|(id, stage, _)| (*id, *stage) == (side.id, side.stage)) {
         return Ok(done.clone());
     }
     let Measuring { voxel, memory_limit, ref watch, .. } = *measuring;
@@ -275,7 +336,7 @@ fn measured(
         error => problem(error.to_string()),
     })?;
     let measured = MeasuredSide { distance: Arc::new(distance), paint };
-    measuring.done.push((side.id, measured.clone()));
+    measuring.done.push((side.id, side.stage, measured.clone()));
     Ok(measured)
 }
 

@@ -1,13 +1,12 @@
 //! A model made ready for frames: meshes read, the box of the whole shot and the voxel size known.
 
-use std::collections::BTreeSet;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use crate::attribute::{Colour, Scalar, Straight};
+use crate::attribute::{Colour, Scalar};
 use crate::distance::extent::{self, extent};
 use crate::distance::nearest::Watch;
 use crate::distance::without::Keep;
@@ -20,8 +19,8 @@ use super::diagnostic::{Diagnostic, Diagnostics, listed};
 use super::error::{Error, Problem};
 use super::frames::{FrameRange, Shot};
 use super::model::{AttributeSource, Content, Model, Morph, ShapeId};
-use super::morphing::{Brush, Measuring, Pair, Planned, empty_frames, extent_over_shot, pair, plan, shown_at};
-use super::paint::{Asked, Paint, Scenery, TheColour, TheScalar};
+use super::morphing::{Measuring, Pair, Planned, alike, empty_frames, extent_over_shot, pair, plan, shown_at};
+use super::paint::{Scenery, TheColour, TheScalar};
 use super::solid::{Solids, Stage};
 use super::source::Span;
 use super::variation::Variation;
@@ -226,23 +225,6 @@ fn ready_morphs(
     Ok((Ready::Morph(planned), extent, lattice(model, options, extent)?))
 }
 
-/// Gives all morphs of a chain the same grids: where none of a morph's objects has an attribute, it is what shapes
-/// without it count as.
-fn alike(chain: &mut [Planned]) {
-    let has_colour = chain.iter().any(|planned| planned.has_colour);
-    let names: BTreeSet<String> =
-        chain.iter().flat_map(|planned| planned.scalars.iter().map(|(name, _)| name.clone())).collect();
-    for planned in chain {
-        planned.has_colour = has_colour;
-        for (place, name) in names.iter().enumerate() {
-            if planned.scalars.get(place).is_none_or(|(there, _)| there != name) {
-                let absent = || Paint::solid(TheScalar(name).absent()).attribute;
-                planned.scalars.insert(place, (name.clone(), [absent(), absent()]));
-            }
-        }
-    }
-}
-
 /// Refuses a morph whose frames cannot but take too much memory, before its objects are measured.
 ///
 /// Judged by the lesser of the two objects as they are: no in-between is much smaller than both.
@@ -404,8 +386,8 @@ impl Prepared {
                 let planned = &planned[self.shown(frame as f64)];
                 let whole = planned.morph.field(info.t);
                 let field = self.cut(whole, frame as f64).map_err(|problem| self.model.error(problem))?;
-                let colour = self.morph_colour(planned, &info).map_err(|problem| self.model.error(problem))?;
-                let scalars = self.morph_scalars(planned, &info).map_err(|problem| self.model.error(problem))?;
+                let attributes = self.morph_attributes(planned, &info).map_err(|problem| self.model.error(problem))?;
+                let (colour, scalars) = attributes;
                 Scenery { field, colour, scalars }
             }
         };
@@ -450,44 +432,6 @@ impl Prepared {
         let Content::Morph(morphs) = &self.model.content else { return Ok(whole) };
         let Some(cut) = morphs[0].cut else { return Ok(whole) };
         self.base.at(self.model.moment(frame), &self.variation).without(whole, cut)
-    }
-
-    /// A morph's colour; `None` where nothing in it has one. Colours that change over time are made for the frame.
-    fn morph_colour(&self, planned: &Planned, info: &FrameInfo) -> Result<Option<Arc<Colour>>, Problem> {
-        if !planned.has_colour || !self.model.output.writes(&self.model.output.colour_name) {
-            return Ok(None);
-        }
-        let now =
-            |brush: &Brush| self.repainted(TheColour, brush, info).map(|paint| paint.map(|paint| paint.attribute));
-        Ok(Some(planned.morph.colour_of(info.t, now(&planned.from)?, now(&planned.to)?)))
-    }
-
-    /// A morph's scalars, mixed by the weights of colours.
-    fn morph_scalars(&self, planned: &Planned, info: &FrameInfo) -> Result<Vec<(String, Arc<Scalar>)>, Problem> {
-        let mut scalars = Vec::new();
-        for (name, [from, to]) in planned.scalars.iter().filter(|(name, _)| self.model.output.writes(name)) {
-            let now = |brush: &Brush, known: &Arc<Scalar>| -> Result<Arc<Scalar>, Problem> {
-                let now = self.repainted(TheScalar(name), brush, info)?;
-                Ok(now.map_or_else(|| Arc::clone(known), |paint| paint.attribute))
-            };
-            let (from, to) = (now(&planned.from, from)?, now(&planned.to, to)?);
-            scalars.push((name.clone(), planned.morph.attribute(info.t, from, to, Straight)));
-        }
-        Ok(scalars)
-    }
-
-    /// An attribute of a morph's object as it is in a frame; `None` where it does not change over time.
-    fn repainted<const N: usize>(
-        &self,
-        what: impl Asked<N>,
-        brush: &Brush,
-        info: &FrameInfo,
-    ) -> Result<Option<Paint<N>>, Problem> {
-        if !self.variation.painted(brush.id) {
-            return Ok(None);
-        }
-        let mut solids = self.base.at(self.model.moment(info.frame as f64), &self.variation);
-        solids.paint(what, brush.id, brush.stage, brush.voxel)
     }
 
     fn changing(&self, id: ShapeId, frame: i64) -> Result<Scenery, Problem> {

@@ -16,7 +16,7 @@ fn loaded(text: &str) -> Result<Model, Diagnostics> {
     load(&Source::Text { name: "scene.toml".into(), text: text.into(), folder }, &Overrides::default())
 }
 
-fn prepared(text: &str) -> Prepared {
+pub(super) fn prepared(text: &str) -> Prepared {
     let model = loaded(text).unwrap_or_else(|problems| panic!("{problems}"));
     let options = PrepareOptions {
         voxel_size: None,
@@ -31,7 +31,7 @@ fn prepared(text: &str) -> Prepared {
 
 /// Every problem as `line:column message`.
 #[track_caller]
-fn wrong(text: &str, wanted: &str) {
+pub(super) fn wrong(text: &str, wanted: &str) {
     let problems = loaded(text).expect_err("the scene is wrong");
     let line = |diagnostic: &Diagnostic| {
         let at = problems.place(diagnostic).expect("a place");
@@ -42,7 +42,7 @@ fn wrong(text: &str, wanted: &str) {
     assert_eq!(said, [wanted], "of:\n{text}");
 }
 
-fn sampled<const N: usize>(attribute: &dyn Attribute<N>, at: DVec3) -> [f32; N] {
+pub(super) fn sampled<const N: usize>(attribute: &dyn Attribute<N>, at: DVec3) -> [f32; N] {
     let mut points = Points::new(at);
     points.push(Vec3::ZERO);
     let mut out = [[0.0; N]; BATCH];
@@ -51,7 +51,7 @@ fn sampled<const N: usize>(attribute: &dyn Attribute<N>, at: DVec3) -> [f32; N] 
 }
 
 #[track_caller]
-fn scalar(frame: &FrameContent, name: &str, at: [f64; 3]) -> f32 {
+pub(super) fn scalar(frame: &FrameContent, name: &str, at: [f64; 3]) -> f32 {
     let (_, scalar) = frame.scalars.iter().find(|(known, _)| known == name).expect("the scalar is there");
     sampled(scalar.as_ref(), at.into())[0]
 }

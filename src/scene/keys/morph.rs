@@ -57,6 +57,24 @@ pub const MORPH: &[Key] = &[
     )
     .limit(Limit::Within(0.0, 1.0)),
     Key::new(
+        "pairs",
+        Kind::ShapePairs,
+        Nothing,
+        "Which part becomes which: `[[\"head\", \"lid\"], [\"body\", \"bowl\"]]`, operands of the unions `from` and `to`, each in one pair. Each pair is morphed by itself, and the whole has the colours and attributes of a pair where that pair is (STTI, section 4.2.2).",
+    ),
+    Key::new(
+        "overlap",
+        Kind::Choice(&["priority", "mix"]),
+        Text("priority"),
+        "Where several of `pairs` are: the last of them as they are listed, or the mean of all.",
+    ),
+    Key::new(
+        "master",
+        Kind::Shape,
+        Nothing,
+        "A part whose pair gives its colours where none of `pairs` is. Left out: the nearest pair, which suits surfaces; the whole's lies beside those of the pairs, so there a master shows in patches.",
+    ),
+    Key::new(
         "over",
         Kind::Frames,
         Words("`frames`"),

@@ -5,6 +5,7 @@ mod colours;
 mod keyed;
 mod links;
 mod morph;
+mod pairs;
 mod scalars;
 mod shapes;
 

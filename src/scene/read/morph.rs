@@ -24,6 +24,7 @@ impl<'r, 'a> Building<'r, 'a> {
         let mode = self.morph_mode(&fields);
         let ease = self.ease(&fields);
         let chain = self.chain(&fields, &ease, shot);
+        let correspondence = self.correspondence(&fields, chain.as_deref());
         if shot.still {
             let problem = Diagnostic::error(entry.key_span, "a morph needs the scene's `frames`");
             self.reader.say(problem.help("such as frames = \"1-48\""));
@@ -44,6 +45,7 @@ impl<'r, 'a> Building<'r, 'a> {
             beta: fields.required_number("beta"),
             over: chain[0].over,
             colour_over: chain[0].colour_over,
+            correspondence,
             span: entry.key_span,
             from: chain[0].from,
             to: chain[0].to,

@@ -1,0 +1,20 @@
+//! The morph of one pair of corresponding partitions (STTI, section 4.2.2).
+
+use super::plan::{Morph, MorphObject};
+
+impl Morph {
+    /// The morph of a part of the first object into a part of the second: with the settings, the unit D and the t of the
+    /// whole at every time. Its volume and the way round between hues are its own.
+    pub fn of_parts(&self, from: MorphObject, to: MorphObject) -> Self {
+        let mut pair = Self { from, to, settings: self.settings.clone(), plan: self.plan.clone(), still: None };
+        pair.measure_still();
+        pair.plan.turn = match &pair.still {
+            Some(measured) => pair.turn(&measured.first, &measured.second),
+            None => {
+                let [start, end] = pair.settings.over.map(|time| pair.measure(time));
+                pair.turn(&start.first, &end.second)
+            }
+        };
+        pair
+    }
+}
