@@ -72,7 +72,7 @@ pub const MORPH: &[Key] = &[
         "master",
         Kind::Shape,
         Nothing,
-        "A part whose pair gives its colours where none of `pairs` is. Left out: the nearest pair, which suits surfaces; the whole's lies beside those of the pairs, so there a master shows in patches.",
+        "A part whose pair gives its colours where none of `pairs` is. Left out: the nearest pair, which suits surfaces; the whole's lies beside those of the pairs, so a master shows there, often over a whole part.",
     ),
     Key::new(
         "over",
