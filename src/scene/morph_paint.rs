@@ -9,7 +9,7 @@ use super::error::Problem;
 use super::model::{Content, Correspondence};
 use super::morphing::{Brush, Planned};
 use super::paint::{Asked, Paint, TOLERANCE_VOXELS, TheColour, TheScalar};
-use super::prepare::{FrameInfo, Prepared};
+use super::prepared::{FrameInfo, Prepared};
 
 /// A frame's colour, `None` where there is none, and its scalars by the names of their grids, sorted.
 type Attributes = (Option<Arc<Colour>>, Vec<(String, Arc<Scalar>)>);

@@ -13,7 +13,7 @@ use super::error::Problem;
 use super::model::{Maker, ShapeId};
 use super::paint::TOLERANCE_VOXELS;
 use super::placed::Way;
-use super::prepare::{Prepared, Ready};
+use super::prepared::{Prepared, Ready};
 use super::solid::{Solids, Stage};
 
 /// How far the instants are from a frame that its velocity is taken from, in frames. Nearer: rounding of positions shows;

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::prepare::Ready;
+use super::prepared::Ready;
 use super::scalar_tests::{prepared, sampled, scalar, wrong};
 use super::*;
 

@@ -1,0 +1,201 @@
+//! A model made ready, and what each of its frames is computed from.
+
+use std::sync::Arc;
+
+use serde::{Deserialize, Serialize};
+
+use crate::attribute::{Colour, Scalar};
+use crate::distance::without::Keep;
+use crate::field::{Aabb, Field};
+use crate::grid::Lattice;
+use crate::morph::{FrameReport, Movement};
+
+use super::assets::Assets;
+use super::diagnostic::{Diagnostic, Diagnostics, listed};
+use super::error::{Error, Problem};
+use super::frames::Shot;
+use super::model::{AttributeSource, Content, Model, ShapeId};
+use super::morphing::{Planned, shown_at};
+use super::paint::Scenery;
+use super::prepare::scenery;
+use super::solid::Solids;
+use super::source::Span;
+use super::variation::Variation;
+
+/// A model made ready: any frame can be had from it, in any order, from any thread.
+pub struct Prepared {
+    /// Where the voxels stand.
+    pub lattice: Lattice,
+    /// Half the band's width in voxels.
+    pub half_width: f32,
+    /// The box of F ≥ 0 over the whole shot, band not counted.
+    pub extent: Aabb,
+    /// What was noticed, with places in the scene.
+    pub warnings: Diagnostics,
+    pub(super) model: Arc<Model>,
+    /// All shapes that it is made from or painted by.
+    pub(super) parts: Vec<ShapeId>,
+    pub(super) assets: Arc<Assets>,
+    pub(super) variation: Variation,
+    pub(super) content: Ready,
+    /// All that does not change, built.
+    pub(super) base: Solids,
+}
+
+/// What frames are made from.
+pub(super) enum Ready {
+    /// A shape that never changes.
+    Still(Scenery),
+    /// A shape that is built for each frame.
+    Changing(ShapeId),
+    /// A chain of morphs.
+    Morph(Vec<Planned>),
+}
+
+/// All that a frame's grids are computed from.
+#[derive(Clone)]
+pub struct FrameContent {
+    /// F, world units.
+    pub field: Arc<dyn Field>,
+    /// The colour; `None` where nothing in the scene has one, or its grid is not to be written.
+    pub colour: Option<Arc<Colour>>,
+    /// The scalars of the grids that are to be written, by their names, sorted.
+    pub scalars: Vec<(String, Arc<Scalar>)>,
+    /// How the surface moves; `None` where `vel` is not to be written.
+    pub movement: Option<Movement>,
+    /// Where to look for the band: the solid's box grown by the band.
+    pub region: Aabb,
+    /// Which pieces of the solid stay.
+    pub keep: Keep,
+    /// The frame's place in time.
+    pub info: FrameInfo,
+}
+
+/// Numbers on a frame of a morph.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct MorphReport {
+    /// Its volume and what changed since the frame before.
+    #[serde(flatten)]
+    pub numbers: FrameReport,
+    /// The farthest that the surface went since the frame before, world units, to a part of a cell of the morph's coarse
+    /// grid; 0 in the shot's first.
+    pub displacement: f64,
+}
+
+/// A frame's place in time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FrameInfo {
+    /// The frame that was asked for.
+    pub frame: i64,
+    /// Scene time: 0 at the shot's first frame, 1 at its last.
+    pub t: f64,
+    /// Whether the frame lies outside of the shot, where the ends hold.
+    pub outside_shot: bool,
+}
+
+impl Prepared {
+    /// The model.
+    pub fn model(&self) -> &Arc<Model> {
+        &self.model
+    }
+
+    /// All that one frame is computed from, whatever other frames are asked for.
+    pub fn frame(&self, frame: i64) -> Result<FrameContent, Error> {
+        let info = self.info(frame);
+        let scenery = match &self.content {
+            Ready::Still(scenery) => scenery.clone(),
+            Ready::Changing(id) => self.changing(*id, frame).map_err(|problem| self.model.error(problem))?,
+            Ready::Morph(planned) => {
+                let planned = &planned[self.shown(frame as f64)];
+                let whole = planned.morph.field(info.t);
+                let field = self.cut(whole, frame as f64).map_err(|problem| self.model.error(problem))?;
+                let attributes = self.morph_attributes(planned, &info).map_err(|problem| self.model.error(problem))?;
+                let (colour, scalars) = attributes;
+                Scenery { field, colour, scalars }
+            }
+        };
+        let margin = (f64::from(self.half_width) + 2.0) * self.lattice.voxel_size.get();
+        let region = scenery.field.bounding_box().unwrap_or(self.extent).grown(margin);
+        let keep = match &self.model.content {
+            Content::Morph(morphs) => morphs[0].keep,
+            Content::Shape(_) => Keep::ALL,
+        };
+        let Scenery { field, colour, scalars } = scenery;
+        let mut movement = None;
+        if self.model.output.writes("vel") {
+            movement = Some(self.movement(frame).map_err(|problem| self.model.error(problem))?);
+        }
+        Ok(FrameContent { field, colour, scalars, movement, region, keep, info })
+    }
+
+    /// Numbers on a morph's frame and on the way to it from the one before, measured on the morph's coarse grid; `None`
+    /// where the scene is no morph. The same whatever else is asked for.
+    pub fn report(&self, frame: i64) -> Option<MorphReport> {
+        let Ready::Morph(planned) = &self.content else { return None };
+        let range = self.model.shot.range;
+        let (frame, before) = (frame.clamp(range.first, range.last), (frame - 1).clamp(range.first, range.last));
+        let [from, to] = [before, frame].map(|frame| range.share(frame as f64));
+        // A chain's object at its own frame is the end of the morph to it.
+        let morph = &planned[self.shown(before as f64)].morph;
+        let numbers = morph.report(&[from, to]).frames.pop()?;
+        let displacement = if before == frame { 0.0 } else { morph.displacement(from, to) };
+        Some(MorphReport { numbers, displacement })
+    }
+
+    /// Which morph of a chain a frame shows.
+    pub(super) fn shown(&self, frame: f64) -> usize {
+        match &self.model.content {
+            Content::Morph(morphs) => shown_at(morphs, frame),
+            Content::Shape(_) => 0,
+        }
+    }
+
+    /// A morph's field without what is to be taken away.
+    pub(super) fn cut(&self, whole: Arc<dyn Field>, frame: f64) -> Result<Arc<dyn Field>, Problem> {
+        let Content::Morph(morphs) = &self.model.content else { return Ok(whole) };
+        let Some(cut) = morphs[0].cut else { return Ok(whole) };
+        self.base.at(self.model.moment(frame), &self.variation).without(whole, cut)
+    }
+
+    fn changing(&self, id: ShapeId, frame: i64) -> Result<Scenery, Problem> {
+        let mut solids = self.base.at(self.model.moment(frame as f64), &self.variation);
+        scenery(&mut solids, id, &self.lattice)
+    }
+
+    fn info(&self, frame: i64) -> FrameInfo {
+        let Shot { range, .. } = self.model.shot;
+        FrameInfo { frame, t: range.share(frame as f64), outside_shot: !(range.first..=range.last).contains(&frame) }
+    }
+
+    /// A problem with a value of a grid, the colour's or a scalar's, as an error that points to the formulas it can come
+    /// from; `None` where none of them is a formula.
+    pub fn attribute_problem(&self, grid: &str, problem: &str) -> Option<Error> {
+        let is_colour = grid == self.model.output.colour_name;
+        let span = |id: ShapeId| {
+            let shape = self.model.shape(id);
+            let scalar = shape.scalars.get(grid).and_then(AttributeSource::formula);
+            if is_colour { shape.colour.as_ref().and_then(AttributeSource::formula) } else { scalar }
+        };
+        let named = |id: &ShapeId| Some((self.model.shape(*id).name.clone(), span(*id)?));
+        let found: Vec<(String, Span)> = self.parts.iter().filter_map(named).collect();
+        let help = "keep its formulas from dividing by 0, and from roots and logarithms of negative numbers";
+        let names: Vec<&str> = found.iter().map(|(name, _)| name.as_str()).collect();
+        let problem = match found.as_slice() {
+            [] => return None,
+            [(_, span)] => Diagnostic::error(*span, problem).help(help),
+            [(_, span), ..] => {
+                Diagnostic::error(*span, problem).help(format!("it is that of one of {}; {help}", listed(&names)))
+            }
+        };
+        Some(self.model.error(Problem(Box::new(problem))))
+    }
+
+    /// About how much memory the prepared scene itself holds, in bytes: frames come on top.
+    pub fn memory_estimate(&self) -> u64 {
+        let distances = match &self.content {
+            Ready::Morph(planned) => planned.iter().map(|planned| planned.bytes).sum(),
+            _ => 0,
+        };
+        self.assets.bytes() + distances
+    }
+}
