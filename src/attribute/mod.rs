@@ -15,6 +15,7 @@ mod mapped;
 mod mesh_colour;
 mod mix;
 mod parts;
+mod voxels;
 
 pub use affine::AffineVector;
 pub use bands::Bands;
@@ -26,6 +27,7 @@ pub use mapped::{MappedSampler, SpaceMap};
 pub use mesh_colour::VertexColours;
 pub use mix::{Mix, Mixer, Straight, Turn};
 pub use parts::{Overlap, Part, Parts, Rule};
+pub use voxels::{ColourBlocks, Outside, POWERS, RELATIVE_ERROR, VoxelColours};
 
 use crate::field::{Aabb, BATCH, Points};
 

@@ -3,25 +3,39 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
+use crate::attribute::VoxelColours;
 use crate::mesh::{Holes, MeshDistance, TriangleMesh, read, read_obj};
 
 use super::error::Problem;
 use super::files::{FilePlace, FileReference};
-use super::model::{Maker, Model, ShapeId};
+use super::model::{AttributeSource, Maker, Model, ShapeId, VoxelSource};
+use super::volume;
 
-/// The meshes of a scene.
-#[derive(Clone, Debug, Default)]
+/// The meshes and volumes of a scene.
+#[derive(Clone, Default)]
 pub(super) struct Assets {
     meshes: BTreeMap<ShapeId, Arc<MeshDistance>>,
+    colours: BTreeMap<ShapeId, Arc<VoxelColours>>,
 }
 
 impl Assets {
-    /// Reads the files of some shapes.
-    pub fn load(model: &Model, shapes: &[ShapeId]) -> Result<Self, Problem> {
+    /// Reads the files of some shapes. No volume of voxels may take more than the limit, in bytes.
+    pub fn load(model: &Model, shapes: &[ShapeId], memory_limit: Option<usize>) -> Result<Self, Problem> {
         let mut assets = Self::default();
+        let mut loaded: Vec<(&VoxelSource, Arc<VoxelColours>)> = Vec::new();
         for &id in shapes {
-            if let Maker::Mesh { file } = &model.shape(id).maker {
+            let shape = model.shape(id);
+            if let Maker::Mesh { file } = &shape.maker {
                 assets.meshes.insert(id, Arc::new(load_mesh(file)?));
+            }
+            if let Some(AttributeSource::Voxels(source)) = &shape.colour {
+                let known = loaded.iter().find(|(other, _)| source.is_same(other));
+                let colours = match known {
+                    Some((_, colours)) => Arc::clone(colours),
+                    None => Arc::new(volume::load(source, memory_limit)?),
+                };
+                loaded.push((source, Arc::clone(&colours)));
+                assets.colours.insert(id, colours);
             }
         }
         Ok(assets)
@@ -32,11 +46,20 @@ impl Assets {
         &self.meshes[&id]
     }
 
-    /// Memory that the meshes take, about, in bytes.
+    /// The colours of a shape that has them from voxels, which was among those loaded.
+    pub fn colours(&self, id: ShapeId) -> &Arc<VoxelColours> {
+        &self.colours[&id]
+    }
+
+    /// Memory that the meshes and volumes take, about, in bytes.
     pub fn bytes(&self) -> u64 {
         /// Corners, triangles, normals and tree, by triangle.
         const BYTES_A_TRIANGLE: u64 = 300;
-        self.meshes.values().map(|mesh| mesh.mesh().triangles().len() as u64 * BYTES_A_TRIANGLE).sum()
+        let mut volumes: Vec<&Arc<VoxelColours>> = self.colours.values().collect();
+        volumes.sort_by_key(|colours| Arc::as_ptr(colours));
+        volumes.dedup_by(|a, b| Arc::ptr_eq(a, b));
+        let meshes = self.meshes.values().map(|mesh| mesh.mesh().triangles().len() as u64 * BYTES_A_TRIANGLE);
+        meshes.chain(volumes.into_iter().map(|colours| colours.memory())).sum()
     }
 }
 

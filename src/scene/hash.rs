@@ -3,7 +3,7 @@
 use sha2::{Digest, Sha256};
 
 use super::files::FileReference;
-use super::model::{Maker, Model};
+use super::model::{AttributeSource, Maker, Model};
 
 impl Model {
     /// SHA-256 of all that decides the voxels: the scene with its overrides, without spacing, comments, order of
@@ -12,7 +12,10 @@ impl Model {
         let mut digest = Sha256::new();
         digest.update(self.canonical.as_bytes());
         for shape in &self.shapes {
-            if let Maker::Mesh { file } = &shape.maker {
+            let mesh = if let Maker::Mesh { file } = &shape.maker { Some(file) } else { None };
+            let voxels =
+                if let Some(AttributeSource::Voxels(source)) = &shape.colour { Some(&source.file) } else { None };
+            for file in mesh.into_iter().chain(voxels) {
                 let bytes = file.read().map_err(|error| (file.clone(), error))?;
                 digest.update(shape.name.as_bytes());
                 digest.update((bytes.len() as u64).to_le_bytes());

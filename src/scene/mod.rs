@@ -33,6 +33,7 @@ mod solid;
 mod source;
 mod value;
 mod variation;
+mod volume;
 
 #[cfg(test)]
 mod frame_tests;
@@ -42,6 +43,8 @@ mod partition_tests;
 mod scalar_tests;
 #[cfg(test)]
 mod tests;
+#[cfg(test)]
+mod volume_tests;
 
 pub use builtin::{builtin_line, builtin_names, builtin_text};
 pub use diagnostic::{Diagnostic, Diagnostics, Severity};

@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
-use crate::attribute::{Choice, Components, Mixer, Overlap, Straight};
+use crate::attribute::{Choice, Components, Mixer, Outside, Overlap, Straight};
 use crate::distance::without::Keep;
 
 use super::diagnostic::Diagnostics;
@@ -218,6 +218,21 @@ pub enum AttributeSource<const N: usize, K, M> {
         /// The width of the transition where they meet, units.
         seam: f64,
     },
+    /// A volume of voxels, which stand in the shape's own space.
+    Voxels(VoxelSource),
+}
+
+/// A grid of colours in a file.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct VoxelSource {
+    /// The `.vdb` file.
+    pub file: FileReference,
+    /// The grid's name.
+    pub grid: String,
+    /// Where the scene names the grid, or else the file.
+    pub grid_span: Span,
+    /// How the colours go on outside of the volume.
+    pub outside: Outside,
 }
 
 impl<const N: usize, K, M> AttributeSource<N, K, M> {

@@ -5,9 +5,9 @@ use std::sync::atomic::AtomicBool;
 
 use glam::{DAffine3, DVec3};
 
-use crate::attribute::VertexColours;
 use crate::attribute::{Attribute, Bands, ByCell, CellIndex, Choice, Colour, Constant, CubeLattice, LinearRgb};
 use crate::attribute::{ByFormula, Components, FieldValue, Mix, Mixer, Part, Parts, Rule, Scalar, Straight};
+use crate::attribute::{VertexColours, VoxelColours};
 use crate::distance::nearest::Watch;
 use crate::distance::octree::{self, DistanceObject};
 use crate::field::cells::Cells;
@@ -47,6 +47,9 @@ pub(super) trait Asked<const N: usize>: Copy {
     /// What comes with a mesh.
     fn of_mesh(self, mesh: &Arc<MeshDistance>) -> Option<Arc<dyn Attribute<N>>>;
 
+    /// What comes from a volume of voxels.
+    fn of_voxels(self, voxels: &Arc<VoxelColours>) -> Option<Arc<dyn Attribute<N>>>;
+
     /// The problem of copies whose parts have several values.
     fn several(self, shape: &Shape) -> Problem;
 }
@@ -73,6 +76,10 @@ impl Asked<3> for TheColour {
 
     fn of_mesh(self, mesh: &Arc<MeshDistance>) -> Option<Arc<Colour>> {
         Some(Arc::new(VertexColours::new(Arc::clone(mesh))?))
+    }
+
+    fn of_voxels(self, voxels: &Arc<VoxelColours>) -> Option<Arc<Colour>> {
+        Some(Arc::clone(voxels) as Arc<Colour>)
     }
 
     fn several(self, shape: &Shape) -> Problem {
@@ -102,6 +109,10 @@ impl Asked<1> for TheScalar<'_> {
     }
 
     fn of_mesh(self, _mesh: &Arc<MeshDistance>) -> Option<Arc<Scalar>> {
+        None
+    }
+
+    fn of_voxels(self, _voxels: &Arc<VoxelColours>) -> Option<Arc<Scalar>> {
         None
     }
 
@@ -190,6 +201,7 @@ impl Solids {
                 let paint = self.parts_paint(what, shapes, Rule::Union { seam: *seam }, voxel)?;
                 Some(paint.unwrap_or_else(|| Paint::solid(what.absent())))
             }
+            Some(AttributeSource::Voxels(_)) => what.of_voxels(self.assets().colours(id)).map(Paint::shared),
             None => {
                 let paint = self.made_paint(what, id, shape, voxel)?;
                 if shape.modifiers.at.is_some() && paint.as_ref().is_some_and(|paint| paint.solid.is_none()) {

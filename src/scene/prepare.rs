@@ -37,8 +37,8 @@ pub struct PrepareOptions<'a> {
     pub resolution: Option<u32>,
     /// Half the band's width in voxels.
     pub half_width: Option<f64>,
-    /// The most memory that a morph's frames, and measuring one of its objects, may take, in bytes; `None` for no
-    /// limit of frames, and 4 GiB for an object.
+    /// The most memory that a morph's frames, measuring one of its objects, and a volume of voxels, may take, in bytes;
+    /// `None` for no limit of frames, and 4 GiB for an object or a volume.
     pub memory_limit: Option<usize>,
     /// Set it to stop: the result is [`Error::Cancelled`].
     pub cancel: &'a AtomicBool,
@@ -78,7 +78,7 @@ fn prepare(model: &Arc<Model>, options: &PrepareOptions<'_>) -> Result<Prepared,
         }
     };
     let parts = model.with_parts(&roots);
-    let assets = Arc::new(Assets::load(model, &parts)?);
+    let assets = Arc::new(Assets::load(model, &parts, options.memory_limit)?);
     let variation = Variation::of(model);
     stop_if(options.cancel)?;
     let mut solids = Solids::new(model, &assets, model.moment(model.shot.range.first as f64));

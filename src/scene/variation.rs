@@ -63,7 +63,10 @@ impl Variation {
             AttributeSource::Parts { shapes, .. } => {
                 shapes.iter().any(|part| self.placed[part.0] || self.painted[part.0])
             }
-            AttributeSource::Solid(_) | AttributeSource::Random { .. } | AttributeSource::Bands(_) => false,
+            AttributeSource::Solid(_)
+            | AttributeSource::Random { .. }
+            | AttributeSource::Bands(_)
+            | AttributeSource::Voxels(_) => false,
         }
     }
 

@@ -6,7 +6,7 @@ use glam::DVec3;
 use serde::Serialize;
 
 use super::read::{Opened, SparseBlocks, StoredClass, Voxels};
-use super::walk::{CompressionFlags, GridLayout, TreeLayout, walk};
+use super::walk::{CompressionFlags, GridLayout, walk};
 use super::{Error, Metadata, MetadataValue};
 
 /// A file.
@@ -109,7 +109,7 @@ fn describe(opened: &Opened, grid: &GridLayout) -> Result<GridInfo, Error> {
     let class = StoredClass::of(&grid.metadata);
     let owner = grid.shares_tree_of.as_ref();
     let owner = owner.and_then(|name| opened.layout.grids.iter().find(|other| other.unique_name == *name));
-    let tree: Option<&TreeLayout> = owner.unwrap_or(grid).tree.as_ref();
+    let tree = opened.tree(grid);
     let voxels = opened.voxels(grid)?;
     // Values are told as they stand in the file, where level sets are negative inside.
     let sign = if class == StoredClass::LevelSet { -1.0 } else { 1.0 };
@@ -119,10 +119,9 @@ fn describe(opened: &Opened, grid: &GridLayout) -> Result<GridInfo, Error> {
         None => (None, None),
     };
     let index_box = tree.and_then(|tree| tree.active_box);
-    let value_type = grid.tree_type.strip_prefix("Tree_").and_then(|rest| rest.strip_suffix("_5_4_3"));
     Ok(GridInfo {
         name: grid.name.clone(),
-        value_type: value_type.unwrap_or(&grid.tree_type).into(),
+        value_type: grid.value_type().into(),
         class,
         vector_type: match grid.metadata.get("vector_type") {
             Some(MetadataValue::Text(text)) => Some(text.clone()),

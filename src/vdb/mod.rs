@@ -33,7 +33,7 @@ pub use frame::{Blocks, Class, Content, Frame, Grid, Values, VectorType};
 pub use inspect::{FileInfo, GridInfo, Range, active_box, inspect};
 pub use lint::{Finding, Lint, Severity, lint};
 pub use metadata::{Metadata, MetadataValue};
-pub use read::{Contents, SparseBlocks, StoredClass, StoredGrid, Tile, Voxels, read};
+pub use read::{Contents, Opened, SparseBlocks, StoredClass, StoredGrid, Tile, Voxels, read};
 pub use write::{Compression, Prepared, WriteOptions, Written, prepare, write};
 
 /// The version of the OpenVDB library in use, such as `10.0.1`.

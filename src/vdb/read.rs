@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use glam::IVec3;
 
 use super::bridge::ffi;
-use super::walk::{GridLayout, Layout, Transform, walk_bytes};
+use super::walk::{GridLayout, Layout, Transform, TreeLayout, walk_bytes};
 use super::{Error, Metadata, MetadataValue};
 use crate::grid::{BLOCK_VOXELS, Band, BlockMask, InsideTile, Lattice, VoxelSize, block_order, block_origin};
 
@@ -121,33 +121,36 @@ pub fn read(path: impl AsRef<Path>) -> Result<Contents, Error> {
     let opened = Opened::open(path.as_ref())?;
     let mut contents = Contents { metadata: opened.layout.metadata.clone(), grids: vec![], skipped: vec![] };
     for grid in &opened.layout.grids {
-        match opened.voxels(grid)? {
-            Some(voxels) => contents.grids.push(StoredGrid {
-                name: grid.name.clone(),
-                class: StoredClass::of(&grid.metadata),
-                transform: grid.transform.clone(),
-                metadata: grid.metadata.clone(),
-                voxels,
-            }),
+        match opened.grid(grid)? {
+            Some(stored) => contents.grids.push(stored),
             None => contents.skipped.push((grid.name.clone(), grid.tree_type.clone())),
         }
     }
     Ok(contents)
 }
 
-/// A file in memory that was walked.
-pub(super) struct Opened {
+/// A file in memory that was walked: for whoever wants one of its grids, or to know what is in it first.
+pub struct Opened {
     path: PathBuf,
     bytes: Vec<u8>,
+    /// What is in it.
     pub layout: Layout,
 }
 
 impl Opened {
+    /// Reads a file's bytes and walks them.
+    ///
+    /// # Errors
+    /// As [`read`], but for the last.
     pub fn open(path: &Path) -> Result<Self, Error> {
         let bytes = std::fs::read(path).map_err(|error| Error::system(path, "read it", error))?;
         Self::from_bytes(bytes, path)
     }
 
+    /// Walks a file's bytes; `path` is for messages.
+    ///
+    /// # Errors
+    /// [`Error::Damaged`] and [`Error::Unsupported`].
     pub fn from_bytes(mut bytes: Vec<u8>, path: &Path) -> Result<Self, Error> {
         let layout = walk_bytes(&bytes, path)?;
         for name in &layout.delayed_load {
@@ -163,13 +166,37 @@ impl Opened {
         self.bytes.len() as u64
     }
 
-    /// A grid's voxels; `None` for a type that is not read.
-    pub fn voxels(&self, grid: &GridLayout) -> Result<Option<Voxels>, Error> {
-        let flip = StoredClass::of(&grid.metadata) == StoredClass::LevelSet;
-        let owner = match &grid.shares_tree_of {
+    /// What a grid's tree holds, which may be another's; `None` for a type that is not walked.
+    pub fn tree<'g>(&'g self, grid: &'g GridLayout) -> Option<&'g TreeLayout> {
+        self.owner(grid).tree.as_ref()
+    }
+
+    /// One of the layout's grids, decoded; `None` for a type that is not read.
+    ///
+    /// # Errors
+    /// [`Error::File`] when a buffer cannot be decompressed.
+    pub fn grid(&self, grid: &GridLayout) -> Result<Option<StoredGrid>, Error> {
+        Ok(self.voxels(grid)?.map(|voxels| StoredGrid {
+            name: grid.name.clone(),
+            class: StoredClass::of(&grid.metadata),
+            transform: grid.transform.clone(),
+            metadata: grid.metadata.clone(),
+            voxels,
+        }))
+    }
+
+    /// The grid whose tree a grid has.
+    fn owner<'g>(&'g self, grid: &'g GridLayout) -> &'g GridLayout {
+        match &grid.shares_tree_of {
             Some(parent) => self.layout.grids.iter().find(|other| other.unique_name == *parent).unwrap_or(grid),
             None => grid,
-        };
+        }
+    }
+
+    /// A grid's voxels; `None` for a type that is not read.
+    pub(super) fn voxels(&self, grid: &GridLayout) -> Result<Option<Voxels>, Error> {
+        let flip = StoredClass::of(&grid.metadata) == StoredClass::LevelSet;
+        let owner = self.owner(grid);
         let read = |error: cxx::Exception| Error::File {
             path: self.path.clone(),
             message: format!("grid '{}': {}", grid.name, error.what()),

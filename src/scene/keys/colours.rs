@@ -1,5 +1,7 @@
 //! Colours written as tables.
 
+use crate::attribute::POWERS;
+
 use super::Absent::{Nothing, Number, Required, Text};
 use super::{COLOUR_SPACES, Key, Kind, Limit, Maker, seed};
 
@@ -69,6 +71,38 @@ pub const COLOURS: &[Maker] = &[
         ),
         parameters: &[SEAM],
         formula: "Σ cⱼ/|fⱼ| / Σ 1/|fⱼ| outside (STTI, eq. 6)",
+    },
+    Maker {
+        key: Key::new(
+            "vdb",
+            Kind::Path,
+            Required,
+            "The colours of a volume of voxels in a `.vdb` file, such as one written here: scene-linear, trilinear \
+             between voxels. They stand in the shape's own space, before `scale`.",
+        ),
+        parameters: &[
+            Key::new(
+                "grid",
+                Kind::Text,
+                Text("Cd"),
+                "The grid: three numbers a voxel, its voxels cubes along the axes.",
+            ),
+            Key::new(
+                "outside",
+                Kind::Choice(&["nearest", "potential"]),
+                Text("nearest"),
+                "How colours go on outside of the active voxels: that of their nearest point, or the mean of all voxels \
+                 weighted by a power of the distance.",
+            ),
+            Key::new(
+                "power",
+                Kind::Whole,
+                Number(4.0),
+                "`outside = \"potential\"`: the power p. 2 is the paper's, and lets far voxels rule over near ones.",
+            )
+            .limit(Limit::Within(*POWERS.start() as f64, *POWERS.end() as f64)),
+        ],
+        formula: "Σ cⱼ/dⱼᵖ / Σ 1/dⱼᵖ (STB, eq. 4), to 1/255 of the range of colours",
     },
 ];
 

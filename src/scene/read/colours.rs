@@ -1,12 +1,13 @@
 //! Colours, palettes and names of both.
 
-use crate::attribute::{Choice, ColourSpace, Components, LinearRgb, Mixer};
+use crate::attribute::{Choice, ColourSpace, Components, LinearRgb, Mixer, Outside};
 
 use super::super::colour::{constant, css, limits, not_a_colour};
 use super::super::diagnostic::{Diagnostic, clip, listed};
+use super::super::files::{self, FileReference};
 use super::super::formula::Formula;
 use super::super::keys::{self, Limit};
-use super::super::model::{Component, Pieces, ShapeColour, ShapeId};
+use super::super::model::{Component, Pieces, ShapeColour, ShapeId, VoxelSource};
 use super::super::reader::{Fields, Reader};
 use super::super::source::Span;
 use super::super::value::{Data, Entry, Table, Value};
@@ -127,6 +128,7 @@ impl<'r, 'a> Building<'r, 'a> {
                 let seam = fields.constant("seam").unwrap_or(0.0);
                 Some(ShapeColour::Parts { shapes: shapes?, seam })
             }
+            "vdb" => self.voxels(&fields).map(ShapeColour::Voxels),
             name => {
                 let by = self.pieces(&fields, main.span, has_cells);
                 let seed = self.seed_of(fields.whole("seed"), path);
@@ -191,6 +193,42 @@ impl<'r, 'a> Building<'r, 'a> {
         };
         let [a, b, c] = [component(0), component(1), component(2)];
         Some(ShapeColour::Formula { components: Box::new([a?, b?, c?]), meaning, span: value.span })
+    }
+
+    /// A grid of a file.
+    fn voxels(&self, fields: &Fields<'r, 'a>) -> Option<VoxelSource> {
+        let file = self.file("vdb", fields);
+        let grid = fields.text("grid");
+        let outside = fields.choice("outside");
+        let power = fields.whole("power");
+        let outside = match (outside?, fields.entry("power")) {
+            ("potential", _) => Outside::Potential(u32::try_from(power?).ok()?),
+            (_, None) => Outside::Foot,
+            (_, Some(entry)) => {
+                let problem = "`power` is for `outside = \"potential\"` only";
+                self.reader.say(Diagnostic::error(entry.key_span, problem));
+                return None;
+            }
+        };
+        let file = file?;
+        let grid_span = fields.entry("grid").map_or(file.span, |entry| entry.value.span);
+        Some(VoxelSource { file, grid: grid?, grid_span, outside })
+    }
+
+    /// The file that a key names; it is there.
+    pub(super) fn file(&self, key: &str, fields: &Fields<'r, 'a>) -> Option<FileReference> {
+        let value = fields.value(key)?;
+        let Some(text) = value.text() else {
+            self.reader.wrong_kind(&fields.full(key), "a file's name", value);
+            return None;
+        };
+        match files::find(text, value.span, &self.surroundings.base, &self.surroundings.variables) {
+            Ok(file) => Some(file),
+            Err(problem) => {
+                self.reader.say(problem);
+                None
+            }
+        }
     }
 
     /// What takes the values that are chosen at random.

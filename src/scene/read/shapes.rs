@@ -5,7 +5,6 @@ use glam::DVec3;
 use crate::field::Aabb;
 
 use super::super::diagnostic::{Diagnostic, clip, listed};
-use super::super::files;
 use super::super::formula::Formula;
 use super::super::keys::{self, MAKERS};
 use super::super::model::{Bounds, Copies, Maker, Modifiers, Shape, ShapeId};
@@ -98,20 +97,7 @@ impl<'r, 'a> Building<'r, 'a> {
             }
             "heart" => Maker::Heart { width: fields.required_number("heart") },
             "formula" => self.formula(fields)?,
-            "mesh" => {
-                let value = fields.value("mesh")?;
-                let Some(text) = value.text() else {
-                    self.reader.wrong_kind(&fields.full("mesh"), "a file's name", value);
-                    return None;
-                };
-                match files::find(text, value.span, &self.surroundings.base, &self.surroundings.variables) {
-                    Ok(file) => Maker::Mesh { file },
-                    Err(problem) => {
-                        self.reader.say(problem);
-                        return None;
-                    }
-                }
-            }
+            "mesh" => Maker::Mesh { file: self.file("mesh", fields)? },
             "union" => Maker::Union {
                 operands: self.operands("union", 1, fields, id, may_nest)?,
                 seam: fields.constant("seam").unwrap_or(0.0),

@@ -68,6 +68,14 @@ pub struct GridLayout {
     pub(super) descriptor: usize,
 }
 
+impl GridLayout {
+    /// The type of its values as OpenVDB calls it, such as `float` or `vec3s`.
+    pub fn value_type(&self) -> &str {
+        let name = self.tree_type.strip_prefix("Tree_").and_then(|rest| rest.strip_suffix("_5_4_3"));
+        name.unwrap_or(&self.tree_type)
+    }
+}
+
 /// What a tree holds.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct TreeLayout {

@@ -1,0 +1,162 @@
+//! Colours of a volume of voxels, everywhere in space.
+//!
+//! Positions here are in voxels: the centre of voxel (i, j, k) is at (i, j, k), and its cube reaches half a voxel
+//! further. The volume is the union of the cubes of all active voxels. In it colours are sampled trilinearly; outside
+//! of it [`Outside`] says how they go on.
+
+mod nearest;
+mod potential;
+mod tree;
+
+use glam::{DVec3, IVec3};
+use rustc_hash::FxHashMap;
+
+use super::{Attribute, LinearRgb, Sampler};
+use crate::field::{Aabb, BATCH, Points};
+use crate::grid::{BLOCK_VOXELS, BlockMask, block_origin, is_active, voxel_offset};
+
+use potential::Potential;
+pub use potential::{POWERS, RELATIVE_ERROR};
+use tree::Tree;
+
+/// How the colours of a volume go on outside of it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Outside {
+    /// With the colour of the nearest point of the volume.
+    Foot,
+    /// With the mean of all voxels, weighted by 1/dᵖ, d the distance to a voxel's centre (STB, eq. 4): p, one of
+    /// [`POWERS`].
+    Potential(u32),
+}
+
+/// Voxels with colours: blocks, and where they stand.
+#[derive(Clone, Debug)]
+pub struct ColourBlocks {
+    /// A voxel's edge, world units.
+    pub voxel_size: f64,
+    /// Where the centre of voxel (0, 0, 0) is.
+    pub origin: DVec3,
+    /// The blocks' least corners, each once.
+    pub origins: Vec<IVec3>,
+    /// The colours of each block, finite where they are active.
+    pub values: Vec<[LinearRgb; BLOCK_VOXELS]>,
+    /// The active voxels of each block.
+    pub active: Vec<BlockMask>,
+}
+
+/// The colours of a volume of voxels.
+pub struct VoxelColours {
+    volume: Volume,
+    tree: Tree,
+    voxel_size: f64,
+    origin: DVec3,
+    outside: Outside,
+}
+
+impl VoxelColours {
+    /// Colours of voxels; `None` where none is active.
+    pub fn new(blocks: ColourBlocks, outside: Outside) -> Option<Self> {
+        let ColourBlocks { voxel_size, origin, origins, values, active } = blocks;
+        let places = origins.iter().enumerate().map(|(block, origin)| (*origin, block as u32)).collect();
+        let volume = Volume { origins, values, active, places };
+        let tree = Tree::new(&volume)?;
+        Some(Self { volume, tree, voxel_size, origin, outside })
+    }
+
+    /// Memory that it takes, about, in bytes.
+    pub fn memory(&self) -> u64 {
+        Self::bytes(self.volume.origins.len() as u64, self.tree.nodes[0].count as u64)
+    }
+
+    /// Memory that so many blocks with so many active voxels take at most, in bytes.
+    pub fn bytes(blocks: u64, voxels: u64) -> u64 {
+        const BYTES_A_BLOCK: u64 = (BLOCK_VOXELS * size_of::<LinearRgb>() + size_of::<BlockMask>() + 64) as u64;
+        // A cube of 2³ voxels holds at least one, and at most 64 are in a block; the nodes above it are fewer by far.
+        let cubes = voxels.min(blocks.saturating_mul(64));
+        let nodes = cubes.saturating_add(cubes / 4).saturating_mul(tree::BYTES_A_NODE);
+        blocks.saturating_mul(BYTES_A_BLOCK).saturating_add(nodes)
+    }
+}
+
+/// Blocks, found by their place.
+struct Volume {
+    origins: Vec<IVec3>,
+    values: Vec<[LinearRgb; BLOCK_VOXELS]>,
+    active: Vec<BlockMask>,
+    places: FxHashMap<IVec3, u32>,
+}
+
+impl Volume {
+    /// The colour of a voxel, where it is active.
+    fn colour(&self, voxel: IVec3) -> Option<LinearRgb> {
+        let block = *self.places.get(&block_origin(voxel))? as usize;
+        let offset = voxel_offset(voxel);
+        is_active(&self.active[block], offset).then(|| self.values[block][offset])
+    }
+
+    /// The trilinear mean around a point of the volume; inactive corners are left out. The voxel that the point is in
+    /// is active and among the corners, so an eighth of the weight is always there.
+    fn trilinear(&self, at: DVec3) -> LinearRgb {
+        let floor = at.floor();
+        let (corner, share) = (floor.as_ivec3(), (at - floor).as_vec3());
+        let (mut sum, mut total) = ([0.0; 3], 0.0);
+        for i in 0..8 {
+            let step = IVec3::new(i >> 2, i >> 1 & 1, i & 1);
+            let side = |axis: usize| if step[axis] == 1 { share[axis] } else { 1.0 - share[axis] };
+            let weight = side(0) * side(1) * side(2);
+            if let Some(colour) = self.colour(corner.wrapping_add(step)) {
+                (0..3).for_each(|channel| sum[channel] += weight * colour[channel]);
+                total += weight;
+            }
+        }
+        sum.map(|sum: f32| sum / total)
+    }
+}
+
+impl Attribute<3> for VoxelColours {
+    fn sampler(&self) -> Box<dyn Sampler<3> + '_> {
+        let potential = match self.outside {
+            Outside::Foot => None,
+            Outside::Potential(power) => Some(Potential::new(&self.volume, &self.tree, power)),
+        };
+        Box::new(VoxelSampler { colours: self, potential, far: Vec::with_capacity(BATCH) })
+    }
+}
+
+struct VoxelSampler<'a> {
+    colours: &'a VoxelColours,
+    potential: Option<Potential<'a>>,
+    /// Points outside of the volume, and their places in the batch.
+    far: Vec<(DVec3, usize)>,
+}
+
+impl Sampler<3> for VoxelSampler<'_> {
+    fn enter(&mut self, _region: &Aabb) {}
+
+    fn leave(&mut self) {}
+
+    fn sample(&mut self, points: &Points, out: &mut [LinearRgb; BATCH]) {
+        let VoxelColours { volume, tree, voxel_size, origin, .. } = self.colours;
+        self.far.clear();
+        let mut near = None;
+        for (i, out) in out.iter_mut().enumerate().take(points.len) {
+            let at = (points.position(i) - origin) / *voxel_size;
+            if volume.colour(at.round().as_ivec3()).is_some() {
+                *out = volume.trilinear(at);
+            } else if self.potential.is_some() {
+                self.far.push((at, i));
+            } else {
+                let voxel = tree.nearest(volume, at, near);
+                near = Some(voxel);
+                let half = DVec3::splat(0.5);
+                *out = volume.trilinear(at.clamp(voxel.as_dvec3() - half, voxel.as_dvec3() + half));
+            }
+        }
+        if let Some(potential) = &mut self.potential {
+            potential.sample(&mut self.far, out);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;
