@@ -92,7 +92,7 @@ pub const COLOURS: &[Maker] = &[
                 Kind::Choice(&["nearest", "potential"]),
                 Text("nearest"),
                 "How colours go on outside of the active voxels: that of their nearest point, or the mean of all voxels \
-                 weighted by a power of the distance.",
+                 weighted by a power of the distance, which takes minutes at high resolutions.",
             ),
             Key::new(
                 "power",
