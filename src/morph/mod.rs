@@ -12,6 +12,7 @@ mod partition;
 mod plain;
 mod plan;
 mod real;
+mod recent;
 mod report;
 mod section;
 mod settings;

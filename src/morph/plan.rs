@@ -10,10 +10,12 @@ use super::coarse::{CoarseGrid, Measured};
 use super::motion::{Motion, Moved};
 use super::pace::{Curve, Even, even};
 use super::plain;
+use super::recent::Recent;
 use super::section::Section;
 use super::settings::{Ease, Error, Mode, Pace, Settings, Side};
 use super::stb::Stb;
 use super::stti::{MorphAttribute, Transfer};
+use super::surfels::Surfels;
 use super::volume::{
     Enclosing, Volume, difference, linear_fractions, object_cells, object_fractions, total, union_fractions,
 };
@@ -93,6 +95,17 @@ pub struct Morph {
     pub(super) plan: Plan,
     /// The coarse grid's distances, where no object moves.
     pub(super) still: Option<Measured>,
+    /// What the blend encloses, and the surface on the coarse grid: each wanted by a frame and by the one after it.
+    pub(super) solved: Recent<Solved>,
+    pub(super) surfels: Recent<Surfels>,
+}
+
+/// The blend at one scene time, as the coarse grid knows it.
+pub(super) struct Solved {
+    /// The amount, and what it encloses.
+    pub enclosing: Enclosing,
+    /// The volume that it is to enclose, in cells.
+    pub target: f64,
 }
 
 impl Morph {
@@ -107,7 +120,7 @@ impl Morph {
             let grid = CoarseGrid::over(both.grown(margin * unit));
             let plan =
                 Plan { unit, grid, pace: Curve::line(), changes: Vec::new(), extent: [[0.0; 3]; 2], turn: Turn::Up };
-            let mut morph = Self { from: from.clone(), to: to.clone(), settings: settings.clone(), plan, still: None };
+            let mut morph = Self::planned(from.clone(), to.clone(), settings.clone(), plan);
             let Some(at) = morph.make_plan()? else { return Ok(morph) };
             spreads = at;
             margin *= 2.0;
@@ -119,9 +132,14 @@ impl Morph {
     /// A morph whose plan was made before, from the same objects and settings.
     pub fn with_plan(from: MorphObject, to: MorphObject, settings: Settings, plan: Plan) -> Result<Self, Error> {
         settings.check()?;
-        let mut morph = Self { from, to, settings, plan, still: None };
+        let mut morph = Self::planned(from, to, settings, plan);
         morph.measure_still();
         Ok(morph)
+    }
+
+    /// Of these parts, with nothing measured yet.
+    pub(super) fn planned(from: MorphObject, to: MorphObject, settings: Settings, plan: Plan) -> Self {
+        Self { from, to, settings, plan, still: None, solved: Recent::new(), surfels: Recent::new() }
     }
 
     /// What was planned.
@@ -150,10 +168,7 @@ impl Morph {
             Mode::Union => Stage::Union(t),
             Mode::Still => Stage::From,
             Mode::Flow(flow) => {
-                let a0 = match &self.still {
-                    Some(measured) => self.enclosing(measured, time, t).a0,
-                    None => self.enclosing(&self.measure(time), time, t).a0,
-                };
+                let a0 = self.solved(time).enclosing.a0;
                 Stage::Between(Section { a0, ..flow.section(t, time) })
             }
         }
@@ -260,6 +275,16 @@ impl Morph {
         }
     }
 
+    /// The blend at scene time τ.
+    pub(super) fn solved(&self, time: f64) -> Arc<Solved> {
+        self.solved.at(time, || {
+            let fresh = if self.still.is_none() { Some(self.measure(time)) } else { None };
+            let measured = fresh.as_ref().or(self.still.as_ref()).expect("one of both is there");
+            let t = self.time_at(time);
+            Solved { enclosing: self.enclosing(measured, time, t), target: self.target(measured, time, t) }
+        })
+    }
+
     /// The volume at t and scene time τ, in cells.
     pub(super) fn target(&self, measured: &Measured, time: f64, t: f64) -> f64 {
         let own = |distances: &[f32]| object_cells(&self.plan.grid, distances, self.plan.unit);
@@ -350,7 +375,7 @@ impl Morph {
                     .into_par_iter()
                     .map(|step| {
                         let time = self.settings.time_of(progress[step]);
-                        self.frame_report(time).1
+                        self.solved(time).enclosing.fractions.clone()
                     })
                     .collect::<Vec<_>>(),
             );

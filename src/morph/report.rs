@@ -1,9 +1,11 @@
 //! Numbers on a morph's frames, measured on its coarse grid.
 
+use std::sync::Arc;
+
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use super::plan::Morph;
+use super::plan::{Morph, Solved};
 use super::settings::Mode;
 use super::surfels::Surfels;
 use super::volume::{Enclosing, difference, total};
@@ -41,9 +43,15 @@ pub struct Report {
 impl Morph {
     /// Numbers on the frames at some scene times, in order.
     pub fn report(&self, times: &[f64]) -> Report {
-        let measured: Vec<(FrameReport, Vec<f32>)> = times.par_iter().map(|time| self.frame_report(*time)).collect();
+        let measured: Vec<(FrameReport, Arc<Solved>)> = times.par_iter().map(|time| self.frame_report(*time)).collect();
         let cell = self.plan().grid.cell_volume();
-        let changes: Vec<f64> = measured.par_windows(2).map(|two| difference(&two[0].1, &two[1].1) * cell).collect();
+        let changes: Vec<f64> = measured
+            .par_windows(2)
+            .map(|two| {
+                let [before, after] = [&two[0].1.enclosing, &two[1].1.enclosing];
+                difference(&before.fractions, &after.fractions) * cell
+            })
+            .collect();
         let mut frames: Vec<FrameReport> = measured.into_iter().map(|(frame, _)| frame).collect();
         for (frame, change) in frames.iter_mut().skip(1).zip(&changes) {
             frame.change = *change;
@@ -59,22 +67,19 @@ impl Morph {
     /// The farthest that the surface goes from one scene time to another, world units, to a part of a cell of the coarse
     /// grid; what appears or vanishes counts by how far it is from the rest.
     pub fn displacement(&self, from: f64, to: f64) -> f64 {
-        let [from, to] = [from, to].map(|time| Surfels::new(&self.plan().grid, self.field(time).as_ref()));
+        let of = |time| self.surfels.at(time, || Surfels::new(&self.plan().grid, self.field(time).as_ref()));
+        let [from, to] = [from, to].map(of);
         from.farthest(&to)
     }
 
-    pub(super) fn frame_report(&self, time: f64) -> (FrameReport, Vec<f32>) {
-        let fresh = if self.still.is_none() { Some(self.measure(time)) } else { None };
-        let measured = fresh.as_ref().or(self.still.as_ref()).expect("one of both is there");
-        let t = self.time_at(time);
-        let Enclosing { a0, fractions } = self.enclosing(measured, time, t);
+    fn frame_report(&self, time: f64) -> (FrameReport, Arc<Solved>) {
+        let solved = self.solved(time);
+        let Enclosing { a0, fractions } = &solved.enclosing;
         let cell = self.plan().grid.cell_volume();
-        let target = match &self.settings.mode {
-            Mode::Flow(_) => Some(self.target(measured, time, t) * cell),
-            _ => None,
-        };
-        let volume = total(&fractions) * cell;
-        let pieces = self.plan().grid.pieces(&fractions);
-        (FrameReport { time, t, a0, target, volume, change: 0.0, pieces }, fractions)
+        let target = matches!(self.settings.mode, Mode::Flow(_)).then(|| solved.target * cell);
+        let volume = total(fractions) * cell;
+        let pieces = self.plan().grid.pieces(fractions);
+        let (t, a0) = (self.time_at(time), *a0);
+        (FrameReport { time, t, a0, target, volume, change: 0.0, pieces }, solved)
     }
 }
