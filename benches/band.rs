@@ -5,7 +5,7 @@
 
 mod common;
 
-use std::process::Command;
+use std::{hint::black_box, process::Command};
 
 use common::clock::{Seconds, pairs, timed};
 use common::memory::resident;
@@ -13,8 +13,12 @@ use common::report::{Goal, Row};
 use common::scenes::{self, Sampling};
 use hfvdb::distance::band::Measured;
 use hfvdb::scene::{FrameContent, Prepared};
+use rayon::{ThreadPool, prelude::*};
 
 const PAIRS: usize = 5;
+/// Pairs of the machine's own measure run between those of a job, so that both meet the same machine: rounds, and pairs
+/// of either in one.
+const TURNS: [usize; 2] = [3, 2];
 /// Seconds that a sample of two threads against one takes at least, by one run after the other: threads that slept need
 /// some milliseconds to spread over the cores, which are none of the work's.
 const SAMPLE: f64 = 0.5;
@@ -38,16 +42,30 @@ impl Job {
         timed(|| self.run()).0
     }
 
-    /// Seconds a run, over many.
-    fn time_of_many(&self) -> Seconds {
-        let (mut total, mut runs) = ([0.0; 2], 0.0);
-        while total[0] < SAMPLE {
-            let [clock, processor] = self.time();
-            total = [total[0] + clock, total[1] + processor];
-            runs += 1.0;
-        }
-        total.map(|seconds| seconds / runs)
+}
+
+/// Seconds a run, over many.
+fn time_of_many(work: impl Fn() -> Seconds) -> Seconds {
+    let (mut total, mut runs) = ([0.0; 2], 0.0);
+    while total[0] < SAMPLE {
+        let [clock, processor] = work();
+        total = [total[0] + clock, total[1] + processor];
+        runs += 1.0;
     }
+    total.map(|seconds| seconds / runs)
+}
+
+/// Arithmetic in registers, in pieces that any thread takes: two threads are to one what the machine gives at that
+/// moment. Two processors of a virtual machine may share a core, or one be lent out.
+fn arithmetic() -> Seconds {
+    let piece = |seed: u32| {
+        let mut lanes: [f32; 64] = std::array::from_fn(|lane| (seed + lane as u32) as f32 * 1e-4);
+        for _ in 0..1 << 12 {
+            lanes = lanes.map(|value| value * 0.999 + 1e-3);
+        }
+        lanes.iter().sum::<f32>()
+    };
+    timed(|| black_box((0..1024_u32).into_par_iter().with_max_len(1).map(piece).sum::<f32>())).0
 }
 
 /// Leaves opened ÷ leaves that hold a piece of the band.
@@ -70,8 +88,15 @@ fn bench(scene: &str, resolution: u32) {
     Row("8", scene, resolution).value("memory", share, Goal::AtMost(1.6));
     drop(measured);
 
-    let threads = pairs(PAIRS, || double.install(|| once.time_of_many()), || single.install(|| once.time_of_many()));
+    let (mut threads, mut machine) = (Vec::new(), Vec::new());
+    let sample = |pool: &ThreadPool, work: &(dyn Fn() -> Seconds + Sync)| pool.install(|| time_of_many(work));
+    for _ in 0..TURNS[0] {
+        let job = || once.time();
+        threads.extend(pairs(TURNS[1], || sample(&double, &job), || sample(&single, &job)));
+        machine.extend(pairs(TURNS[1], || sample(&double, &arithmetic), || sample(&single, &arithmetic)));
+    }
     Row("18", scene, resolution).compare("two threads against one", Goal::AtLeast(1.85), &threads);
+    Row("18-machine", scene, resolution).compare("the machine itself", Goal::None, &machine);
     let finer = pairs(PAIRS, || double.install(|| twice.time()), || double.install(|| once.time()));
     Row("7", scene, resolution).compare("twice the resolution", Goal::AtMost(4.3), &finer);
 

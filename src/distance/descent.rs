@@ -79,10 +79,13 @@ impl Descent {
 pub fn descend(field: &dyn Field, scope: &Scope, cancel: &AtomicBool) -> Option<Descent> {
     let mut upper = Walk::new(field, scope, NODE_EDGE, cancel);
     upper.roots();
+    // In the order of blocks, so that what the nodes hold comes in that order too.
+    upper.found.sort();
     let parts: Vec<Descent> = upper
         .found
         .blocks
         .par_iter()
+        .with_max_len(1)
         .map_init(
             || Walk::new(field, scope, BLOCK_EDGE, cancel),
             |walk, &node| {
@@ -99,7 +102,8 @@ pub fn descend(field: &dyn Field, scope: &Scope, cancel: &AtomicBool) -> Option<
     let mut all = Descent { blocks: Vec::new(), inside_tiles: upper.found.inside_tiles };
     all.blocks.reserve_exact(parts.iter().map(|part| part.blocks.len()).sum());
     parts.into_iter().for_each(|part| all.append(part));
-    all.sort();
+    // Two sorted lists in a row: those of whole nodes, and those within.
+    all.inside_tiles.sort_by_key(|tile| block_order(tile.origin));
     Some(all)
 }
 

@@ -76,7 +76,8 @@ impl<'a> Measuring<'a> {
             rest = after;
             tasks.push((task, of_task));
         }
-        tasks.into_par_iter().try_for_each_init(
+        // Each may go to another thread: the last of a chunk are waited for.
+        tasks.into_par_iter().with_max_len(1).try_for_each_init(
             || self.meter(),
             |meter, (task, staged)| {
                 enter_task(meter, blocks[task[0]]);
