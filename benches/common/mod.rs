@@ -10,6 +10,10 @@ pub mod memory;
 pub mod report;
 pub mod scenes;
 
+/// As the program's, for both sides of a comparison.
+#[global_allocator]
+static ALLOCATOR: tikv_jemallocator::Jemalloc = tikv_jemallocator::Jemalloc;
+
 /// The arguments of a bench but for the flags that cargo passes (`--bench`).
 pub fn arguments() -> Vec<String> {
     std::env::args().skip(1).filter(|argument| !argument.starts_with('-')).collect()
