@@ -53,6 +53,16 @@ impl CoarseGrid {
         self.block_count() * BATCH
     }
 
+    /// How many cells there are along each axis.
+    pub(super) fn size(&self) -> IVec3 {
+        IVec3::from_array(self.blocks) * BLOCK_EDGE
+    }
+
+    /// A place in the world, in cells from the middle of the first cell.
+    pub(super) fn in_cells(&self, position: DVec3) -> DVec3 {
+        (position - DVec3::from_array(self.least)) / self.edge - 0.5
+    }
+
     fn block(&self, index: usize) -> IVec3 {
         let [_, ny, nz] = self.blocks.map(|n| n as usize);
         IVec3::new((index / (ny * nz)) as i32, (index / nz % ny) as i32, (index % nz) as i32)
@@ -72,13 +82,13 @@ impl CoarseGrid {
     /// Whether a cell lies on a face of the grid.
     pub(super) fn on_face(&self, cell: usize) -> bool {
         let voxel = self.voxel(cell);
-        let last = IVec3::from_array(self.blocks) * BLOCK_EDGE - 1;
+        let last = self.size() - 1;
         voxel.cmpeq(IVec3::ZERO).any() || voxel.cmpeq(last).any()
     }
 
     /// How many parts of face-connected cells there are among those that are at least half inside.
     pub(super) fn pieces(&self, fractions: &[f32]) -> usize {
-        let size = IVec3::from_array(self.blocks) * BLOCK_EDGE;
+        let size = self.size();
         let mut open: Vec<bool> = fractions.iter().map(|fraction| *fraction >= 0.5).collect();
         let (mut pieces, mut stack) = (0, Vec::new());
         for start in 0..open.len() {
@@ -104,7 +114,7 @@ impl CoarseGrid {
     }
 
     /// The place of a voxel's cell.
-    fn cell(&self, voxel: IVec3) -> usize {
+    pub(super) fn cell(&self, voxel: IVec3) -> usize {
         let (block, local) = (voxel / BLOCK_EDGE, voxel % BLOCK_EDGE);
         let [_, ny, nz] = self.blocks;
         let block = (block.x * ny + block.y) * nz + block.z;

@@ -5,6 +5,10 @@
 //! and no scene text.
 
 mod coarse;
+mod course;
+mod delay;
+mod delayed;
+mod dual;
 mod motion;
 mod over_time;
 mod pace;
@@ -23,6 +27,7 @@ mod velocity;
 mod volume;
 
 pub use coarse::CoarseGrid;
+pub use delay::Delay;
 pub use motion::{Motion, Moved, Similarity};
 pub use over_time::OverTime;
 pub use pace::Curve;
@@ -34,6 +39,8 @@ pub use stb::Stb;
 pub use stti::{MorphAttribute, Transfer};
 pub use velocity::{Around, Instant, Meter, Movement};
 
+#[cfg(test)]
+mod delay_tests;
 #[cfg(test)]
 mod exact;
 #[cfg(test)]

@@ -2,6 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::field::Interval;
+
 /// How often t is re-timed. One pass leaves steps several times the mean where the change is concentrated.
 const PASSES: usize = 3;
 
@@ -37,6 +39,24 @@ impl Curve {
         let (m0, m1) = (self.slope(left) * width, self.slope(after) * width);
         let rest = 1.0 - s;
         y0 * rest * rest * (1.0 + 2.0 * s) + y1 * s * s * (3.0 - 2.0 * s) + s * rest * (m0 * rest - m1 * s)
+    }
+
+    /// The rate at x; beyond the ends, 0.
+    pub(super) fn rate(&self, x: f64) -> f64 {
+        let after = self.points.partition_point(|point| point[0] <= x);
+        let (Some(left), Some(right)) = (after.checked_sub(1), self.points.get(after)) else { return 0.0 };
+        let width = right[0] - self.points[left][0];
+        let s = (x - self.points[left][0]) / width;
+        let rest = 1.0 - s;
+        let along = 6.0 * s * rest * self.secant(left);
+        along + self.slope(left) * rest * (rest - 2.0 * s) + self.slope(after) * s * (s - 2.0 * rest)
+    }
+
+    /// The least and the greatest value over a range of x: between points the curve stays within theirs.
+    pub(super) fn range(&self, x: Interval) -> Interval {
+        let (lo, hi) = (self.at(x.lo), self.at(x.hi));
+        let between = self.points.iter().filter(|point| x.contains(point[0])).map(|point| point[1]);
+        between.fold(Interval::new(lo.min(hi), lo.max(hi)), |range, y| Interval::new(range.lo.min(y), range.hi.max(y)))
     }
 
     fn secant(&self, i: usize) -> f64 {

@@ -8,6 +8,7 @@ impl Morph {
     pub fn of_parts(&self, from: MorphObject, to: MorphObject) -> Self {
         let mut pair = Self::planned(from, to, self.settings.clone(), self.plan.clone());
         pair.measure_still();
+        pair.delay.clone_from(&self.delay);
         pair.plan.turn = match &pair.still {
             Some(measured) => pair.turn(&measured.first, &measured.second),
             None => {

@@ -7,17 +7,21 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use super::coarse::{CoarseGrid, Measured};
+use super::course::{Course, LEAST_TIME, Solution};
+use super::delay::DelayGrid;
+use super::delayed::DelayedStb;
 use super::motion::{Motion, Moved};
 use super::pace::{Curve, Even, even};
 use super::plain;
 use super::recent::Recent;
-use super::section::Section;
-use super::settings::{Ease, Error, Mode, Pace, Settings, Side};
+use super::section::{Kernel, Section};
+use super::settings::{Ease, Error, Flow, Mode, Pace, Settings, Side};
 use super::stb::Stb;
 use super::stti::{MorphAttribute, Transfer};
 use super::surfels::Surfels;
 use super::volume::{
-    Enclosing, Volume, difference, linear_fractions, object_cells, object_fractions, total, union_fractions,
+    Enclosing, Volume, difference, linear_fractions, object_cells, object_fractions, place_fractions, total,
+    union_fractions,
 };
 use crate::attribute::{Attribute, Colour, LinearRgb, Mix, Mixer, Turn};
 use crate::distance::Distance;
@@ -52,7 +56,7 @@ pub struct Plan {
     pub grid: CoarseGrid,
     /// STB's time t over the morph's eased progress, both in \[0, 1\].
     pub pace: Curve,
-    /// The change of volume from each of the plan's steps to the next, cubic world units.
+    /// The change of volume from each of the plan's steps to the next, cubic world units, if nothing waited.
     pub changes: Vec<f64>,
     /// The least and greatest corner of the box of F ≥ 0 over all steps, to within a cell of the coarse grid.
     pub extent: [[f64; 3]; 2],
@@ -67,6 +71,8 @@ pub enum Stage {
     From,
     /// A section of the blend.
     Between(Section),
+    /// The blend of places that wait; t of those that do not.
+    Delayed(f64),
     /// (1 − t)·f₁ + t·f₂ at this t.
     Linear(f64),
     /// Both objects, at this t.
@@ -81,7 +87,7 @@ impl Stage {
         match self {
             Self::From => 0.0,
             Self::Between(section) => section.t,
-            Self::Linear(t) | Self::Union(t) => *t,
+            Self::Delayed(t) | Self::Linear(t) | Self::Union(t) => *t,
             Self::To => 1.0,
         }
     }
@@ -95,6 +101,9 @@ pub struct Morph {
     pub(super) plan: Plan,
     /// The coarse grid's distances, where no object moves.
     pub(super) still: Option<Measured>,
+    /// Where the shape waits.
+    pub(super) delay: Option<Arc<DelayGrid>>,
+    courses: Recent<Course>,
     /// What the blend encloses, and the surface on the coarse grid: each wanted by a frame and by the one after it.
     pub(super) solved: Recent<Solved>,
     pub(super) surfels: Recent<Surfels>,
@@ -134,12 +143,14 @@ impl Morph {
         settings.check()?;
         let mut morph = Self::planned(from, to, settings, plan);
         morph.measure_still();
+        morph.measure_delay()?;
         Ok(morph)
     }
 
     /// Of these parts, with nothing measured yet.
     pub(super) fn planned(from: MorphObject, to: MorphObject, settings: Settings, plan: Plan) -> Self {
-        Self { from, to, settings, plan, still: None, solved: Recent::new(), surfels: Recent::new() }
+        let (courses, solved, surfels) = (Recent::new(), Recent::new(), Recent::new());
+        Self { from, to, settings, plan, still: None, delay: None, courses, solved, surfels }
     }
 
     /// What was planned.
@@ -167,6 +178,7 @@ impl Morph {
             Mode::Linear(_) => Stage::Linear(t),
             Mode::Union => Stage::Union(t),
             Mode::Still => Stage::From,
+            Mode::Flow(_) if self.delay.is_some() => Stage::Delayed(t),
             Mode::Flow(flow) => {
                 let a0 = self.solved(time).enclosing.a0;
                 Stage::Between(Section { a0, ..flow.section(t, time) })
@@ -181,6 +193,10 @@ impl Morph {
         match self.stage(time) {
             Stage::From => own(&self.from),
             Stage::To => own(&self.to),
+            Stage::Delayed(_) => {
+                let (first, second) = (Arc::new(placed(&self.from)), Arc::new(placed(&self.to)));
+                self.delayed_field(time, first, second).unwrap_or_else(|| own(&self.from))
+            }
             Stage::Linear(t) => plain::linear(Arc::new(placed(&self.from)), Arc::new(placed(&self.to)), t),
             Stage::Union(_) => plain::union(own(&self.from), own(&self.to)),
             Stage::Between(section) => {
@@ -229,6 +245,7 @@ impl Morph {
             to: Arc::new(to),
             unit: self.plan.unit,
             transfer: Transfer { time: colour_time, alpha: alpha.at(time), beta: beta.at(time) },
+            delay: self.delay.clone(),
             mix,
         })
     }
@@ -281,7 +298,8 @@ impl Morph {
             let fresh = if self.still.is_none() { Some(self.measure(time)) } else { None };
             let measured = fresh.as_ref().or(self.still.as_ref()).expect("one of both is there");
             let t = self.time_at(time);
-            Solved { enclosing: self.enclosing(measured, time, t), target: self.target(measured, time, t) }
+            let enclosing = self.delayed(measured, time, t).unwrap_or_else(|| self.enclosing(measured, time, t));
+            Solved { enclosing, target: self.target(measured, time, t) }
         })
     }
 
@@ -294,6 +312,47 @@ impl Morph {
             _ => 1.0,
         };
         ((1.0 - t) * first + t * second) * factor
+    }
+
+    /// What the blend encloses on the way where places wait.
+    fn delayed(&self, measured: &Measured, time: f64, t: f64) -> Option<Enclosing> {
+        let (Some(delay), Mode::Flow(flow), true) = (&self.delay, &self.settings.mode, t > 0.0 && t < 1.0) else {
+            return None;
+        };
+        let (grid, eased, course) = (&self.plan.grid, self.settings.eased(time), self.course(flow, measured, time));
+        let place = |cell: usize| course.at(delay.local(grid.centre(cell), eased).progress);
+        let fractions = place_fractions(grid, measured, self.plan.unit, place);
+        Some(Enclosing { a0: course.a0(eased), fractions })
+    }
+
+    fn delayed_field(&self, time: f64, first: Arc<dyn Distance>, second: Arc<dyn Distance>) -> Option<Arc<dyn Field>> {
+        let (Some(delay), Mode::Flow(flow)) = (&self.delay, &self.settings.mode) else { return None };
+        let fresh = if self.still.is_none() { Some(self.measure(time)) } else { None };
+        let course = self.course(flow, fresh.as_ref().or(self.still.as_ref())?, time);
+        let (unit, eased, delay) = (self.plan.unit, self.settings.eased(time), Arc::clone(delay));
+        Some(Arc::new(DelayedStb { first, second, unit, eased, delay, course }))
+    }
+
+    /// All sections with the objects as they stand at scene time τ.
+    fn course(&self, flow: &Flow, measured: &Measured, time: f64) -> Arc<Course> {
+        let always = self.still.is_some() && flow.is_still();
+        self.courses.at(if always { 0.0 } else { time }, || {
+            let solve = |progress: &f64| {
+                let t = self.plan.pace.at(*progress).clamp(LEAST_TIME, 1.0 - LEAST_TIME);
+                let a0 = self.enclosing(measured, time, t).a0;
+                Solution { time: t, a0, reach: Kernel::<f64>::new(&flow.section(t, time)).reach() }
+            };
+            let solved: Vec<Solution> = Course::nodes().par_iter().map(solve).collect();
+            Course::new(&solved).expect("an a₀ found between two finite ones")
+        })
+    }
+
+    /// Takes the delay onto the coarse grid.
+    fn measure_delay(&mut self) -> Result<(), Error> {
+        if let Mode::Flow(Flow { delay: Some(delay), .. }) = &self.settings.mode {
+            self.delay = Some(Arc::new(DelayGrid::new(&self.plan.grid, delay)?));
+        }
+        Ok(())
     }
 
     pub(super) fn measure(&self, time: f64) -> Measured {
@@ -337,6 +396,7 @@ impl Morph {
     /// grid, if it does.
     fn make_plan(&mut self) -> Result<Option<[f64; 2]>, Error> {
         self.measure_still();
+        self.measure_delay()?;
         let progress: Vec<f64> = (0..=STEPS).map(|step| step as f64 / STEPS as f64).collect();
         let scene: Vec<f64> =
             self.settings.shares_of(&progress).into_iter().map(|share| self.settings.time_of(share)).collect();
@@ -368,8 +428,8 @@ impl Morph {
             let points = progress.iter().zip(&times).map(|(progress, t)| [*progress, *t]).collect();
             self.plan.pace = Curve::through(points).unwrap_or_else(Curve::line);
         }
-        if let Ease::Keyed(_) = self.settings.ease {
-            // A progress may be reached several times, while all else goes on.
+        if self.delay.is_some() || matches!(self.settings.ease, Ease::Keyed(_)) {
+            // A progress may be reached several times, while all else goes on, or here earlier than there.
             fractions.extend(
                 (0..=STEPS)
                     .into_par_iter()

@@ -15,11 +15,11 @@ use super::volume::{Enclosing, difference, total};
 pub struct FrameReport {
     /// Scene time τ.
     pub time: f64,
-    /// STB's time t.
+    /// STB's time t, of places that do not wait.
     pub t: f64,
-    /// The blend's amount.
+    /// The blend's amount, of places that do not wait.
     pub a0: f64,
-    /// The volume that the frame is to have; `None` in the papers' mode.
+    /// The volume that the frame is to have; `None` where it is not aimed at: in other modes, and where places wait.
     pub target: Option<f64>,
     /// The volume that it has.
     pub volume: f64,
@@ -76,7 +76,8 @@ impl Morph {
         let solved = self.solved(time);
         let Enclosing { a0, fractions } = &solved.enclosing;
         let cell = self.plan().grid.cell_volume();
-        let target = matches!(self.settings.mode, Mode::Flow(_)).then(|| solved.target * cell);
+        let aims = self.delay.is_none() && matches!(self.settings.mode, Mode::Flow(_));
+        let target = aims.then(|| solved.target * cell);
         let volume = total(fractions) * cell;
         let pieces = self.plan().grid.pieces(fractions);
         let (t, a0) = (self.time_at(time), *a0);

@@ -114,6 +114,16 @@ impl<T: Real> Kernel<T> {
         }
     }
 
+    /// Of what cuts the two half-cylinders, both ≤ 0, what the blend adds, and 1/(a₁²q) = 1/(a₂²q).
+    pub(super) fn of_parts([cut1, cut2]: [T; 2], amount: T, reach: T) -> Self {
+        Self { cut1, cut2, blend: Displacement { amount, k1: reach, k2: reach }, round: None }
+    }
+
+    /// 1/(a₁²q).
+    pub(super) fn reach(&self) -> T {
+        self.blend.k1
+    }
+
     /// The two half-cylinders: each object, cut off in time.
     #[inline(always)]
     fn cylinders(&self, first: T, second: T) -> [T; 2] {
@@ -191,6 +201,28 @@ impl Kernel<f64> {
             self.bounds_by_terms(first, second)
         };
         if bounds.lo.is_nan() || bounds.hi.is_nan() { Interval::ALL } else { self.rounded_outward(bounds) }
+    }
+
+    /// Bounds of F_b for parts, as [`Kernel::of_parts`] takes them, and distances within bounds.
+    pub(super) fn bounds_of_parts(
+        cuts: [Interval; 2],
+        amount: Interval,
+        reach: Interval,
+        distances: [Interval; 2],
+    ) -> Interval {
+        let [g1, g2] = [0, 1].map(|i| {
+            let (distance, cut) = (distances[i], cuts[i]);
+            Interval::new(intersection(distance.lo, cut.lo), intersection(distance.hi, cut.hi))
+        });
+        // Both are ≤ 0: ρ is least at their upper ends.
+        let shape = |reach: f64, one: f64, two: f64| Displacement::<f64>::shape(reach * (one * one + two * two));
+        let lo = union(g1.lo, g2.lo) + amount.lo * shape(reach.hi, g1.lo, g2.lo);
+        let hi = union(g1.hi, g2.hi) + amount.hi * shape(reach.lo, g1.hi, g2.hi);
+        if lo.is_nan() || hi.is_nan() {
+            return Interval::ALL;
+        }
+        let most = Self::of_parts([cuts[0].lo, cuts[1].lo], amount.hi, reach.lo);
+        most.rounded_outward(Interval::new(lo, hi))
     }
 
     /// Set operations rise in their arguments, displacements fall with ρ: each term has its own bounds.

@@ -2,6 +2,7 @@
 
 use std::fmt;
 
+use super::delay::Delay;
 use super::over_time::OverTime;
 use super::section::{Round, Section};
 use crate::attribute::ColourSpace;
@@ -66,11 +67,13 @@ pub struct Flow {
     pub pace: Pace,
     /// A factor on the volume over scene time, whatever ease and pace do to t; 1 at both ends of the span.
     pub volume: OverTime<f64>,
+    /// Places that start later. The volume is then what comes of it.
+    pub delay: Option<Delay>,
 }
 
 impl Default for Flow {
     fn default() -> Self {
-        Self { bridge: 0.5.into(), pace: Pace::Even, volume: 1.0.into() }
+        Self { bridge: 0.5.into(), pace: Pace::Even, volume: 1.0.into(), delay: None }
     }
 }
 
@@ -170,12 +173,17 @@ fn smooth(u: f64) -> f64 {
 
 /// The slab, time scale and reach that keep the first and last frames alive and whole.
 const FLOW_SLAB: [f64; 2] = [-1.0, 2.0];
-const FLOW_TIME_SCALE: f64 = 0.25;
+pub(super) const FLOW_TIME_SCALE: f64 = 0.25;
 const FLOW_REACH: f64 = 2.5;
 /// The bridge at both ends of every morph, where the blend must end soon: the least a bridge can be.
 const LEAST_BRIDGE: f64 = 0.05;
 
 impl Flow {
+    /// Whether nothing but t changes it.
+    pub(super) fn is_still(&self) -> bool {
+        self.bridge.is_still() && self.volume.is_still()
+    }
+
     /// The section at t and scene time τ, with an a₀ still to be found.
     pub(super) fn section(&self, t: f64, time: f64) -> Section {
         let sin = libm::sin(std::f64::consts::PI * t);

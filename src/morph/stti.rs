@@ -3,6 +3,7 @@
 
 use std::sync::Arc;
 
+use super::delay::DelayGrid;
 use super::real::{Real, intersection};
 use crate::attribute::{Attribute, Mix, Sampler};
 use crate::distance::Distance;
@@ -75,6 +76,8 @@ pub struct MorphAttribute<const N: usize, M> {
     pub unit: f64,
     /// The weights.
     pub transfer: Transfer,
+    /// Where the time of the weights starts later.
+    pub(super) delay: Option<Arc<DelayGrid>>,
     /// The mixing.
     pub mix: M,
 }
@@ -83,7 +86,8 @@ impl<const N: usize, M: Mix<N>> Attribute<N> for MorphAttribute<N, M> {
     fn sampler(&self) -> Box<dyn Sampler<N> + '_> {
         Box::new(MorphSampler {
             mix: self.mix,
-            weights: Weights::new(&self.transfer),
+            transfer: self.transfer,
+            delay: self.delay.as_deref(),
             per_unit: (1.0 / self.unit) as f32,
             first: self.first.evaluator(),
             second: self.second.evaluator(),
@@ -97,7 +101,8 @@ impl<const N: usize, M: Mix<N>> Attribute<N> for MorphAttribute<N, M> {
 
 struct MorphSampler<'a, const N: usize, M> {
     mix: M,
-    weights: Weights<f32>,
+    transfer: Transfer,
+    delay: Option<&'a DelayGrid>,
     per_unit: f32,
     first: Box<dyn Evaluator + 'a>,
     second: Box<dyn Evaluator + 'a>,
@@ -126,7 +131,17 @@ impl<const N: usize, M: Mix<N>> Sampler<N> for MorphSampler<'_, N, M> {
         let [first, second] = &mut self.distances;
         self.first.values(points, first);
         self.second.values(points, second);
-        second_weights(&self.weights, self.per_unit, &mut first[..points.len], &second[..points.len]);
+        let (first_ones, second_ones) = (&mut first[..points.len], &second[..points.len]);
+        match self.delay {
+            None => second_weights(&Weights::new(&self.transfer), self.per_unit, first_ones, second_ones),
+            Some(delay) => {
+                for i in 0..points.len {
+                    let time = delay.colour_time(points.position(i), self.transfer.time);
+                    let weights = Weights::<f32>::new(&Transfer { time, ..self.transfer });
+                    first_ones[i] = weights.second(first_ones[i] * self.per_unit, second_ones[i] * self.per_unit);
+                }
+            }
+        }
         let weights = first;
         self.from.sample(points, out);
         self.to.sample(points, &mut self.values);

@@ -240,6 +240,7 @@ impl Morph {
                 alpha: self.settings.alpha.at(time),
                 beta: self.settings.beta.at(time),
             },
+            delay: self.delay.clone(),
             mix: Straight,
         }))
     }

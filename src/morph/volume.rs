@@ -4,7 +4,10 @@
 //! fraction of them that is inside: of the segment through the cell's middle, along the surface's normal, as long as
 //! a cell's edge. On it both distances are taken as linear, which they nearly are; F_b is not, so its zero is searched.
 
+use rayon::prelude::*;
+
 use super::coarse::{CoarseGrid, Measured};
+use super::course::Place;
 use super::section::{Kernel, Section};
 
 /// The sum of squares below which both slopes are taken as zero.
@@ -13,6 +16,8 @@ const NO_SLOPE: f32 = 1e-20;
 const LANES: usize = 16;
 /// Steps of that search. Fewer leave visible noise in a₀ where F_b bends most, near both ends of a morph.
 const ZERO_STEPS: usize = 7;
+/// Halvings of the segment of a cell with a blend of its own: to a thousandth of a cell.
+const PLACE_STEPS: usize = 10;
 
 /// A section of a morph over the coarse grid.
 pub(super) struct Volume<'a> {
@@ -89,6 +94,36 @@ pub(super) fn union_fractions(grid: &CoarseGrid, measured: &Measured, unit: f64)
     let per_edge = (unit / grid.edge()) as f32;
     let cells = measured.first.iter().zip(&measured.second);
     cells.map(|(first, second)| fraction(first.max(*second) * per_edge)).collect()
+}
+
+/// The fraction inside of each cell, where each has a blend of its own.
+pub(super) fn place_fractions(
+    grid: &CoarseGrid,
+    measured: &Measured,
+    unit: f64,
+    place: impl Fn(usize) -> Place<f64> + Sync,
+) -> Vec<f32> {
+    let half_edge = 0.5 * grid.edge() / unit;
+    let of_cell = |cell: usize| {
+        let (place, middle) = (place(cell), [measured.first[cell], measured.second[cell]].map(f64::from));
+        let slopes = place.slopes(middle[0], middle[1]);
+        let along = along_normal(slopes.by_first as f32, slopes.by_second as f32, measured.cosine[cell]);
+        let reach = along.map(|along| f64::from(along) * half_edge);
+        // From one end of the segment, at −1, to the other.
+        let inside = |at: f64| place.value(middle[0] + reach[0] * at, middle[1] + reach[1] * at) >= 0.0;
+        let ends = [inside(-1.0), inside(1.0)];
+        if ends[0] == ends[1] {
+            return f32::from(u8::from(ends[0]));
+        }
+        let (mut low, mut high) = (-1.0, 1.0);
+        for _ in 0..PLACE_STEPS {
+            let middle = 0.5 * (low + high);
+            if inside(middle) == ends[0] { low = middle } else { high = middle }
+        }
+        let crossed = 0.25 * (low + high) + 0.5;
+        (if ends[1] { 1.0 - crossed } else { crossed }) as f32
+    };
+    (0..measured.first.len()).into_par_iter().map(of_cell).collect()
 }
 
 /// The volume of one object, in cells.

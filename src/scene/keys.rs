@@ -6,7 +6,7 @@ mod morph;
 mod scalars;
 
 pub use colours::COLOURS;
-pub use morph::{BY_MODE, MORPH, ROUND};
+pub use morph::{BY_MODE, DELAY, MORPH, ROUND};
 pub use scalars::SCALARS;
 
 /// What a key takes.
@@ -30,6 +30,8 @@ pub enum Kind {
     Choice(&'static [&'static str]),
     /// A name of an easing, or the progress itself as [`Kind::Number`].
     Progress,
+    /// A formula of space, or a table of [`DELAY`].
+    Delay,
     /// Two numbers, each as [`Kind::Number`], the second greater.
     Span,
     /// Names of grids.
@@ -86,6 +88,7 @@ impl Kind {
             Self::Text => "text".into(),
             Self::Choice(names) => choices(names),
             Self::Progress => "`\"linear\"`, `\"smooth\"`, or the progress as a number".into(),
+            Self::Delay => "number without time, formula of space, or table".into(),
             Self::Span => "two numbers, rising".into(),
             Self::Grids => "list of grids".into(),
             Self::KeyFrames => "list of whole frames, rising".into(),
@@ -546,7 +549,7 @@ pub const LATER: &[(&str, &[&str])] = &[
             "revolve", "keep",
         ],
     ),
-    ("morph", &["delay", "keep", "weight"]),
+    ("morph", &["weight"]),
     ("color", &["texture", "sample", "grid", "noise", "wood", "marble"]),
     ("output", &["adaptive"]),
     ("grid", &["density"]),

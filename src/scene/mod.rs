@@ -6,6 +6,7 @@
 mod assets;
 mod builtin;
 mod colour;
+mod delay;
 mod diagnostic;
 mod error;
 mod files;
@@ -35,6 +36,8 @@ mod value;
 mod variation;
 mod volume;
 
+#[cfg(test)]
+mod delay_tests;
 #[cfg(test)]
 mod frame_tests;
 #[cfg(test)]

@@ -342,6 +342,8 @@ pub enum MorphMode {
         bridge: Number,
         /// The factor on the volume of the straight way.
         volume: Number,
+        /// Which places start later.
+        delay: Option<Box<MorphDelay>>,
     },
     /// (1 − t)·f₁ + t·f₂ of the two distances.
     Linear,
@@ -351,6 +353,31 @@ pub enum MorphMode {
     Still,
     /// The STB paper's numbers as given.
     Paper(Box<MorphPaper>),
+}
+
+/// How long places wait, as a share of the morph's progress.
+#[derive(Clone, Debug)]
+pub struct MorphDelay {
+    /// Where it comes from.
+    pub source: DelaySource,
+    /// Where the scene says so.
+    pub span: Span,
+}
+
+/// Where a delay comes from.
+#[derive(Clone, Debug)]
+pub enum DelaySource {
+    /// A formula of x, y, z in the world.
+    Formula(Formula),
+    /// What a shape has at each place, as it stands when the shot begins.
+    Shape {
+        /// The shape.
+        shape: ShapeId,
+        /// A scalar of it; `None` for the luminance of its colour.
+        attribute: Option<String>,
+        /// The delay where that is 1.
+        most: f64,
+    },
 }
 
 /// The STB paper's numbers.

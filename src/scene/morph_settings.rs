@@ -16,14 +16,15 @@ const ROUNDING: f64 = 1e-9;
 /// The most frames at which a number that changes is tried; of more, so many evenly.
 const MOST_TRIED: usize = 10_000;
 
-/// The settings of a scene's morph, or what is wrong at which frame.
+/// The settings of a scene's morph but for its delay, or what is wrong at which frame.
 pub(super) fn settings(model: &Arc<Model>, morph: &Morph) -> Result<morph::Settings, Problem> {
     let pace = if morph.even_pace { Pace::Even } else { Pace::Time };
     let mode = match &morph.mode {
-        MorphMode::Volume { bridge, volume } => Mode::Flow(Flow {
+        MorphMode::Volume { bridge, volume, delay: _ } => Mode::Flow(Flow {
             bridge: over_time(model, bridge)?,
             pace,
             volume: volume_over_time(model, morph, volume)?,
+            delay: None,
         }),
         MorphMode::Linear => Mode::Linear(pace),
         MorphMode::Union => Mode::Union,
@@ -147,6 +148,9 @@ fn ends_at(model: &Model, morph: &Morph, number: &Number, ends: [f64; 2], help: 
 fn volume_over_time(model: &Arc<Model>, morph: &Morph, volume: &Number) -> Result<OverTime<f64>, Problem> {
     ends_at(model, morph, volume, [1.0, 1.0], "such as { 1 = 1, 24 = 1.5, 48 = 1 }")?;
     let inner = over_time(model, volume)?;
+    if inner.is_still() {
+        return Ok(inner);
+    }
     let [start, end] = span(model, morph.over);
     Ok(OverTime::moving(move |time| {
         let at = inner.at(time);

@@ -15,6 +15,7 @@ use crate::field::{Aabb, Field};
 use crate::grid::{Lattice, VoxelSize};
 use crate::morph::{self, MorphObject, Motion, Side, Similarity};
 
+use super::delay::delay;
 use super::diagnostic::Diagnostic;
 use super::error::Problem;
 use super::frames::{in_ranges, plain};
@@ -221,7 +222,10 @@ pub(super) fn plan(
     measuring: &mut Measuring<'_>,
 ) -> Result<Planned, Stop> {
     let before = measuring.done.len();
-    let settings = settings(model, morph)?;
+    let mut settings = settings(model, morph)?;
+    if let morph::Mode::Flow(flow) = &mut settings.mode {
+        flow.delay = delay(model, solids, morph, measuring.voxel)?;
+    }
     let mut planned = ready(model, solids, [&pair.from, &pair.to], measuring, |from, to| {
         morph::Morph::new(from, to, settings).map_err(|error| no_plan(model, morph, &error))
     })?;
@@ -240,6 +244,10 @@ fn no_plan(model: &Model, morph: &Morph, error: &morph::Error) -> Problem {
     let span = match error {
         morph::Error::Unbounded(Side::From) => model.shape(morph.from).span,
         morph::Error::Unbounded(Side::To) => model.shape(morph.to).span,
+        morph::Error::Setting { name: "delay", .. } => match &morph.mode {
+            MorphMode::Volume { delay: Some(delay), .. } => delay.span,
+            _ => morph.span,
+        },
         _ => morph.span,
     };
     let frame = match error {

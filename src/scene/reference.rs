@@ -124,6 +124,7 @@ pub fn reference() -> String {
     section(&mut out, "A key as a table", KEY, keys::KEY);
     section(&mut out, "`[param]`: a parameter as a table", "", keys::PARAMETER);
     section(&mut out, "`[morph]`", "", keys::MORPH);
+    section(&mut out, "`delay` of `[morph]` as a table", "", keys::DELAY);
     section(&mut out, "`round` of `[morph]`", ROUND, keys::ROUND);
     section(&mut out, "`[output]`", "The command line's options come before these.", keys::OUTPUT);
     out.push_str(OVERRIDES);

@@ -60,10 +60,6 @@ fn unknown_keys_get_the_nearest_name() {
 #[test]
 fn what_comes_later_is_said_to_come_later() {
     only("[shape.a]\nvdb = \"a.vdb\"\n", "2:1 `vdb` in `shape.a` is not supported in this version");
-    only(
-        "frames='1-9'\n[shape.a]\nsphere=1\n[shape.b]\nbox=1\n[morph]\nfrom='a'\nto='b'\ndelay = 'x'\n",
-        "9:1 `delay` in `morph` is not supported in this version",
-    );
 }
 
 #[test]
@@ -77,7 +73,7 @@ fn the_lion_waits_for_a_later_version() {
     let problems = problems(lion);
     let later = |problem: &&String| problem.ends_with("is not supported in this version");
     assert_eq!(problems.iter().filter(later).count(), problems.len(), "{problems:#?}");
-    assert!(problems.len() >= 7, "{problems:#?}");
+    assert!(problems.len() >= 6, "{problems:#?}");
 }
 
 #[test]

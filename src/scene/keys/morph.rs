@@ -90,6 +90,12 @@ pub const MORPH: &[Key] = &[
     )
     .limit(Limit::Within(0.0, 1.0)),
     Key::new(
+        "delay",
+        Kind::Delay,
+        Nothing,
+        "Places that start later: the share of the morph, 0 to 0.95, that each waits before shape and colours begin to change; all end together. A formula of x, y, z in the world, or what a shape has there. As smooth as a lattice of some 50 cells across both objects.",
+    ),
+    Key::new(
         "octopus",
         Kind::Flag,
         Text("false"),
@@ -134,10 +140,27 @@ pub const ROUND: &[Key] = &[
         .also(&["P_c"]),
 ];
 
+/// The table of `delay`.
+pub const DELAY: &[Key] = &[
+    Key::new(
+        "shape",
+        Kind::Shape,
+        Required,
+        "The shape whose colour or attribute it is, as it stands at the first frame.",
+    ),
+    Key::new(
+        "attribute",
+        Kind::Text,
+        Words("the luminance of its colour"),
+        "The name of the shape's `attribute` that says how long to wait.",
+    ),
+    Key::new("most", Kind::Constant, Number(1.0), "The delay where that is 1.").limit(Limit::Within(0.0, 0.95)),
+];
+
 /// Keys of `[morph]` that not all modes use, with the modes that do.
 pub const BY_MODE: &[(&[&str], &[&str])] = &[
     (&["a0", "a1", "a2", "a3", "s", "slab", "round"], &["paper"]),
-    (&["bridge", "volume"], &["volume"]),
+    (&["bridge", "volume", "delay"], &["volume"]),
     (&["pace"], &["volume", "linear"]),
     (&["ease"], &["volume", "paper", "linear"]),
     (&["through", "at", "over"], &["volume", "paper", "linear", "union"]),

@@ -3,9 +3,12 @@
 use crate::distance::without::Keep;
 
 use super::super::diagnostic::{Diagnostic, clip, listed};
+use super::super::formula::Formula;
 use super::super::frames::{FrameRange, Shot};
 use super::super::keys::{self, Limit};
-use super::super::model::{Content, Morph, MorphEase, MorphMode, MorphPaper, MorphRound, Output, ShapeId};
+use super::super::model::{
+    Content, DelaySource, Morph, MorphDelay, MorphEase, MorphMode, MorphPaper, MorphRound, Output, ShapeId,
+};
 use super::super::number::{Number, NumberValue};
 use super::super::reader::{Fields, is_later};
 use super::super::source::Span;
@@ -60,7 +63,7 @@ impl<'r, 'a> Building<'r, 'a> {
         Some(chain.into_iter().map(link).collect())
     }
 
-    fn morph_mode(&self, fields: &Fields<'r, 'a>) -> MorphMode {
+    fn morph_mode(&mut self, fields: &Fields<'r, 'a>) -> MorphMode {
         let mode = fields.choice("mode").unwrap_or("volume");
         self.keys_of_mode(fields, mode);
         match mode {
@@ -69,7 +72,8 @@ impl<'r, 'a> Building<'r, 'a> {
             "still" => return MorphMode::Still,
             "volume" => {
                 let (bridge, volume) = (fields.required_number("bridge"), fields.required_number("volume"));
-                return MorphMode::Volume { bridge, volume };
+                let delay = fields.value("delay").and_then(|value| self.delay(value)).map(Box::new);
+                return MorphMode::Volume { bridge, volume, delay };
             }
             _ => {}
         }
@@ -131,6 +135,37 @@ impl<'r, 'a> Building<'r, 'a> {
             self.reader.say(Diagnostic::error(value.span, problem));
         }
         slab
+    }
+
+    /// A number, a formula of space, or what a shape has.
+    fn delay(&mut self, value: &'r Value) -> Option<MorphDelay> {
+        const PATH: &str = "morph.delay";
+        let span = value.span;
+        if let Some(table) = value.table() {
+            let fields = Fields::new(self.reader, PATH, "delay", span, table, keys::DELAY.iter().collect());
+            let shape = self.shape_reference("morph.delay.shape", fields.value("shape")?)?;
+            let attribute = fields.text("attribute");
+            if let (Some(name), Some(entry)) = (&attribute, fields.entry("attribute"))
+                && !self.is_scalar(name)
+            {
+                let known: Vec<&str> =
+                    self.shapes.iter().flatten().flat_map(|shape| shape.scalars.keys().map(String::as_str)).collect();
+                self.reader.choice_problem("morph.delay.attribute", &known, &entry.value);
+                return None;
+            }
+            let most = fields.constant("most").unwrap_or(1.0);
+            return Some(MorphDelay { source: DelaySource::Shape { shape, attribute, most }, span });
+        }
+        let number =
+            value.text().is_none().then(|| self.reader.constant(PATH, Limit::Within(0.0, 0.95), value).to_string());
+        let text = number.as_deref().or(value.text())?;
+        match Formula::of_space(text, self.reader.names.clone()) {
+            Ok(formula) => Some(MorphDelay { source: DelaySource::Formula(formula), span }),
+            Err(problem) => {
+                self.reader.say(problem.into_diagnostic(self.reader.sources, span, text));
+                None
+            }
+        }
     }
 
     fn round(&self, value: &'r Value) -> Option<MorphRound> {

@@ -1,0 +1,111 @@
+//! One frame of a morph whose places wait, as a field in world units.
+
+use std::sync::Arc;
+
+use glam::DVec3;
+
+use super::course::Course;
+use super::delay::DelayGrid;
+use crate::distance::Distance;
+use crate::field::{Aabb, BATCH, Evaluator, Field, Gradients, Interval, Points, Slope};
+
+/// F_b (heterogeneous STB, eq. 5) of two distances, each place at its own progress; in world units as [`super::Stb`].
+pub(super) struct DelayedStb {
+    pub first: Arc<dyn Distance>,
+    pub second: Arc<dyn Distance>,
+    /// D, world units.
+    pub unit: f64,
+    /// The progress of places that do not wait.
+    pub eased: f64,
+    pub delay: Arc<DelayGrid>,
+    pub course: Arc<Course>,
+}
+
+impl Field for DelayedStb {
+    fn bounding_box(&self) -> Option<Aabb> {
+        let both = self.first.bounding_box()?.union(self.second.bounding_box()?);
+        Some(both.grown(self.course.outside()? * self.unit))
+    }
+
+    fn slope(&self) -> Slope {
+        Slope::Unknown
+    }
+
+    fn reference(&self, position: DVec3) -> f64 {
+        let of = |field: &dyn Distance| field.reference(position) / self.unit;
+        let place = self.course.at(self.delay.local(position, self.eased).progress);
+        place.value(of(self.first.as_ref()), of(self.second.as_ref())) * self.unit
+    }
+
+    fn evaluator(&self) -> Box<dyn Evaluator + '_> {
+        Box::new(DelayedEvaluator {
+            field: self,
+            first: self.first.evaluator(),
+            second: self.second.evaluator(),
+            regions: Vec::new(),
+            values: [0.0; BATCH],
+            gradients: Gradients::new(),
+        })
+    }
+}
+
+struct DelayedEvaluator<'a> {
+    field: &'a DelayedStb,
+    first: Box<dyn Evaluator + 'a>,
+    second: Box<dyn Evaluator + 'a>,
+    regions: Vec<Aabb>,
+    values: [f32; BATCH],
+    gradients: Gradients,
+}
+
+impl Evaluator for DelayedEvaluator<'_> {
+    fn enter(&mut self, region: &Aabb) {
+        self.regions.push(*region);
+        self.first.enter(region);
+        self.second.enter(region);
+    }
+
+    fn bounds(&mut self) -> Interval {
+        let Some(region) = self.regions.last() else { return Interval::ALL };
+        let DelayedStb { unit, eased, delay, course, .. } = self.field;
+        let scaled = |bounds: Interval, by: f64| Interval::new(bounds.lo * by, bounds.hi * by);
+        let (first, second) = (scaled(self.first.bounds(), 1.0 / unit), scaled(self.second.bounds(), 1.0 / unit));
+        scaled(course.bounds(delay.bounds(region, *eased), first, second), *unit)
+    }
+
+    fn leave(&mut self) {
+        self.regions.pop();
+        self.first.leave();
+        self.second.leave();
+    }
+
+    fn values(&mut self, points: &Points, out: &mut [f32; BATCH]) {
+        self.first.values(points, out);
+        self.second.values(points, &mut self.values);
+        let DelayedStb { unit, eased, delay, course, .. } = self.field;
+        let per_unit = 1.0 / unit;
+        for i in 0..points.len {
+            let place = course.at(delay.local(points.position(i), *eased).progress);
+            let value = place.value(f64::from(out[i]) * per_unit, f64::from(self.values[i]) * per_unit);
+            out[i] = (value * unit) as f32;
+        }
+    }
+
+    fn gradients(&mut self, points: &Points, out: &mut Gradients) {
+        self.first.gradients(points, out);
+        self.second.gradients(points, &mut self.gradients);
+        let DelayedStb { unit, eased, delay, course, .. } = self.field;
+        let per_unit = 1.0 / unit;
+        for i in 0..points.len {
+            let local = delay.local(points.position(i), *eased);
+            let [first, second] = [out.value[i], self.gradients.value[i]].map(|value| f64::from(value) * per_unit);
+            let slopes = course.at(local.progress).slopes(first, second);
+            let waiting = local.gradient * (course.rate(local.progress, first, second) * unit);
+            let gradient = out.gradient(i).as_dvec3() * slopes.by_first
+                + self.gradients.gradient(i).as_dvec3() * slopes.by_second
+                + waiting;
+            out.value[i] = (slopes.value * unit) as f32;
+            (out.dx[i], out.dy[i], out.dz[i]) = (gradient.x as f32, gradient.y as f32, gradient.z as f32);
+        }
+    }
+}
