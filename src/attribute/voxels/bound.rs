@@ -25,7 +25,7 @@ impl Ball {
             return f64::INFINITY;
         }
         let relative = (self.radius + size) / distance;
-        let first = relative.powi(DEGREE as i32 + 1) * p * (p + 1.0) * (p + 2.0) * (p + 3.0) / 24.0;
+        let first = (0..=DEGREE).fold(1.0, |first, i| first * relative * (p + i as f64) / (i as f64 + 1.0));
         let series = first * (inverse_power(gap * gap, self.power) + n / gap) / (n + 1.0);
         count * inverse_power(squared, self.power) * series
     }
@@ -37,5 +37,3 @@ pub(super) fn inverse_power(squared: f64, power: u32) -> f64 {
     let even = (0..power / 2).fold(1.0, |product, _| product * inverse);
     if power % 2 == 1 { even * inverse.sqrt() } else { even }
 }
-
-const _: () = assert!(DEGREE == 3, "the binomial coefficient and the mean of |h|⁴ are for the fourth power");

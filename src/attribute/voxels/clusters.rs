@@ -4,7 +4,7 @@ use glam::{DVec3, IVec3};
 use rayon::prelude::*;
 
 use super::Volume;
-use super::series::{Coefficients, monomials, shift, shifted_fourth, square_sum};
+use super::series::{Coefficients, DEGREE, ZERO, monomials, shift, shifted_fourth, square_sum};
 use super::tree::{Below, Node, Tree, cube};
 
 /// A node's voxels. h is the way from a voxel's centre to their centroid.
@@ -16,8 +16,10 @@ pub(super) struct Cluster {
     pub count: f32,
     /// The mean of h².
     pub spread: f32,
-    /// The fourth root of the mean of |h|⁴.
+    /// η: no less than the n-th root of the mean of |h|ⁿ, n one more than the series' degree.
     pub size: f32,
+    /// The mean of |h|⁴.
+    fourth: f64,
     /// No less than the greatest |h|.
     pub radius: f32,
 }
@@ -36,7 +38,7 @@ impl Clusters {
     pub fn new(volume: &Volume, tree: &Tree) -> Self {
         let leaf = |node: &Node| match node.below {
             Below::Voxels { block, place } => of_cube(volume, block, place),
-            Below::Nodes(..) => (Cluster::around(DVec3::ZERO, 0.0), Coefficients::default()),
+            Below::Nodes(..) => (Cluster::around(DVec3::ZERO, 0.0), ZERO),
         };
         let (mut nodes, mut moments): (Vec<_>, Vec<_>) = tree.nodes.par_iter().map(leaf).unzip();
         for (i, node) in tree.nodes.iter().enumerate().rev() {
@@ -47,18 +49,23 @@ impl Clusters {
                 (nodes[i], moments[i]) = (whole, sums);
             }
         }
+        // |h|ⁿ ≤ |h|⁴ Hⁿ⁻⁴.
+        nodes.par_iter_mut().for_each(|node| {
+            let mean = node.fourth * f64::from(node.radius).powi(DEGREE as i32 - 3);
+            node.size = libm::pow(mean, 1.0 / (DEGREE + 1) as f64) as f32;
+        });
         Self { nodes, moments }
     }
 }
 
 impl Cluster {
     fn around(centroid: DVec3, count: f64) -> Self {
-        Self { centroid, count: count as f32, spread: 0.0, size: 0.0, radius: 0.0 }
+        Self { centroid, count: count as f32, spread: 0.0, size: 0.0, fourth: 0.0, radius: 0.0 }
     }
 
     fn finish(&mut self, count: f64, fourth: f64, moments: &Coefficients) {
         self.spread = (square_sum(moments) / count) as f32;
-        self.size = (fourth / count).max(0.0).sqrt().sqrt() as f32;
+        self.fourth = (fourth / count).max(0.0);
     }
 }
 
@@ -75,7 +82,7 @@ fn of_cube(volume: &Volume, block: u32, place: u16) -> (Cluster, Coefficients) {
         sum += voxel.as_dvec3();
     }
     let mut whole = Cluster::around(sum / count, count);
-    let mut moments = Coefficients::default();
+    let mut moments = ZERO;
     let mut fourth = 0.0;
     for (voxel, [red, green, blue]) in cube(volume, block, place) {
         let h = (whole.centroid - voxel.as_dvec3()).as_vec3();
@@ -96,12 +103,12 @@ fn of_parts(parts: &[Cluster], part_moments: &[Coefficients]) -> (Cluster, Coeff
     let count: f64 = parts.iter().map(|part| f64::from(part.count)).sum();
     let sum: DVec3 = parts.iter().map(|part| f64::from(part.count) * part.centroid).sum();
     let mut whole = Cluster::around(sum / count, count);
-    let mut moments = Coefficients::default();
+    let mut moments = ZERO;
     let mut fourth = 0.0;
     for (part, from) in parts.iter().zip(part_moments) {
         let (step, count) = (whole.centroid - part.centroid, f64::from(part.count));
         shift(&mut moments, from, step);
-        fourth += shifted_fourth(count * f64::from(part.size).powi(4), count, from, step);
+        fourth += shifted_fourth(count * part.fourth, count, from, step);
         whole.radius = whole.radius.max(step.length() as f32 + part.radius);
     }
     whole.finish(count, fourth, &moments);

@@ -54,8 +54,11 @@ impl<'a> Nearest<'a> {
         } else if !points.is_empty() {
             let (middle, radius) = ball(points);
             self.collect(middle, (self.distance(middle) + 2.0 * radius) * ROUNDING);
+            let mut near = None;
             for (at, place) in points.iter() {
-                tell(*at, *place, self.of_point(*at, at.distance(middle)));
+                let voxel = self.of_point(*at, at.distance(middle), near);
+                near = Some(voxel);
+                tell(*at, *place, voxel);
             }
         }
     }
@@ -121,10 +124,12 @@ impl<'a> Nearest<'a> {
         self.cubes.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
     }
 
-    /// The nearest of the cubes collected, for a point so far from their group's middle.
-    fn of_point(&self, at: DVec3, away: f64) -> IVec3 {
-        let mut best = (f64::INFINITY, [i32::MAX; 3]);
-        let mut reach = f64::INFINITY;
+    /// The nearest of the cubes collected, for a point so far from their group's middle. `near`, any active voxel, only
+    /// makes it faster.
+    fn of_point(&self, at: DVec3, away: f64, near: Option<IVec3>) -> IVec3 {
+        let key = |voxel: IVec3| (distance_squared(at, voxel, voxel), voxel.to_array());
+        let mut best = near.map_or((f64::INFINITY, [i32::MAX; 3]), key);
+        let mut reach = (best.0.sqrt() + away) * ROUNDING;
         for (distance, node) in &self.cubes {
             if *distance > reach {
                 break;
@@ -135,7 +140,7 @@ impl<'a> Nearest<'a> {
             }
             let Below::Voxels { block, place } = node.below else { continue };
             let mut tell = |voxel: IVec3| {
-                let key = (distance_squared(at, voxel, voxel), voxel.to_array());
+                let key = key(voxel);
                 if key < best {
                     best = key;
                 }

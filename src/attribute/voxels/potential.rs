@@ -2,7 +2,7 @@
 //!
 //! Summed over nodes of an octree, by series for all points of a group at once. Let A be a group's middle, u = a − A, m
 //! a node's centroid and hⱼ = m − xⱼ. Each weight wⱼ = |a − xⱼ|⁻ᵖ = φ(A − m + u + hⱼ), φ(y) = |y|⁻ᵖ, is replaced by the
-//! terms of its Taylor series around y = A − m of less than the n-th degree, n = 4,
+//! terms of its Taylor series around y = A − m of less than the n-th degree, n = 6,
 //!
 //! ŵⱼ = Σ ∂ᵅφ(A − m) (u + hⱼ)ᵅ/α!, |α| < n.
 //!
@@ -11,7 +11,8 @@
 //!
 //! **The error.** Where |z| < d = |y|, the terms of φ(y + z) of the degree k together are no more than
 //! B(k) |z|ᵏ d⁻⁽ᵖ⁺ᵏ⁾, B(k) = C(p + k − 1, k), for φ generates the Gegenbauer polynomials of the order p/2, which are
-//! greatest at 1. Let |u| ≤ ρ, |hⱼ| ≤ H, and η be the n-th root of the mean of |hⱼ|ⁿ over the node's N voxels. Then
+//! greatest at 1. Let |u| ≤ ρ, |hⱼ| ≤ H, and η be no less than the n-th root of the mean of |hⱼ|ⁿ over the node's N voxels: that of
+//! Σ |hⱼ|⁴ Hⁿ⁻⁴/N. Then
 //! z = u + hⱼ is no longer than q d, q = (ρ + H)/d, and by Minkowski's inequality Σ |z|ⁿ ≤ N (ρ + η)ⁿ. So where q < 1
 //!
 //! Σ |ŵⱼ − wⱼ| ≤ Σ |zⱼ|ⁿ d⁻⁽ᵖ⁺ⁿ⁾ Σ B(n + i) qⁱ ≤ E = N B(n) (ρ + η)ⁿ d⁻⁽ᵖ⁺ⁿ⁾ ((1 − q)⁻ᵖ + n/(1 − q))/(n + 1),
@@ -20,7 +21,7 @@
 //! below its chord.
 //!
 //! **The weight** is never less than W = N (|a − m|² + Σ hⱼ²/N)^(−p/2), since r⁻ᵖ is convex in r², whose mean over the node
-//! is |a − m|² + Σ hⱼ²/N.
+//! is |a − m|² + Σ hⱼ²/N. It is taken of each point.
 //!
 //! **The colour** ĉ that the ŵ give differs from c by Σ (ŵⱼ − wⱼ)(cⱼ − c) / Σ ŵⱼ, as Σ wⱼ(cⱼ − c) = 0. No cⱼ is further from
 //! their mean c than the greatest R of all differences between two colours, and Σ ŵⱼ ≥ Σ wⱼ − ΣE. So where ΣE ≤ ε Σ wⱼ,
@@ -29,7 +30,7 @@
 //!
 //! Nodes are chosen so that this holds with ε = [`RELATIVE_ERROR`] for all points of a block, then for parts of it of
 //! half the radius, down to a few points. In each part the nodes of the greatest E are opened until ΣE is within the
-//! part's share of ε, but where η is less than ρ they are put off to the parts of the part. The fewest points open all,
+//! part's share of ε, but where η is less than 2ρ they are put off to the parts of the part. The fewest points open all,
 //! and sum cubes of 4³ voxels, as they come to them, voxel by voxel.
 //! Sums are in 32 bits, whose rounding comes on top.
 
@@ -50,20 +51,25 @@ use crate::field::BATCH;
 pub const POWERS: RangeInclusive<u32> = 2..=8;
 
 /// ε: the part of all weight that may be wrong. Colours are off by no more than ε/(1 − ε) of the range of their
-/// channel. Greater: steps between groups of points begin to show; less: more nodes are opened.
-pub const RELATIVE_ERROR: f64 = 1.0 / 256.0;
+/// channel; what was measured is far less, for errors of nodes go either way (see the tests). Greater: steps between
+/// groups of points may show; less: more nodes are opened.
+pub const RELATIVE_ERROR: f64 = 1.0 / 128.0;
 
 /// The part of the ε that is left which each part but the fewest points may take. Greater: less is left to them, and
 /// more is summed voxel by voxel; less: more nodes are opened.
-const SHARE: f64 = 0.3;
+const SHARE: f64 = 0.8;
+
+/// How many nodes of the greatest error that they may have are within a part's share. Greater: nodes are opened that
+/// need not be; less: more rounds are needed.
+const FEWEST: f64 = 128.0;
 
 /// How many times the error of another node a cube of 4³ may have until it is put off, or summed voxel by voxel.
 /// Greater: more other nodes are opened; less: more cubes are summed.
-const CUBE_SHARE: f64 = 16.0;
+const CUBE_SHARE: f64 = 8.0;
 
 /// Nodes are put off whose η is less than this times ρ. Greater: more nodes are put off, and summed for each part;
 /// less: more nodes are opened, though the points' own spread makes the error.
-const FINE: f64 = 1.0;
+const FINE: f64 = 2.0;
 
 /// Nodes with a radius of more than this part of their distance are opened for the least weight. Greater: it is less
 /// than it could be, and nodes are opened for it; less: finding it takes longer.
@@ -214,22 +220,15 @@ impl<'a> Potential<'a> {
         let judge = |node: u32| Chosen { node, error: ball.error(&clusters[node as usize]) };
         self.chosen.clear();
         self.chosen.extend(self.waiting[first..behind].iter().map(|node| judge(*node)));
-        let mut error;
+        let (mut error, mut most): (f64, f64) = (0.0, f64::INFINITY);
         loop {
-            error = above + self.chosen.iter().map(|chosen| chosen.error).sum::<f64>();
-            let allowed = RELATIVE_ERROR * least;
-            if error <= if is_last { allowed } else { above + SHARE * (allowed - above) } {
+            error = self.chosen.iter().map(|chosen| chosen.error).sum::<f64>();
+            let allowed = RELATIVE_ERROR * least - above;
+            let allowed = if is_last { allowed } else { SHARE * allowed };
+            if error <= allowed {
                 break;
             }
-            let greatest = self
-                .chosen
-                .iter()
-                .map(|chosen| {
-                    let is_cube = matches!(nodes[chosen.node as usize].below, Below::Voxels { .. });
-                    if is_cube { chosen.error / CUBE_SHARE } else { chosen.error }
-                })
-                .fold(0.0, f64::max);
-            let most = if greatest.is_finite() { greatest / 2.0 } else { f64::MAX / (2.0 * CUBE_SHARE) };
+            most = (most / 2.0).min(allowed / FEWEST);
             let mut i = 0;
             self.voxels.clear();
             while i < self.chosen.len() {
@@ -286,8 +285,8 @@ impl<'a> Potential<'a> {
             }
         } else {
             let (left, right) = halves(points);
-            self.part(unit, left, behind, error, radius, out);
-            self.part(unit, right, behind, error, radius, out);
+            self.part(unit, left, behind, above + error, radius, out);
+            self.part(unit, right, behind, above + error, radius, out);
         }
         self.waiting.truncate(behind);
         self.series.pop();

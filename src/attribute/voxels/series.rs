@@ -6,7 +6,7 @@
 use glam::{DVec3, Vec3};
 
 /// The greatest |α|. More: each node costs more; less: many more nodes are needed.
-pub(super) const DEGREE: usize = 3;
+pub(super) const DEGREE: usize = 5;
 
 /// How many monomials there are up to [`DEGREE`].
 const MONOMIALS: usize = (DEGREE + 1) * (DEGREE + 2) * (DEGREE + 3) / 6;
@@ -19,6 +19,9 @@ pub(super) const LANES: usize = 16;
 
 /// A sum for each monomial, 1 first, by rising |α|.
 pub(super) type Coefficients = [[f32; SUMS]; MONOMIALS];
+
+/// Sums of nothing.
+pub(super) const ZERO: Coefficients = [[0.0; SUMS]; MONOMIALS];
 
 /// The exponents of each monomial.
 const EXPONENTS: [[usize; 3]; MONOMIALS] = exponents();
@@ -66,13 +69,13 @@ const FACTORS: [usize; MONOMIALS] = {
 };
 
 /// The monomial of each such product.
-const PRODUCTS: [[usize; MONOMIALS]; MONOMIALS] = {
+static PRODUCTS: [[u8; MONOMIALS]; MONOMIALS] = {
     let (mut all, mut i) = ([[0; MONOMIALS]; MONOMIALS], 0);
     while i < MONOMIALS {
         let mut k = 0;
         while k < FACTORS[i] {
             let ([ax, ay, az], [bx, by, bz]) = (EXPONENTS[i], EXPONENTS[k]);
-            all[i][k] = monomial([ax + bx, ay + by, az + bz]);
+            all[i][k] = monomial([ax + bx, ay + by, az + bz]) as u8;
             k += 1;
         }
         i += 1;
@@ -111,6 +114,7 @@ const AXIS: [usize; MONOMIALS] = {
 };
 
 /// yᵅ/α! of all monomials.
+#[inline]
 pub(super) fn monomials(at: Vec3) -> [f32; MONOMIALS] {
     let mut all = [1.0; MONOMIALS];
     for i in 1..MONOMIALS {
@@ -125,7 +129,7 @@ pub(super) fn shift(moments: &mut Coefficients, from: &Coefficients, step: DVec3
     let powers = monomials(step.as_vec3());
     for a in 0..MONOMIALS {
         for b in 0..FACTORS[a] {
-            (0..SUMS).for_each(|sum| moments[PRODUCTS[a][b]][sum] += powers[a] * from[b][sum]);
+            (0..SUMS).for_each(|sum| moments[usize::from(PRODUCTS[a][b])][sum] += powers[a] * from[b][sum]);
         }
     }
 }
@@ -155,6 +159,12 @@ pub(super) fn shifted_fourth(fourth: f64, count: f64, moments: &Coefficients, st
     fourth + 4.0 * along + count * length * length + 4.0 * cubic + 2.0 * length * square
 }
 
+/// How many nodes are multiplied side by side, all sums of each.
+const ABREAST: usize = LANES / SUMS;
+
+/// The sums of each of them, node after node.
+type Abreast = [[f32; LANES]; MONOMIALS];
+
 /// A series around a point: Σ u^α/α! times its coefficients, u the way from the point.
 #[derive(Clone)]
 pub(super) struct Series {
@@ -170,8 +180,8 @@ impl Series {
         scale: f32,
         nodes: impl Iterator<Item = (DVec3, &'m Coefficients)>,
     ) -> Self {
-        let mut series = Self { around, coefficients: [[0.0; SUMS]; MONOMIALS] };
-        let (mut ways, mut moments) = ([[0.0; LANES]; 3], [&[[0.0; SUMS]; MONOMIALS]; LANES]);
+        let mut abreast = [[0.0; LANES]; MONOMIALS];
+        let (mut ways, mut moments) = ([[0.0; LANES]; 3], [&ZERO; LANES]);
         let mut len = 0;
         for (centroid, sums) in nodes {
             let way = (around - centroid).as_vec3();
@@ -179,14 +189,16 @@ impl Series {
             moments[len] = sums;
             len += 1;
             if len == LANES {
-                add(&mut series.coefficients, power, scale, &ways, &moments);
+                add(&mut abreast, power, scale, &ways, &moments);
                 len = 0;
             }
         }
         if len > 0 {
-            add(&mut series.coefficients, power, scale, &ways, &moments[..len]);
+            add(&mut abreast, power, scale, &ways, &moments[..len]);
         }
-        series
+        let total = |sums: &[f32; LANES], sum: usize| (0..ABREAST).map(|node| sums[node * SUMS + sum]).sum();
+        let coefficients = std::array::from_fn(|a| std::array::from_fn(|sum| total(&abreast[a], sum)));
+        Self { around, coefficients }
     }
 }
 
@@ -195,7 +207,7 @@ impl Series {
 /// nonbonded potential energy in classical molecular systems, 2001), which follows from y·∇|y|⁻ᵖ = −p |y|⁻ᵖ:
 /// n y² ∂ᵅ + (2n + p − 2) Σ αᵢ yᵢ ∂^(α−eᵢ) + (n + p − 2) Σ αᵢ(αᵢ − 1) ∂^(α−2eᵢ) = 0, n = |α|.
 #[multiversion::multiversion(targets = "simd")]
-fn add(sums: &mut Coefficients, power: u32, scale: f32, way: &[[f32; LANES]; 3], moments: &[&Coefficients]) {
+fn add(sums: &mut Abreast, power: u32, scale: f32, way: &[[f32; LANES]; 3], moments: &[&Coefficients]) {
     let mut inverse = [0.0; LANES];
     let mut slopes = [[0.0; LANES]; MONOMIALS];
     for i in 0..LANES {
@@ -231,17 +243,27 @@ fn add(sums: &mut Coefficients, power: u32, scale: f32, way: &[[f32; LANES]; 3],
             slopes[a][i] = sum[i] * inverse[i];
         }
     }
-    for (lane, moments) in moments.iter().enumerate() {
-        let mut slope = [0.0; MONOMIALS];
-        (0..MONOMIALS).for_each(|a| slope[a] = slopes[a][lane]);
+    for (first, moments) in moments.chunks(ABREAST).enumerate() {
+        let (mut slope, mut moment) = ([[0.0; LANES]; MONOMIALS], [[0.0; LANES]; MONOMIALS]);
         for a in 0..MONOMIALS {
-            let mut here = sums[a];
-            for b in 0..FACTORS[a] {
-                for sum in 0..SUMS {
-                    here[sum] += slope[PRODUCTS[a][b]] * moments[b][sum];
+            let four: [f32; ABREAST] =
+                std::array::from_fn(|node| if node < moments.len() { slopes[a][first * ABREAST + node] } else { 0.0 });
+            slope[a] = std::array::from_fn(|i| four[i / SUMS]);
+        }
+        for (node, moments) in moments.iter().enumerate() {
+            for a in 0..MONOMIALS {
+                moment[a][node * SUMS..][..SUMS].copy_from_slice(&moments[a]);
+            }
+        }
+        // Sums next to one another do not wait for each other.
+        for b in 0..MONOMIALS {
+            let moment = moment[b];
+            for (here, product) in sums.iter_mut().zip(&PRODUCTS[b]).take(FACTORS[b]) {
+                let slope = &slope[usize::from(*product)];
+                for i in 0..LANES {
+                    here[i] += slope[i] * moment[i];
                 }
             }
-            sums[a] = here;
         }
     }
 }
