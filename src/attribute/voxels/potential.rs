@@ -220,7 +220,8 @@ impl<'a> Potential<'a> {
         let judge = |node: u32| Chosen { node, error: ball.error(&clusters[node as usize]) };
         self.chosen.clear();
         self.chosen.extend(self.waiting[first..behind].iter().map(|node| judge(*node)));
-        let (mut error, mut most): (f64, f64) = (0.0, f64::INFINITY);
+        let mut error: f64;
+        let mut most = f64::INFINITY;
         loop {
             error = self.chosen.iter().map(|chosen| chosen.error).sum::<f64>();
             let allowed = RELATIVE_ERROR * least - above;
