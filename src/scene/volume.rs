@@ -38,7 +38,7 @@ pub(super) fn load(source: &VoxelSource, memory_limit: Option<usize>) -> Result<
     let tiles = if tree.active_tiles > 0 { tree.active_voxels / BLOCK_VOXELS as u64 } else { 0 };
     // The file, its decoded leaves and these colours are there at one time.
     let blocks = tree.leaves.saturating_mul(2).saturating_add(tiles);
-    let needed = VoxelColours::bytes(blocks, tree.active_voxels).saturating_add(opened.size());
+    let needed = VoxelColours::bytes(blocks, tree.active_voxels, source.outside).saturating_add(opened.size());
     let limit = memory_limit.unwrap_or(MEMORY_LIMIT) as u64;
     if needed > limit {
         let text = format!(" would take about {} MB of memory, and the limit is {} MB", needed >> 20, limit >> 20);

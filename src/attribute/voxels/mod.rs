@@ -4,8 +4,12 @@
 //! further. The volume is the union of the cubes of all active voxels. In it colours are sampled trilinearly; outside
 //! of it [`Outside`] says how they go on.
 
+mod bound;
+mod clusters;
+mod group;
 mod nearest;
 mod potential;
+mod series;
 mod tree;
 
 use glam::{DVec3, IVec3};
@@ -15,6 +19,8 @@ use super::{Attribute, LinearRgb, Sampler};
 use crate::field::{Aabb, BATCH, Points};
 use crate::grid::{BLOCK_VOXELS, BlockMask, block_origin, is_active, voxel_offset};
 
+use clusters::Clusters;
+use nearest::{Nearest, foot};
 use potential::Potential;
 pub use potential::{POWERS, RELATIVE_ERROR};
 use tree::Tree;
@@ -48,9 +54,15 @@ pub struct ColourBlocks {
 pub struct VoxelColours {
     volume: Volume,
     tree: Tree,
+    beyond: Beyond,
     voxel_size: f64,
     origin: DVec3,
-    outside: Outside,
+}
+
+/// What is needed outside of the volume.
+enum Beyond {
+    Foot,
+    Potential(u32, Clusters),
 }
 
 impl VoxelColours {
@@ -60,21 +72,34 @@ impl VoxelColours {
         let places = origins.iter().enumerate().map(|(block, origin)| (*origin, block as u32)).collect();
         let volume = Volume { origins, values, active, places };
         let tree = Tree::new(&volume)?;
-        Some(Self { volume, tree, voxel_size, origin, outside })
+        let beyond = match outside {
+            Outside::Foot => Beyond::Foot,
+            Outside::Potential(power) => Beyond::Potential(power, Clusters::new(&volume, &tree)),
+        };
+        Some(Self { volume, tree, beyond, voxel_size, origin })
     }
 
     /// Memory that it takes, about, in bytes.
     pub fn memory(&self) -> u64 {
-        Self::bytes(self.volume.origins.len() as u64, self.tree.nodes[0].count as u64)
+        let voxels = self.volume.active.as_flattened().iter().map(|word| u64::from(word.count_ones())).sum();
+        let outside = match self.beyond {
+            Beyond::Foot => Outside::Foot,
+            Beyond::Potential(power, _) => Outside::Potential(power),
+        };
+        Self::bytes(self.volume.origins.len() as u64, voxels, outside)
     }
 
     /// Memory that so many blocks with so many active voxels take at most, in bytes.
-    pub fn bytes(blocks: u64, voxels: u64) -> u64 {
+    pub fn bytes(blocks: u64, voxels: u64, outside: Outside) -> u64 {
         const BYTES_A_BLOCK: u64 = (BLOCK_VOXELS * size_of::<LinearRgb>() + size_of::<BlockMask>() + 64) as u64;
-        // A cube of 2³ voxels holds at least one, and at most 64 are in a block; the nodes above it are fewer by far.
-        let cubes = voxels.min(blocks.saturating_mul(64));
-        let nodes = cubes.saturating_add(cubes / 4).saturating_mul(tree::BYTES_A_NODE);
-        blocks.saturating_mul(BYTES_A_BLOCK).saturating_add(nodes)
+        // A cube of 4³ voxels holds at least one; above there is a node a block, and fewer than that above these.
+        let cubes = voxels.min(blocks.saturating_mul(tree::CUBES_A_BLOCK));
+        let nodes = cubes.saturating_add(blocks.saturating_mul(2));
+        let bytes_a_node = match outside {
+            Outside::Foot => tree::BYTES_A_NODE,
+            Outside::Potential(_) => tree::BYTES_A_NODE + clusters::BYTES_A_NODE,
+        };
+        blocks.saturating_mul(BYTES_A_BLOCK).saturating_add(nodes.saturating_mul(bytes_a_node))
     }
 }
 
@@ -115,17 +140,24 @@ impl Volume {
 
 impl Attribute<3> for VoxelColours {
     fn sampler(&self) -> Box<dyn Sampler<3> + '_> {
-        let potential = match self.outside {
-            Outside::Foot => None,
-            Outside::Potential(power) => Some(Potential::new(&self.volume, &self.tree, power)),
+        let VoxelColours { volume, tree, .. } = self;
+        let finder = match &self.beyond {
+            Beyond::Foot => Finder::Foot(Nearest::new(volume, tree)),
+            Beyond::Potential(power, clusters) => Finder::Potential(Potential::new(volume, tree, clusters, *power)),
         };
-        Box::new(VoxelSampler { colours: self, potential, far: Vec::with_capacity(BATCH) })
+        Box::new(VoxelSampler { colours: self, finder, far: Vec::with_capacity(BATCH) })
     }
+}
+
+/// What finds colours outside of the volume.
+enum Finder<'a> {
+    Foot(Nearest<'a>),
+    Potential(Potential<'a>),
 }
 
 struct VoxelSampler<'a> {
     colours: &'a VoxelColours,
-    potential: Option<Potential<'a>>,
+    finder: Finder<'a>,
     /// Points outside of the volume, and their places in the batch.
     far: Vec<(DVec3, usize)>,
 }
@@ -136,24 +168,21 @@ impl Sampler<3> for VoxelSampler<'_> {
     fn leave(&mut self) {}
 
     fn sample(&mut self, points: &Points, out: &mut [LinearRgb; BATCH]) {
-        let VoxelColours { volume, tree, voxel_size, origin, .. } = self.colours;
+        let VoxelColours { volume, voxel_size, origin, .. } = self.colours;
         self.far.clear();
-        let mut near = None;
         for (i, out) in out.iter_mut().enumerate().take(points.len) {
             let at = (points.position(i) - origin) / *voxel_size;
             if volume.colour(at.round().as_ivec3()).is_some() {
                 *out = volume.trilinear(at);
-            } else if self.potential.is_some() {
-                self.far.push((at, i));
             } else {
-                let voxel = tree.nearest(volume, at, near);
-                near = Some(voxel);
-                let half = DVec3::splat(0.5);
-                *out = volume.trilinear(at.clamp(voxel.as_dvec3() - half, voxel.as_dvec3() + half));
+                self.far.push((at, i));
             }
         }
-        if let Some(potential) = &mut self.potential {
-            potential.sample(&mut self.far, out);
+        match &mut self.finder {
+            Finder::Foot(nearest) => nearest.find(&mut self.far, &mut |at, place, voxel| {
+                out[place] = volume.trilinear(foot(at, voxel, voxel));
+            }),
+            Finder::Potential(potential) => potential.sample(&mut self.far, out),
         }
     }
 }

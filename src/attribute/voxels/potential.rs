@@ -1,31 +1,49 @@
 //! The colours of all voxels, weighted by a power of the distance (STB, eq. 4): c = Σ cⱼ/dⱼᵖ / Σ 1/dⱼᵖ.
 //!
-//! Summed for a few points at a time over nodes of an octree. For a node of N voxels with the centroid m, each weight
-//! w(x) = |x − a|⁻ᵖ at the point a is replaced by its first two terms around m,
+//! Summed over nodes of an octree, by series for all points of a group at once. Let A be a group's middle, u = a − A, m
+//! a node's centroid and hⱼ = m − xⱼ. Each weight wⱼ = |a − xⱼ|⁻ᵖ = φ(A − m + u + hⱼ), φ(y) = |y|⁻ᵖ, is replaced by the
+//! terms of its Taylor series around y = A − m of less than the n-th degree, n = 6,
 //!
-//! ŵⱼ = w(m) + ∇w(m)·hⱼ, hⱼ = xⱼ − m,
+//! ŵⱼ = Σ ∂ᵅφ(A − m) (u + hⱼ)ᵅ/α!, |α| < n.
 //!
-//! so that Σ ŵⱼ = N w(m), as Σ hⱼ = 0, and Σ ŵⱼ cⱼ = w(m) Σ cⱼ + ∇w(m)·Σ hⱼ cⱼ. **The error.** The second derivatives of w
-//! at the distance r are p(p + 1) r⁻⁽ᵖ⁺²⁾ along the line to a and −p r⁻⁽ᵖ⁺²⁾ across it, so by Taylor's theorem, with r the
-//! distance from a to the node's box, which is convex and holds m and all xⱼ,
+//! As (u + h)ᵅ/α! = Σ u^β/β! hᵞ/γ!, β + γ = α, their sum Σ ŵⱼ (1, cⱼ) over all voxels of all nodes is one polynomial of u,
+//! from the nodes' moments Σ hᵞ/γ! (1, c).
 //!
-//! Σ |ŵⱼ − wⱼ| ≤ E = ½ p(p + 1) r⁻⁽ᵖ⁺²⁾ Σ hⱼ².
+//! **The error.** Where |z| < d = |y|, the terms of φ(y + z) of the degree k together are no more than
+//! B(k) |z|ᵏ d⁻⁽ᵖ⁺ᵏ⁾, B(k) = C(p + k − 1, k), for φ generates the Gegenbauer polynomials of the order p/2, which are
+//! greatest at 1. Let |u| ≤ ρ, |hⱼ| ≤ H, and η be no less than the n-th root of the mean of |hⱼ|ⁿ over the node's N voxels: that of
+//! Σ |hⱼ|⁴ Hⁿ⁻⁴/N. Then
+//! z = u + hⱼ is no longer than q d, q = (ρ + H)/d, and by Minkowski's inequality Σ |z|ⁿ ≤ N (ρ + η)ⁿ. So where q < 1
 //!
-//! The colour ĉ that the ŵ give differs from c by Σ (ŵⱼ − wⱼ)(cⱼ − c) / Σ ŵⱼ, as Σ wⱼ(cⱼ − c) = 0. No cⱼ is further from
+//! Σ |ŵⱼ − wⱼ| ≤ Σ |zⱼ|ⁿ d⁻⁽ᵖ⁺ⁿ⁾ Σ B(n + i) qⁱ ≤ E = N B(n) (ρ + η)ⁿ d⁻⁽ᵖ⁺ⁿ⁾ ((1 − q)⁻ᵖ + n/(1 − q))/(n + 1),
+//!
+//! for Σ B(n + i) qⁱ = B(n) (1 − q)⁻ᵖ ∫ n tⁿ⁻¹ (1 − q t)ᵖ⁻¹ dt over 0 … 1 (Euler's), where the last power, convex in t, is
+//! below its chord.
+//!
+//! **The weight** is never less than W = N (|a − m|² + Σ hⱼ²/N)^(−p/2), since r⁻ᵖ is convex in r², whose mean over the node
+//! is |a − m|² + Σ hⱼ²/N. It is taken of each point.
+//!
+//! **The colour** ĉ that the ŵ give differs from c by Σ (ŵⱼ − wⱼ)(cⱼ − c) / Σ ŵⱼ, as Σ wⱼ(cⱼ − c) = 0. No cⱼ is further from
 //! their mean c than the greatest R of all differences between two colours, and Σ ŵⱼ ≥ Σ wⱼ − ΣE. So where ΣE ≤ ε Σ wⱼ,
 //!
 //! |ĉ − c| ≤ R ε/(1 − ε), channel by channel.
 //!
-//! Nodes are opened until that holds with ε = [`RELATIVE_ERROR`] for all points of a group, by the least distances
-//! between boxes for E and the greatest for wⱼ. A voxel by itself is exact. Sums are in 32 bits, whose
-//! rounding comes on top.
+//! Nodes are chosen so that this holds with ε = [`RELATIVE_ERROR`] for all points of a block, then for parts of it of
+//! half the radius, down to a few points. In each part the nodes of the greatest E are opened until ΣE is within the
+//! part's share of ε, but where η is less than 2ρ they are put off to the parts of the part. The fewest points open all,
+//! and sum cubes of 4³ voxels, as they come to them, voxel by voxel.
+//! Sums are in 32 bits, whose rounding comes on top.
 
 use std::ops::RangeInclusive;
 
 use glam::{DVec3, Vec3};
 
 use super::Volume;
-use super::tree::{Below, Node, Tree, cube};
+use super::bound::{Ball, inverse_power};
+use super::clusters::Clusters;
+use super::group::{Group, ball, halves};
+use super::series::{LANES, Series, evaluate};
+use super::tree::{Below, Tree, cube};
 use crate::attribute::LinearRgb;
 use crate::field::BATCH;
 
@@ -33,245 +51,332 @@ use crate::field::BATCH;
 pub const POWERS: RangeInclusive<u32> = 2..=8;
 
 /// ε: the part of all weight that may be wrong. Colours are off by no more than ε/(1 − ε) of the range of their
-/// channel. Greater: steps between groups of points
-/// begin to show; less: more nodes are opened.
-pub const RELATIVE_ERROR: f64 = 1.0 / 256.0;
+/// channel; what was measured is far less, for errors of nodes go either way (see the tests). Greater: steps between
+/// groups of points may show; less: more nodes are opened.
+pub const RELATIVE_ERROR: f64 = 1.0 / 128.0;
 
-/// Points that share a choice of nodes. More: nodes near them are opened for points that need not; fewer: the choice
-/// takes longer than the sum.
-const GROUP: usize = 32;
+/// The part of the ε that is left which each part but the fewest points may take. Greater: less is left to them, and
+/// more is summed voxel by voxel; less: more nodes are opened.
+const SHARE: f64 = 0.8;
+
+/// How many nodes of the greatest error that they may have are within a part's share. Greater: nodes are opened that
+/// need not be; less: more rounds are needed.
+const FEWEST: f64 = 128.0;
+
+/// How many times the error of another node a cube of 4³ may have until it is put off, or summed voxel by voxel.
+/// Greater: more other nodes are opened; less: more cubes are summed.
+const CUBE_SHARE: f64 = 8.0;
+
+/// Nodes are put off whose η is less than this times ρ. Greater: more nodes are put off, and summed for each part;
+/// less: more nodes are opened, though the points' own spread makes the error.
+const FINE: f64 = 2.0;
+
+/// Nodes with a radius of more than this part of their distance are opened for the least weight. Greater: it is less
+/// than it could be, and nodes are opened for it; less: finding it takes longer.
+const WEIGHED: f64 = 0.5;
+
+/// The greatest radius of points that share a choice of nodes, in voxels, unless the volume is as far away. Greater: more
+/// nodes are put off; less: nodes are chosen more often.
+const RADIUS: f64 = 8.0;
 
 /// Sums for points outside of the volume, with its own scratch memory.
 pub(super) struct Potential<'a> {
     volume: &'a Volume,
     tree: &'a Tree,
+    clusters: &'a Clusters,
     power: u32,
-    open: Vec<Open>,
-    opened: Vec<Open>,
-    voxels: Vec<Single>,
-    nodes: Vec<Cluster>,
+    /// The least weight at each place of a batch.
+    least: Vec<f64>,
+    /// Nodes that are put off, of the parts that are open.
+    waiting: Vec<u32>,
+    /// Nodes of a part.
+    chosen: Vec<Chosen>,
+    /// The series of the parts that are open.
+    series: Vec<Series>,
+    voxels: Vec<Voxel>,
 }
 
-/// A node that may have to be opened.
-struct Open {
+/// A node with its E.
+struct Chosen {
     node: u32,
-    /// E, the greatest for the group.
     error: f64,
-    /// Σ wⱼ, the least for the group.
+}
+
+/// A voxel, relative to the middle of a group.
+struct Voxel {
+    at: Vec3,
+    colour: LinearRgb,
+}
+
+/// Sums at points side by side: weights, red, green, blue.
+type Sums = [[f32; LANES]; 4];
+
+/// What the parts of a block share. Weights are multiplied by r⁻ᵖ → (s r²)^(−p/2), so that all together are about 1: far
+/// away, powers of distances in voxels are beyond 32 bits.
+#[derive(Clone, Copy)]
+struct Unit {
+    scale: f32,
     weight: f64,
 }
 
-/// A voxel, relative to the group's middle, scaled.
-struct Single {
-    at: Vec3,
-    colour: LinearRgb,
-}
-
-/// A node, relative to the group's middle, scaled.
-struct Cluster {
-    at: Vec3,
-    count: f32,
-    colour: LinearRgb,
-    /// p Σ h c.
-    dipole: [[f32; 3]; 3],
-}
-
 impl<'a> Potential<'a> {
-    pub fn new(volume: &'a Volume, tree: &'a Tree, power: u32) -> Self {
-        Self { volume, tree, power, open: vec![], opened: vec![], voxels: vec![], nodes: vec![] }
+    pub fn new(volume: &'a Volume, tree: &'a Tree, clusters: &'a Clusters, power: u32) -> Self {
+        Self {
+            volume,
+            tree,
+            clusters,
+            power,
+            least: vec![0.0; BATCH],
+            waiting: vec![],
+            chosen: vec![],
+            series: vec![],
+            voxels: vec![],
+        }
     }
 
     /// The colours at points, each with its place in `out`. The points are put in another order.
-    pub fn sample(&mut self, points: &mut [(DVec3, usize)], out: &mut [LinearRgb; BATCH]) {
+    pub fn sample(&mut self, points: &mut Group, out: &mut [LinearRgb; BATCH]) {
         if points.is_empty() {
             return;
         }
-        let (low, high) = around(points);
-        if points.len() > GROUP {
-            let size = high - low;
-            let axis = (0..3).max_by(|a, b| size[*a].total_cmp(&size[*b])).unwrap_or(0);
-            let middle = points.len() / 2;
-            points.select_nth_unstable_by(middle, |a, b| a.0[axis].total_cmp(&b.0[axis]).then(a.1.cmp(&b.1)));
-            let (left, right) = points.split_at_mut(middle);
+        let (middle, radius) = ball(points);
+        let root = &self.clusters.nodes[0];
+        let away = middle.distance(root.centroid) - f64::from(root.radius);
+        if points.len() > LANES && radius > RADIUS.max(away / 4.0) {
+            let (left, right) = halves(points);
             self.sample(left, out);
             self.sample(right, out);
+        } else {
+            let unit = self.weigh(points, middle, radius);
+            self.waiting.clear();
+            self.waiting.push(0);
+            self.part(unit, points, 0, 0.0, f64::INFINITY, out);
+        }
+    }
+
+    /// Finds the least weights at points.
+    fn weigh(&mut self, points: &Group, middle: DVec3, radius: f64) -> Unit {
+        self.waiting.clear();
+        self.waiting.push(0);
+        self.voxels.clear();
+        let mut all = 0.0;
+        self.chosen.clear();
+        while let Some(index) = self.waiting.pop() {
+            let cluster = &self.clusters.nodes[index as usize];
+            let squared = cluster.centroid.distance_squared(middle);
+            let reach = (f64::from(cluster.radius) + radius) / WEIGHED;
+            match self.tree.nodes[index as usize].below {
+                Below::Nodes(first, count) if squared < reach * reach => {
+                    self.waiting.extend(first..first + u32::from(count));
+                }
+                _ => {
+                    let mean = squared + f64::from(cluster.spread);
+                    all += f64::from(cluster.count) * inverse_power(mean, self.power);
+                    self.chosen.push(Chosen { node: index, error: 0.0 });
+                }
+            }
+        }
+        let scale = libm::pow(all, -2.0 / f64::from(self.power)) as f32;
+        let nodes: Vec<(Vec3, f32, f32)> = self
+            .chosen
+            .iter()
+            .map(|chosen| {
+                let cluster = &self.clusters.nodes[chosen.node as usize];
+                ((cluster.centroid - middle).as_vec3(), cluster.spread, cluster.count)
+            })
+            .collect();
+        for points in points.chunks(LANES) {
+            let mut sums = [0.0; LANES];
+            weigh_all(self.power, scale, &ways(points, middle), &nodes, &mut sums);
+            points.iter().zip(sums).for_each(|((_, place), sum)| self.least[*place] = f64::from(sum) * all);
+        }
+        Unit { scale, weight: all }
+    }
+
+    /// Sums for a part of a block, of nodes waiting from a place on. `above` is the ΣE of the series that are open.
+    fn part(
+        &mut self,
+        unit: Unit,
+        points: &mut Group,
+        first: usize,
+        above: f64,
+        radius_above: f64,
+        out: &mut [LinearRgb; BATCH],
+    ) {
+        let (middle, radius) = ball(points);
+        let is_last = points.len() <= LANES;
+        if !is_last && radius > radius_above / 2.0 {
+            let (left, right) = halves(points);
+            self.part(unit, left, first, above, radius_above, out);
+            self.part(unit, right, first, above, radius_above, out);
             return;
         }
-        let centre = (low + high) / 2.0;
-        let scale = self.choose(low, high, centre);
-        let mut sums = Sums::new(points, centre, scale);
-        add_all(self.power, &mut sums, &self.nodes, &self.voxels);
-        for (i, (_, place)) in points.iter().enumerate() {
-            out[*place] = sums.colour.map(|channel| channel[i] / sums.weight[i]);
-        }
-    }
-
-    /// Chooses nodes and voxels for the points of a box. Returns what lengths are multiplied by.
-    fn choose(&mut self, low: DVec3, high: DVec3, centre: DVec3) -> f64 {
-        let group = Group { low, high, power: self.power };
-        self.voxels.clear();
-        self.nodes.clear();
-        self.open.clear();
-        self.open.push(group.judge(0, &self.tree.nodes[0]));
-        let mut exact = 0.0;
+        let ball = Ball { middle, radius, power: self.power };
+        let mut least = points.iter().map(|(_, place)| self.least[*place]).fold(f64::INFINITY, f64::min);
+        let at = ways(points, middle);
+        let mut sums = [[0.0; LANES]; 4];
+        let behind = self.waiting.len();
+        let (nodes, clusters) = (&self.tree.nodes, &self.clusters.nodes);
+        let judge = |node: u32| Chosen { node, error: ball.error(&clusters[node as usize]) };
+        self.chosen.clear();
+        self.chosen.extend(self.waiting[first..behind].iter().map(|node| judge(*node)));
+        let mut error: f64;
+        let mut most = f64::INFINITY;
         loop {
-            let error: f64 = self.open.iter().map(|open| open.error).sum();
-            let weight: f64 = exact + self.open.iter().map(|open| open.weight).sum::<f64>();
-            // Where the sum is too great, so is one that is above their mean.
-            let share = RELATIVE_ERROR * weight / self.open.len() as f64;
-            if error <= RELATIVE_ERROR * weight || self.open.iter().all(|open| open.error <= share) {
+            error = self.chosen.iter().map(|chosen| chosen.error).sum::<f64>();
+            let allowed = RELATIVE_ERROR * least - above;
+            let allowed = if is_last { allowed } else { SHARE * allowed };
+            if error <= allowed {
                 break;
             }
-            self.opened.clear();
-            for open in self.open.drain(..) {
-                if open.error <= share {
-                    self.opened.push(open);
+            most = (most / 2.0).min(allowed / FEWEST);
+            let mut i = 0;
+            self.voxels.clear();
+            while i < self.chosen.len() {
+                let Chosen { node, error } = self.chosen[i];
+                if error <= most {
+                    i += 1;
                     continue;
                 }
-                match self.tree.nodes[open.node as usize].below {
-                    Below::Nodes(first, count) => {
-                        let children = first..first + u32::from(count);
-                        self.opened.extend(children.map(|child| group.judge(child, &self.tree.nodes[child as usize])));
+                let below = nodes[node as usize].below;
+                match below {
+                    Below::Voxels { .. } if error <= CUBE_SHARE * most => i += 1,
+                    Below::Voxels { block, place } if is_last => {
+                        self.chosen.swap_remove(i);
+                        self.voxels.extend(
+                            cube(self.volume, block, place)
+                                .map(|(voxel, colour)| Voxel { at: (voxel.as_dvec3() - middle).as_vec3(), colour }),
+                        );
                     }
-                    Below::Voxels { block, place } => {
-                        for (voxel, colour) in cube(self.volume, block, place, 2) {
-                            let voxel = voxel.as_dvec3();
-                            exact += group.weight(voxel, voxel);
-                            self.voxels.push(Single { at: (voxel - centre).as_vec3(), colour });
-                        }
+                    Below::Nodes(first, count)
+                        if is_last || f64::from(clusters[node as usize].size) > FINE * radius =>
+                    {
+                        // The first takes its parent's place and is looked at next, the others wait at the end.
+                        self.chosen[i] = judge(first);
+                        self.chosen.extend((first + 1..first + u32::from(count)).map(judge));
+                    }
+                    _ => {
+                        self.chosen.swap_remove(i);
+                        self.waiting.push(node);
                     }
                 }
             }
-            std::mem::swap(&mut self.open, &mut self.opened);
+            if !self.voxels.is_empty() {
+                add_voxels(self.power, unit.scale, &at, &self.voxels, &mut sums);
+                let exact = sums[0][..points.len()].iter().copied().fold(f32::INFINITY, f32::min);
+                least = least.max(f64::from(exact) * unit.weight);
+            }
         }
-        self.scale(centre, exact + self.open.iter().map(|open| open.weight).sum::<f64>())
-    }
-
-    /// Makes the chosen ones ready for the sums, in the unit of length in which all weight together is about 1: far
-    /// away, powers of distances in voxels are beyond 32 bits. Returns one over that unit.
-    fn scale(&mut self, centre: DVec3, weight: f64) -> f64 {
-        let scale = libm::pow(weight, 1.0 / f64::from(self.power));
-        self.voxels.iter_mut().for_each(|voxel| voxel.at *= scale as f32);
-        let moment = (f64::from(self.power) * scale) as f32;
-        self.nodes.extend(self.open.iter().map(|open| {
-            let Node { centroid, count, colour, dipole, .. } = self.tree.nodes[open.node as usize];
-            let dipole = dipole.map(|channel| channel.map(|part| moment * part));
-            Cluster { at: ((centroid - centre) * scale).as_vec3(), count, colour, dipole }
-        }));
-        scale
+        let clusters = self.clusters;
+        let nodes = self.chosen.iter().map(|chosen| {
+            let node = chosen.node as usize;
+            (clusters.nodes[node].centroid, &clusters.moments[node])
+        });
+        self.series.push(Series::new(middle, self.power, unit.scale, nodes));
+        if is_last || self.waiting.len() == behind {
+            for points in points.chunks(LANES) {
+                for series in &self.series {
+                    evaluate(series, &ways(points, series.around), &mut sums);
+                }
+                let [weight, red, green, blue] = sums;
+                for (i, (_, place)) in points.iter().enumerate() {
+                    out[*place] = [red[i] / weight[i], green[i] / weight[i], blue[i] / weight[i]];
+                }
+                sums = [[0.0; LANES]; 4];
+            }
+        } else {
+            let (left, right) = halves(points);
+            self.part(unit, left, behind, above + error, radius, out);
+            self.part(unit, right, behind, above + error, radius, out);
+        }
+        self.waiting.truncate(behind);
+        self.series.pop();
     }
 }
 
-/// The box around points.
-fn around(points: &[(DVec3, usize)]) -> (DVec3, DVec3) {
-    let start = (points[0].0, points[0].0);
-    points.iter().fold(start, |(low, high), (at, _)| (low.min(*at), high.max(*at)))
+/// The ways from a middle to points side by side.
+fn ways(points: &Group, middle: DVec3) -> [[f32; LANES]; 3] {
+    // Lanes without a point repeat the first: nothing is divided by 0 there.
+    let at = |axis: usize| {
+        std::array::from_fn(|i| {
+            let (at, _) = points[if i < points.len() { i } else { 0 }];
+            (at[axis] - middle[axis]) as f32
+        })
+    };
+    std::array::from_fn(at)
 }
 
-/// The box of the points that nodes are chosen for.
-struct Group {
-    low: DVec3,
-    high: DVec3,
+/// Adds the least weights of nodes at points.
+#[multiversion::multiversion(targets = "simd")]
+fn weigh_all(
     power: u32,
-}
-
-impl Group {
-    /// What a node costs in error and is worth in weight.
-    fn judge(&self, index: u32, node: &Node) -> Open {
-        let (low, high) = (node.low.as_dvec3(), node.high.as_dvec3());
-        let gap = (low - self.high).max(self.low - high).max(DVec3::ZERO).length_squared();
-        let power = f64::from(self.power);
-        let spread = f64::from(node.spread);
-        let error = match spread > 0.0 {
-            true => 0.5 * power * (power + 1.0) * inverse_power(gap, self.power + 2) * spread,
-            false => 0.0,
-        };
-        Open { node: index, error, weight: f64::from(node.count) * self.weight(low, high) }
+    scale: f32,
+    [x, y, z]: &[[f32; LANES]; 3],
+    nodes: &[(Vec3, f32, f32)],
+    sums: &mut [f32; LANES],
+) {
+    let mut total = *sums;
+    for (at, spread, count) in nodes {
+        let mut inverse = [0.0; LANES];
+        let mut weight = [*count; LANES];
+        for i in 0..LANES {
+            let (dx, dy, dz) = (x[i] - at.x, y[i] - at.y, z[i] - at.z);
+            inverse[i] = scale / (dx * dx + dy * dy + dz * dz + spread);
+        }
+        if power % 2 == 1 {
+            for i in 0..LANES {
+                weight[i] *= inverse[i].sqrt();
+            }
+        }
+        for _ in 0..power / 2 {
+            for i in 0..LANES {
+                weight[i] *= inverse[i];
+            }
+        }
+        for i in 0..LANES {
+            total[i] += weight[i];
+        }
     }
-
-    /// The least weight that a voxel of a box can have.
-    fn weight(&self, low: DVec3, high: DVec3) -> f64 {
-        inverse_power((high - self.low).max(self.high - low).length_squared(), self.power)
-    }
-}
-
-/// r⁻ᵖ of r².
-fn inverse_power(squared: f64, power: u32) -> f64 {
-    let even = (0..power / 2).fold(1.0, |product, _| product / squared);
-    if power % 2 == 1 { even / squared.sqrt() } else { even }
-}
-
-/// The points of a group, relative to its middle, scaled, and what is summed there.
-struct Sums {
-    at: [[f32; GROUP]; 3],
-    weight: [f32; GROUP],
-    colour: [[f32; GROUP]; 3],
-}
-
-impl Sums {
-    fn new(points: &[(DVec3, usize)], centre: DVec3, scale: f64) -> Self {
-        // Places without a point repeat the first: nothing is divided by 0 there.
-        let at = |axis: usize| {
-            std::array::from_fn(|i| {
-                let (at, _) = points[if i < points.len() { i } else { 0 }];
-                ((at[axis] - centre[axis]) * scale) as f32
-            })
-        };
-        Self { at: std::array::from_fn(at), weight: [0.0; GROUP], colour: [[0.0; GROUP]; 3] }
-    }
+    *sums = total;
 }
 
 #[multiversion::multiversion(targets = "simd")]
-fn add_all(power: u32, sums: &mut Sums, nodes: &[Cluster], voxels: &[Single]) {
+fn add_voxels(power: u32, scale: f32, at: &[[f32; LANES]; 3], voxels: &[Voxel], sums: &mut Sums) {
     match power {
-        2 => add::<1, false>(sums, nodes, voxels),
-        3 => add::<1, true>(sums, nodes, voxels),
-        4 => add::<2, false>(sums, nodes, voxels),
-        5 => add::<2, true>(sums, nodes, voxels),
-        6 => add::<3, false>(sums, nodes, voxels),
-        7 => add::<3, true>(sums, nodes, voxels),
-        8 => add::<4, false>(sums, nodes, voxels),
+        2 => add::<1, false>(scale, at, voxels, sums),
+        3 => add::<1, true>(scale, at, voxels, sums),
+        4 => add::<2, false>(scale, at, voxels, sums),
+        5 => add::<2, true>(scale, at, voxels, sums),
+        6 => add::<3, false>(scale, at, voxels, sums),
+        7 => add::<3, true>(scale, at, voxels, sums),
+        8 => add::<4, false>(scale, at, voxels, sums),
         _ => unreachable!("one of POWERS"),
     }
 }
 
-/// r⁻ᵖ of r⁻²; p is twice `HALF`, and one more where `ODD`.
+/// Adds voxels; p is twice `HALF`, and one more where `ODD`. Inlined, so that it is compiled for its caller's vector
+/// width; each point's sum has the same order for any.
 #[inline(always)]
-fn weight<const HALF: usize, const ODD: bool>(inverse: f32) -> f32 {
-    let mut weight = if ODD { inverse.sqrt() } else { 1.0 };
-    for _ in 0..HALF {
-        weight *= inverse;
-    }
-    weight
-}
-
-/// Adds nodes, then voxels. Inlined, so that it is compiled for its caller's vector width; each point's sum has the
-/// same order for any.
-#[inline(always)]
-fn add<const HALF: usize, const ODD: bool>(sums: &mut Sums, nodes: &[Cluster], voxels: &[Single]) {
-    let Sums { at: [x, y, z], weight: total, colour: [red, green, blue] } = sums;
-    for node in nodes {
-        let [r, g, b] = node.dipole;
-        for i in 0..GROUP {
-            let (dx, dy, dz) = (x[i] - node.at.x, y[i] - node.at.y, z[i] - node.at.z);
-            let inverse = 1.0 / (dx * dx + dy * dy + dz * dz);
-            let weight = weight::<HALF, ODD>(inverse);
-            // The gradient of w by a voxel's place is p r⁻⁽ᵖ⁺²⁾ times the way from there to the point.
-            let slope = weight * inverse;
-            total[i] += node.count * weight;
-            red[i] += node.colour[0] * weight + slope * (r[0] * dx + r[1] * dy + r[2] * dz);
-            green[i] += node.colour[1] * weight + slope * (g[0] * dx + g[1] * dy + g[2] * dz);
-            blue[i] += node.colour[2] * weight + slope * (b[0] * dx + b[1] * dy + b[2] * dz);
-        }
-    }
+fn add<const HALF: usize, const ODD: bool>(
+    scale: f32,
+    [x, y, z]: &[[f32; LANES]; 3],
+    voxels: &[Voxel],
+    sums: &mut Sums,
+) {
+    let [mut total, mut red, mut green, mut blue] = *sums;
     for voxel in voxels {
-        for i in 0..GROUP {
+        for i in 0..LANES {
             let (dx, dy, dz) = (x[i] - voxel.at.x, y[i] - voxel.at.y, z[i] - voxel.at.z);
-            let weight = weight::<HALF, ODD>(1.0 / (dx * dx + dy * dy + dz * dz));
+            let inverse = scale / (dx * dx + dy * dy + dz * dz);
+            let mut weight = if ODD { inverse.sqrt() } else { 1.0 };
+            for _ in 0..HALF {
+                weight *= inverse;
+            }
             total[i] += weight;
             red[i] += voxel.colour[0] * weight;
             green[i] += voxel.colour[1] * weight;
             blue[i] += voxel.colour[2] * weight;
         }
     }
+    *sums = [total, red, green, blue];
 }

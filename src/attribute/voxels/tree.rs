@@ -1,39 +1,32 @@
-//! An octree over the active voxels of a volume, down to cubes of 2³.
+//! An octree over the active voxels of a volume, down to cubes of 4³.
 
 use std::ops::Range;
 
-use glam::{DVec3, IVec3};
+use glam::IVec3;
 
 use super::Volume;
 use crate::attribute::LinearRgb;
-use crate::grid::{is_active, voxel_offset};
+use crate::grid::voxel_offset;
 
 /// The nodes, the root first, a node's children side by side and behind it.
 pub(super) struct Tree {
     pub nodes: Vec<Node>,
-    /// The least and the greatest colour, by channel.
-    #[cfg(test)]
-    pub range: [LinearRgb; 2],
 }
 
 /// Memory of a node.
 pub(super) const BYTES_A_NODE: u64 = size_of::<Node>() as u64;
 
-/// Active voxels that stand together. `h` below is a voxel's centre less their centroid, `c` its colour.
+/// The edge of the least cubes.
+const EDGE: i32 = 4;
+
+/// How many of them are in a block.
+pub(super) const CUBES_A_BLOCK: u64 = 8;
+
+/// Active voxels that stand together.
 pub(super) struct Node {
     /// The least and the greatest centre of its voxels.
     pub low: IVec3,
     pub high: IVec3,
-    /// How many there are.
-    pub count: f32,
-    /// The mean of their centres.
-    pub centroid: DVec3,
-    /// Σ c.
-    pub colour: LinearRgb,
-    /// Σ h c, by channel.
-    pub dipole: [[f32; 3]; 3],
-    /// Σ h².
-    pub spread: f32,
     pub below: Below,
 }
 
@@ -42,16 +35,8 @@ pub(super) struct Node {
 pub(super) enum Below {
     /// Nodes, and how many.
     Nodes(u32, u8),
-    /// The active voxels of the 2³ at this place of a block.
+    /// The active voxels of the 4³ at this place of a block.
     Voxels { block: u32, place: u16 },
-}
-
-/// A node whose children are still to be made.
-enum Pending {
-    /// Blocks, as places in the order.
-    Blocks(Range<usize>),
-    /// A cube of a block: its place and its edge, 8, 4 or 2.
-    Cube { block: u32, place: u16, edge: i32 },
 }
 
 impl Tree {
@@ -62,62 +47,77 @@ impl Tree {
         if order.is_empty() {
             return None;
         }
-        let (mut nodes, mut pending) = (vec![Node::new()], vec![Pending::Blocks(0..order.len())]);
+        let mut nodes = vec![Node::new()];
+        // Blocks of a node, as places in the order; `None` for cubes, which have none below.
+        let mut pending = vec![Some(0..order.len())];
         let mut next = 0;
         while next < pending.len() {
-            let first = nodes.len() as u32;
-            let here = std::mem::replace(&mut pending[next], Pending::Blocks(0..0));
-            let (block, place, edge) = match here {
-                Pending::Blocks(range) if range.len() == 1 => (order[range.start], 0, 8),
-                Pending::Blocks(range) => {
+            if let Some(range) = pending[next].take() {
+                let first = nodes.len() as u32;
+                if range.len() == 1 {
+                    let block = order[range.start];
+                    let steps = (0..8).map(|i| IVec3::new(i >> 2, i >> 1 & 1, i & 1) * EDGE);
+                    let places = steps.map(|step| voxel_offset(step) as u16);
+                    nodes.extend(
+                        places
+                            .filter(|place| bits(volume, block, *place) != 0)
+                            .map(|place| Node { below: Below::Voxels { block, place }, ..Node::new() }),
+                    );
+                    pending.resize(nodes.len(), None);
+                } else {
                     octants(volume, &mut order[range.clone()], |part| {
-                        pending.push(Pending::Blocks(range.start + part.start..range.start + part.end));
+                        pending.push(Some(range.start + part.start..range.start + part.end));
                     });
                     nodes.resize_with(pending.len(), Node::new);
-                    nodes[next].below = Below::Nodes(first, (nodes.len() as u32 - first) as u8);
-                    next += 1;
-                    continue;
                 }
-                Pending::Cube { block, place, edge } => (block, place, edge),
-            };
-            if edge == 2 {
-                nodes[next].below = Below::Voxels { block, place };
-            } else {
-                let half = edge / 2;
-                let parts = (0..8).map(|i| place + voxel_offset(IVec3::new(i >> 2, i >> 1 & 1, i & 1) * half) as u16);
-                let filled = parts.filter(|part| cube(volume, block, *part, half).next().is_some());
-                pending.extend(filled.map(|place| Pending::Cube { block, place, edge: half }));
-                nodes.resize_with(pending.len(), Node::new);
                 nodes[next].below = Below::Nodes(first, (nodes.len() as u32 - first) as u8);
             }
             next += 1;
         }
         drop(pending);
         for node in (0..nodes.len()).rev() {
-            sum_up(volume, &mut nodes, node);
+            let (low, high) = match nodes[node].below {
+                Below::Voxels { block, place } => around(cube(volume, block, place).map(|(voxel, _)| (voxel, voxel))),
+                Below::Nodes(first, count) => {
+                    let children = &nodes[first as usize..][..usize::from(count)];
+                    around(children.iter().map(|child| (child.low, child.high)))
+                }
+            };
+            (nodes[node].low, nodes[node].high) = (low, high);
         }
-        Some(Self {
-            #[cfg(test)]
-            range: range(volume, &nodes),
-            nodes,
-        })
+        Some(Self { nodes })
     }
 }
 
-/// The active voxels of a cube of a block: centre and colour.
-pub(super) fn cube(
-    volume: &Volume,
-    block: u32,
-    place: u16,
-    edge: i32,
-) -> impl Iterator<Item = (IVec3, LinearRgb)> + use<'_> {
+/// The box around boxes.
+fn around(boxes: impl Iterator<Item = (IVec3, IVec3)>) -> (IVec3, IVec3) {
+    boxes.fold((IVec3::MAX, IVec3::MIN), |(low, high), next| (low.min(next.0), high.max(next.1)))
+}
+
+/// Which voxels of the 4³ at a place of a block are active: a bit each, by x, then y, then z, from the lowest.
+fn bits(volume: &Volume, block: u32, place: u16) -> u64 {
+    let rows = (0..16).map(|row| {
+        let offset = place + (row >> 2 << 6) + ((row & 3) << 3);
+        (volume.active[block as usize][usize::from(offset >> 6)] >> (offset & 63) & 15) << (row * 4)
+    });
+    rows.fold(0, |bits, row| bits | row)
+}
+
+/// Whether all voxels of the 4³ at a place of a block are active.
+pub(super) fn is_full(volume: &Volume, block: u32, place: u16) -> bool {
+    bits(volume, block, place) == u64::MAX
+}
+
+/// The active voxels of the 4³ at a place of a block: centre and colour.
+pub(super) fn cube(volume: &Volume, block: u32, place: u16) -> impl Iterator<Item = (IVec3, LinearRgb)> + use<'_> {
+    let mut left = bits(volume, block, place);
     let block = block as usize;
-    let (origin, mask, values) = (volume.origins[block], &volume.active[block], &volume.values[block]);
-    let corner = IVec3::new(i32::from(place >> 6), i32::from(place >> 3 & 7), i32::from(place & 7));
-    let steps = (0..edge).flat_map(move |x| (0..edge).flat_map(move |y| (0..edge).map(move |z| IVec3::new(x, y, z))));
-    steps.filter_map(move |step| {
-        let offset = voxel_offset(corner + step);
-        is_active(mask, offset).then(|| (origin + corner + step, values[offset]))
+    std::iter::from_fn(move || {
+        let bit = (left != 0).then(|| left.trailing_zeros() as u16)?;
+        left &= left - 1;
+        let offset = place + (bit >> 4 << 6) + ((bit >> 2 & 3) << 3) + (bit & 3);
+        let step = IVec3::new(i32::from(offset >> 6), i32::from(offset >> 3 & 7), i32::from(offset & 7));
+        Some((volume.origins[block] + step, volume.values[block][usize::from(offset)]))
     })
 }
 
@@ -141,101 +141,8 @@ fn octants(volume: &Volume, order: &mut [u32], mut tell: impl FnMut(Range<usize>
     }
 }
 
-/// Fills a node from what it is made of.
-fn sum_up(volume: &Volume, nodes: &mut [Node], node: usize) {
-    match nodes[node].below {
-        Below::Voxels { block, place } => {
-            let mut sum = Sum::new();
-            cube(volume, block, place, 2)
-                .for_each(|(voxel, colour)| sum.count(voxel, voxel, 1.0, voxel.as_dvec3(), colour));
-            let mut whole = sum.node();
-            for (voxel, colour) in cube(volume, block, place, 2) {
-                whole.shift(1.0, voxel.as_dvec3(), colour, [[0.0; 3]; 3], 0.0);
-            }
-            nodes[node] = Node { below: nodes[node].below, ..whole };
-        }
-        Below::Nodes(first, count) => {
-            let (above, behind) = nodes.split_at_mut(first as usize);
-            let parts = &behind[..usize::from(count)];
-            let mut sum = Sum::new();
-            parts.iter().for_each(|part| sum.count(part.low, part.high, part.count, part.centroid, part.colour));
-            let mut whole = sum.node();
-            parts.iter().for_each(|part| whole.shift(part.count, part.centroid, part.colour, part.dipole, part.spread));
-            above[node] = Node { below: above[node].below, ..whole };
-        }
-    }
-}
-
-/// Count, box, centroid and colour, before what is around the centroid.
-struct Sum {
-    low: IVec3,
-    high: IVec3,
-    count: f64,
-    position: DVec3,
-    colour: DVec3,
-}
-
-impl Sum {
-    fn new() -> Self {
-        Self { low: IVec3::MAX, high: IVec3::MIN, count: 0.0, position: DVec3::ZERO, colour: DVec3::ZERO }
-    }
-
-    fn count(&mut self, low: IVec3, high: IVec3, count: f32, centroid: DVec3, colour: LinearRgb) {
-        (self.low, self.high) = (self.low.min(low), self.high.max(high));
-        self.count += f64::from(count);
-        self.position += f64::from(count) * centroid;
-        self.colour += DVec3::from(colour.map(f64::from));
-    }
-
-    fn node(&self) -> Node {
-        Node {
-            low: self.low,
-            high: self.high,
-            count: self.count as f32,
-            centroid: self.position / self.count,
-            colour: self.colour.as_vec3().to_array(),
-            ..Node::new()
-        }
-    }
-}
-
 impl Node {
     fn new() -> Self {
-        Self {
-            low: IVec3::ZERO,
-            high: IVec3::ZERO,
-            count: 0.0,
-            centroid: DVec3::ZERO,
-            colour: [0.0; 3],
-            dipole: [[0.0; 3]; 3],
-            spread: 0.0,
-            below: Below::Nodes(0, 0),
-        }
+        Self { low: IVec3::ZERO, high: IVec3::ZERO, below: Below::Nodes(0, 0) }
     }
-
-    /// Adds a part's sums around its own centroid, moved to this one's.
-    fn shift(&mut self, count: f32, centroid: DVec3, colour: LinearRgb, dipole: [[f32; 3]; 3], spread: f32) {
-        let step = centroid - self.centroid;
-        for channel in 0..3 {
-            for axis in 0..3 {
-                self.dipole[channel][axis] += dipole[channel][axis] + colour[channel] * step[axis] as f32;
-            }
-        }
-        self.spread += spread + count * step.length_squared() as f32;
-    }
-}
-
-#[cfg(test)]
-fn range(volume: &Volume, nodes: &[Node]) -> [LinearRgb; 2] {
-    let mut range = [[f32::INFINITY; 3], [f32::NEG_INFINITY; 3]];
-    for node in nodes {
-        let Below::Voxels { block, place } = node.below else { continue };
-        for (_, colour) in cube(volume, block, place, 2) {
-            for channel in 0..3 {
-                range[0][channel] = range[0][channel].min(colour[channel]);
-                range[1][channel] = range[1][channel].max(colour[channel]);
-            }
-        }
-    }
-    range
 }

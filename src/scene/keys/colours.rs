@@ -92,7 +92,7 @@ pub const COLOURS: &[Maker] = &[
                 Kind::Choice(&["nearest", "potential"]),
                 Text("nearest"),
                 "How colours go on outside of the active voxels: that of their nearest point, or the mean of all voxels \
-                 weighted by a power of the distance, which takes minutes at high resolutions.",
+                 weighted by a power of the distance, which takes some seconds more at high resolutions.",
             ),
             Key::new(
                 "power",
@@ -102,7 +102,7 @@ pub const COLOURS: &[Maker] = &[
             )
             .limit(Limit::Within(*POWERS.start() as f64, *POWERS.end() as f64)),
         ],
-        formula: "Σ cⱼ/dⱼᵖ / Σ 1/dⱼᵖ (STB, eq. 4), to 1/255 of the range of colours",
+        formula: "Σ cⱼ/dⱼᵖ / Σ 1/dⱼᵖ (STB, eq. 4), to 1/127 of the range of colours",
     },
 ];
 
