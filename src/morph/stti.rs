@@ -6,7 +6,7 @@ use std::sync::Arc;
 use super::real::{Real, intersection};
 use crate::attribute::{Attribute, Mix, Sampler};
 use crate::distance::Distance;
-use crate::field::{Aabb, BATCH, Evaluator, Points};
+use crate::field::{Aabb, BATCH, Evaluator, Interval, Points};
 
 /// STTI's parameters at one instant, free of units.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -19,6 +19,9 @@ pub struct Transfer {
     /// β in \[0, 1\]; 0.5 favours neither object.
     pub beta: f64,
 }
+
+/// How far a weight in `f32` is taken to be from that in `f64`, at most.
+const WEIGHT_SLACK: f64 = 1e-5;
 
 /// A [`Transfer`] made ready for one precision.
 #[derive(Clone, Copy, Debug)]
@@ -53,6 +56,20 @@ impl<T: Real> Weights<T> {
     }
 }
 
+impl Weights<f64> {
+    /// Bounds of w₂ for distances within bounds: it falls as the first rises and rises with the second.
+    fn second_bounds(&self, first: Interval, second: Interval) -> Interval {
+        let [g1, g2] = [first.hi * self.first_scale, second.hi * self.second_scale];
+        // Where both are 0 the weight jumps to that of time. Infinite distances are no numbers here.
+        let may_jump = intersection(g1, self.first_cut) >= 0.0 && intersection(g2, self.second_cut) >= 0.0;
+        if may_jump || ![first.lo, first.hi, second.lo, second.hi].into_iter().all(f64::is_finite) {
+            return Interval::new(0.0, 1.0);
+        }
+        let (least, greatest) = (self.second(first.hi, second.lo), self.second(first.lo, second.hi));
+        Interval::new((least - WEIGHT_SLACK).max(0.0), (greatest + WEIGHT_SLACK).min(1.0))
+    }
+}
+
 impl Transfer {
     /// The second colour's weight in \[0, 1\] where the objects' signed distances are these, in units of D.
     pub fn weight(&self, first: f64, second: f64) -> f64 {
@@ -84,7 +101,8 @@ impl<const N: usize, M: Mix<N>> Attribute<N> for MorphAttribute<N, M> {
         Box::new(MorphSampler {
             mix: self.mix,
             weights: Weights::new(&self.transfer),
-            per_unit: (1.0 / self.unit) as f32,
+            weight_bounds: Weights::new(&self.transfer),
+            per_unit: 1.0 / self.unit,
             first: self.first.evaluator(),
             second: self.second.evaluator(),
             from: self.from.sampler(),
@@ -98,7 +116,8 @@ impl<const N: usize, M: Mix<N>> Attribute<N> for MorphAttribute<N, M> {
 struct MorphSampler<'a, const N: usize, M> {
     mix: M,
     weights: Weights<f32>,
-    per_unit: f32,
+    weight_bounds: Weights<f64>,
+    per_unit: f64,
     first: Box<dyn Evaluator + 'a>,
     second: Box<dyn Evaluator + 'a>,
     from: Box<dyn Sampler<N> + 'a>,
@@ -126,11 +145,22 @@ impl<const N: usize, M: Mix<N>> Sampler<N> for MorphSampler<'_, N, M> {
         let [first, second] = &mut self.distances;
         self.first.values(points, first);
         self.second.values(points, second);
-        second_weights(&self.weights, self.per_unit, &mut first[..points.len], &second[..points.len]);
+        second_weights(&self.weights, self.per_unit as f32, &mut first[..points.len], &second[..points.len]);
         let weights = first;
         self.from.sample(points, out);
         self.to.sample(points, &mut self.values);
         self.mix.mix_batch(out, &self.values, weights, points.len);
+    }
+
+    fn bounds(&mut self, region: &Aabb) -> [Interval; N] {
+        let [first, second] = [&mut self.first, &mut self.second].map(|object| {
+            object.enter(region);
+            let bounds = object.bounds();
+            object.leave();
+            Interval::new(bounds.lo * self.per_unit, bounds.hi * self.per_unit)
+        });
+        let weight = self.weight_bounds.second_bounds(first, second);
+        self.mix.bounds(self.from.bounds(region), self.to.bounds(region), weight)
     }
 }
 

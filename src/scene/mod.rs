@@ -7,6 +7,7 @@ mod assets;
 mod builtin;
 mod colour;
 mod diagnostic;
+mod displace;
 mod error;
 mod files;
 mod formula;

@@ -1,24 +1,21 @@
 //! Colours and scalars of shapes at one moment.
 
 use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
 
 use glam::{DAffine3, DVec3};
 
 use crate::attribute::{Attribute, Bands, ByCell, CellIndex, Choice, Colour, Constant, CubeLattice, LinearRgb};
 use crate::attribute::{ByFormula, Components, FieldValue, Mix, Mixer, Part, Parts, Rule, Scalar, Straight};
 use crate::attribute::{VertexColours, VoxelColours};
-use crate::distance::nearest::Watch;
-use crate::distance::octree::{self, DistanceObject};
 use crate::field::cells::Cells;
 use crate::field::facet::{self, surface_points};
 use crate::field::{BATCH, Expression, Field, Graph, Points, Slope};
 use crate::mesh::MeshDistance;
 
 use super::colour::{GREY, css};
+use super::displace::measured;
 use super::error::Problem;
 use super::model::{AttributeSource, Component, Maker, Pieces, Shape, ShapeColour, ShapeId, ShapeScalar};
-use super::morphing::smallest_cell;
 use super::placed::{Placed, Way};
 use super::prepare::solid_box;
 use super::solid::{Solids, Stage};
@@ -167,7 +164,7 @@ impl Solids {
         let model = self.model();
         let shape = model.shape(id);
         match stage {
-            Stage::Own => self.own_paint(what, id, shape, voxel),
+            Stage::Bare | Stage::Own => self.own_paint(what, id, shape, voxel),
             Stage::Scaled | Stage::Placed => {
                 let Some(own) = self.paint(what, id, Stage::Own, voxel)? else { return Ok(None) };
                 let map = self.placement(&shape.modifiers, stage)?;
@@ -288,7 +285,7 @@ impl Solids {
         let shape = model.shape(id);
         let cells: Arc<dyn CellIndex> = match (by, &shape.modifiers.at, &shape.maker) {
             (Pieces::Cubes(edge), ..) => {
-                let solid = self.field(id, Stage::Own)?;
+                let solid = self.field(id, Stage::Bare)?;
                 Arc::new(CubeLattice { edge, solid, tolerance: TOLERANCE_VOXELS * voxel })
             }
             (Pieces::Cells, Some(copies), _) => {
@@ -304,7 +301,8 @@ impl Solids {
         Ok(Paint::of(ByCell { cells, choice, seed }))
     }
 
-    /// Bands need a distance: the shape is measured where its field is none.
+    /// Bands need a distance: the shape is measured where its field is none. They stand as before `displace`, which they
+    /// may be what it goes by.
     fn by_bands<const N: usize>(
         &mut self,
         id: ShapeId,
@@ -313,14 +311,12 @@ impl Solids {
     ) -> Result<Paint<N>, Problem> {
         let model = self.model();
         let shape = model.shape(id);
-        let field = self.field(id, Stage::Own)?;
+        let field = self.field(id, Stage::Bare)?;
         let distance: Arc<dyn Field> = match field.slope() {
             Slope::Exact { outside: true, inside: true } => field,
             _ => {
                 let solid = solid_box(&model, id, field.as_ref())?;
-                let settings = octree::Settings::new(solid, smallest_cell(voxel, &solid));
-                let watch = Watch { cancel: &AtomicBool::new(false), progress: &|_| {} };
-                let measured = DistanceObject::of_field(field.as_ref(), &settings, &watch);
+                let measured = measured(field.as_ref(), solid, voxel);
                 Arc::new(measured.map_err(|error| Problem::new(shape.span, format!("`{}`: {error}", shape.name)))?)
             }
         };

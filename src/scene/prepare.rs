@@ -74,7 +74,9 @@ fn prepare(model: &Arc<Model>, options: &PrepareOptions<'_>) -> Result<Prepared,
     let roots = match &model.content {
         Content::Shape(id) => vec![*id],
         Content::Morph(morphs) => {
-            morphs.iter().flat_map(|morph| [morph.from, morph.to].into_iter().chain(morph.cut)).collect()
+            let fill = morphs[0].fill.iter().flat_map(|fill| fill.structures);
+            let objects = morphs.iter().flat_map(|morph| [morph.from, morph.to]);
+            objects.chain(morphs[0].cut).chain(fill).collect()
         }
     };
     let parts = model.with_parts(&roots);
@@ -90,7 +92,7 @@ fn prepare(model: &Arc<Model>, options: &PrepareOptions<'_>) -> Result<Prepared,
     if let (Content::Morph(morphs), Ready::Morph(planned)) = (&model.content, &content) {
         warnings.extend(empty_frames(model, morphs, planned));
     }
-    Ok(Prepared {
+    let mut prepared = Prepared {
         lattice,
         half_width: options.half_width.unwrap_or(model.output.half_width) as f32,
         extent,
@@ -101,7 +103,13 @@ fn prepare(model: &Arc<Model>, options: &PrepareOptions<'_>) -> Result<Prepared,
         variation,
         content,
         base: solids,
-    })
+    };
+    let way = prepared.greatest_displacement()?;
+    if way > 0.0 {
+        prepared.extent = prepared.extent.grown(way);
+        prepared.lattice = self::lattice(model, options, prepared.extent)?;
+    }
+    Ok(prepared)
 }
 
 fn ready_shape(

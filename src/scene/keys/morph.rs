@@ -95,6 +95,18 @@ pub const MORPH: &[Key] = &[
         Text("false"),
         "Colours run on past their end: the last one's creeps outward (STTI).",
     ),
+    Key::new(
+        "displace",
+        Kind::Scalar,
+        Nothing,
+        "Moves the surface of every frame along its normal by an attribute that goes through the morph, in units, outward where that is positive (STTI). The shapes' own `displace` comes before the morph, this one after it.",
+    ),
+    Key::new(
+        "fill",
+        Kind::Fill,
+        Nothing,
+        "Leaves an inner structure of every frame: where (1 − ω)·a + ω·b ≥ 0, a and b the F of two shapes and ω an attribute that goes through the morph (STTI, section 6.5). The structures stand in the world and may be endless.",
+    ),
     Key::new("cut", Kind::Shape, Nothing, "Taken away from every frame, to look inside. Stands in the world."),
     Key::new(
         "keep",
@@ -121,6 +133,12 @@ pub const MORPH: &[Key] = &[
         Nothing,
         "`mode = \"paper\"`: rounds both objects against the planes that cut them in time (eq. 6).",
     ),
+];
+
+/// The table of `fill`.
+pub const FILL: &[Key] = &[
+    Key::new("mix", Kind::Shapes, Required, "The two structures: what is where the attribute is 0, and where it is 1."),
+    Key::new("by", Kind::Scalar, Required, "The attribute that mixes them."),
 ];
 
 /// The table of `round`, in the units of a0 … a3.
