@@ -41,7 +41,6 @@ impl Job {
     fn time(&self) -> Seconds {
         timed(|| self.run()).0
     }
-
 }
 
 /// Seconds a run, over many.

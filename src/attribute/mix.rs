@@ -2,8 +2,8 @@
 
 use super::colour_space::{HueAxis, LANES, Lanes};
 use super::{ColourSpace, LinearRgb};
-use crate::field::{BATCH, Interval};
 use crate::field::lane_math::{clamp01, smooth};
+use crate::field::{BATCH, Interval};
 
 /// Hues further apart than this have no short way that a small change could not turn round: they go the decided way.
 const NEARLY_OPPOSITE: f32 = 150.0;
@@ -44,7 +44,8 @@ impl<const N: usize> Mix<N> for Straight {
 
     /// Linear in each of the three, so that the extremes are at ends.
     fn bounds(&self, from: [Interval; N], to: [Interval; N], weight: Interval) -> [Interval; N] {
-        let end = |a: f64, b: f64, w: f64| if w == 0.0 || w == 1.0 { [a, b][w as usize] } else { a * (1.0 - w) + b * w };
+        let end =
+            |a: f64, b: f64, w: f64| if w == 0.0 || w == 1.0 { [a, b][w as usize] } else { a * (1.0 - w) + b * w };
         let at = |i: usize, w: f64| Interval::new(end(from[i].lo, to[i].lo, w), end(from[i].hi, to[i].hi, w));
         std::array::from_fn(|i| at(i, weight.lo).union(at(i, weight.hi)))
     }

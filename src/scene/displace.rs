@@ -65,24 +65,21 @@ impl Displacement {
     }
 
     /// The moved solid, from its distance.
-    pub fn apply(self, graph: &mut Graph, distance: Node) -> Node {
+    pub fn apply(&self, graph: &mut Graph, distance: Node) -> Node {
         let most = self.reach();
         let around = self.solid.grown(SLACK * most);
         let step = GRADIENT_STEP * self.solid.size().max_element();
         // The bound holds where the surface may be; what lies beyond is no part of the solid.
-        let way = graph.field(Arc::new(ScalarField { scalar: self.scalar, most, step }));
-        let moved = graph.add(distance, way);
-        graph.bounded(moved, around)
+        let way = graph.field(Arc::new(ScalarField { scalar: Arc::clone(&self.scalar), most, step }));
+        graph.displaced(distance, way, self.range.hi <= 0.0, around)
     }
 
-    /// The moved solid of a field, which is measured where it is no distance. `voxel` is a voxel's edge.
-    pub fn of_field(self, field: Arc<dyn Field>, voxel: f64) -> Result<Arc<dyn Field>, BuildError> {
-        let distance =
-            if self.is_distance(field.slope()) { field } else { Arc::new(measured(field.as_ref(), self.solid, voxel)?) };
+    /// The moved solid, from a distance that is a field of its own.
+    pub fn of_field(&self, distance: Arc<dyn Field>) -> Arc<dyn Field> {
         let mut graph = Graph::new();
         let distance = graph.field(distance);
         let moved = self.apply(&mut graph, distance);
-        Ok(Arc::new(Expression::new(&graph, moved)))
+        Arc::new(Expression::new(&graph, moved))
     }
 }
 

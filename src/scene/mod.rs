@@ -37,6 +37,8 @@ mod variation;
 mod volume;
 
 #[cfg(test)]
+mod displace_tests;
+#[cfg(test)]
 mod frame_tests;
 #[cfg(test)]
 mod partition_tests;

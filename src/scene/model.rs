@@ -233,7 +233,7 @@ pub enum AttributeSource<const N: usize, K, M> {
     Voxels(VoxelSource),
 }
 
-/// A grid of colours in a file.
+/// A grid of colours or scalars in a file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct VoxelSource {
     /// The `.vdb` file.
@@ -242,7 +242,7 @@ pub struct VoxelSource {
     pub grid: String,
     /// Where the scene names the grid, or else the file.
     pub grid_span: Span,
-    /// How the colours go on outside of the volume.
+    /// How its values go on outside of the volume.
     pub outside: Outside,
 }
 
@@ -253,6 +253,11 @@ impl<const N: usize, K, M> AttributeSource<N, K, M> {
             Self::Parts { shapes, .. } => shapes,
             _ => &[],
         }
+    }
+
+    /// The file that it comes from, if one.
+    pub fn file(&self) -> Option<&FileReference> {
+        if let Self::Voxels(source) = self { Some(&source.file) } else { None }
     }
 
     /// Where its formulas stand, if they are what it is.

@@ -54,7 +54,10 @@ impl Prepared {
                     let (time, later) = (shot.range.share(now), shot.range.share(then));
                     // Beside an object of a chain the instants lie in two morphs.
                     let shown = &planned[self.shown(then)];
-                    (self.dressed(shown.morph.moving_field(later), shown, then)?, planned[self.shown(now)].morph.own_way(time, later))
+                    (
+                        self.dressed(shown.morph.moving_field(later), shown, then)?,
+                        planned[self.shown(now)].morph.own_way(time, later),
+                    )
                 }
             };
             movement.around.push(Around { instant, field, own });

@@ -4,14 +4,15 @@ use std::sync::Arc;
 
 use glam::{DAffine3, DVec3};
 
+use crate::attribute::VertexColours;
 use crate::attribute::{Attribute, Bands, ByCell, CellIndex, Choice, Colour, Constant, CubeLattice, LinearRgb};
 use crate::attribute::{ByFormula, Components, FieldValue, Mix, Mixer, Part, Parts, Rule, Scalar, Straight};
-use crate::attribute::{VertexColours, VoxelColours};
 use crate::field::cells::Cells;
 use crate::field::facet::{self, surface_points};
 use crate::field::{BATCH, Expression, Field, Graph, Points, Slope};
 use crate::mesh::MeshDistance;
 
+use super::assets::Assets;
 use super::colour::{GREY, css};
 use super::displace::measured;
 use super::error::Problem;
@@ -44,8 +45,8 @@ pub(super) trait Asked<const N: usize>: Copy {
     /// What comes with a mesh.
     fn of_mesh(self, mesh: &Arc<MeshDistance>) -> Option<Arc<dyn Attribute<N>>>;
 
-    /// What comes from a volume of voxels.
-    fn of_voxels(self, voxels: &Arc<VoxelColours>) -> Option<Arc<dyn Attribute<N>>>;
+    /// What comes from the volume of voxels that a shape has it from.
+    fn of_voxels(self, assets: &Assets, id: ShapeId) -> Arc<dyn Attribute<N>>;
 
     /// The problem of copies whose parts have several values.
     fn several(self, shape: &Shape) -> Problem;
@@ -75,8 +76,8 @@ impl Asked<3> for TheColour {
         Some(Arc::new(VertexColours::new(Arc::clone(mesh))?))
     }
 
-    fn of_voxels(self, voxels: &Arc<VoxelColours>) -> Option<Arc<Colour>> {
-        Some(Arc::clone(voxels) as Arc<Colour>)
+    fn of_voxels(self, assets: &Assets, id: ShapeId) -> Arc<Colour> {
+        Arc::clone(assets.colours(id)) as Arc<Colour>
     }
 
     fn several(self, shape: &Shape) -> Problem {
@@ -109,8 +110,8 @@ impl Asked<1> for TheScalar<'_> {
         None
     }
 
-    fn of_voxels(self, _voxels: &Arc<VoxelColours>) -> Option<Arc<Scalar>> {
-        None
+    fn of_voxels(self, assets: &Assets, id: ShapeId) -> Arc<Scalar> {
+        Arc::clone(assets.scalar(id, self.0)) as Arc<Scalar>
     }
 
     fn several(self, shape: &Shape) -> Problem {
@@ -198,7 +199,7 @@ impl Solids {
                 let paint = self.parts_paint(what, shapes, Rule::Union { seam: *seam }, voxel)?;
                 Some(paint.unwrap_or_else(|| Paint::solid(what.absent())))
             }
-            Some(AttributeSource::Voxels(_)) => what.of_voxels(self.assets().colours(id)).map(Paint::shared),
+            Some(AttributeSource::Voxels(_)) => Some(Paint::shared(what.of_voxels(self.assets(), id))),
             None => {
                 let paint = self.made_paint(what, id, shape, voxel)?;
                 if shape.modifiers.at.is_some() && paint.as_ref().is_some_and(|paint| paint.solid.is_none()) {

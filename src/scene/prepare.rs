@@ -15,7 +15,7 @@ use super::diagnostic::{Diagnostic, Diagnostics};
 use super::error::{Error, Problem};
 use super::frames::FrameRange;
 use super::model::{Content, Model, Morph, ShapeId};
-use super::morphing::{Measuring, Pair, alike, empty_frames, extent_over_shot, pair, plan};
+use super::morphing::{MOST_CELLS, Measuring, Pair, alike, empty_frames, extent_over_shot, pair, plan};
 use super::paint::{Scenery, TheColour, TheScalar};
 use super::prepared::{Prepared, Ready};
 use super::solid::{Solids, Stage};
@@ -83,7 +83,8 @@ fn prepare(model: &Arc<Model>, options: &PrepareOptions<'_>) -> Result<Prepared,
     let assets = Arc::new(Assets::load(model, &parts, options.memory_limit)?);
     let variation = Variation::of(model);
     stop_if(options.cancel)?;
-    let mut solids = Solids::new(model, &assets, model.moment(model.shot.range.first as f64));
+    let mut solids =
+        Solids::new(model, &assets, model.moment(model.shot.range.first as f64), resolution(model, options));
     let mut warnings = solids.cut_by_bounds(&parts)?;
     let (content, extent, lattice) = match &model.content {
         Content::Shape(id) => ready_shape(model, &mut solids, &variation, *id, options)?,
@@ -255,6 +256,15 @@ pub(super) fn sampled_frames(range: FrameRange) -> Vec<f64> {
         return (first..=last).map(|frame| frame as f64).collect();
     }
     (0..MOST_BOXES).map(|i| first as f64 + (last - first) as f64 * (i as f64 / (MOST_BOXES - 1) as f64)).collect()
+}
+
+/// About how many voxels go along the longest side: no more than distances are measured on where their size is given.
+fn resolution(model: &Model, options: &PrepareOptions<'_>) -> f64 {
+    match (options.voxel_size, options.resolution, model.output.voxel_size) {
+        (None, Some(resolution), _) => f64::from(resolution),
+        (None, None, None) => f64::from(model.output.resolution),
+        _ => MOST_CELLS,
+    }
 }
 
 /// Where the voxels stand: by their size, or by how many go along the longest side.

@@ -8,7 +8,7 @@ use crate::attribute::{Colour, Scalar};
 use crate::distance::without::Keep;
 use crate::field::{Aabb, Field};
 use crate::grid::Lattice;
-use crate::morph::{FrameReport, Movement};
+use crate::morph::{FrameReport, Movement, Stage};
 
 use super::assets::Assets;
 use super::diagnostic::{Diagnostic, Diagnostics, listed};
@@ -110,7 +110,8 @@ impl Prepared {
                 let planned = &planned[self.shown(frame as f64)];
                 let whole = planned.morph.field(info.t);
                 let field = self.dressed(whole, planned, frame as f64).map_err(|problem| self.model.error(problem))?;
-                let attributes = self.morph_attributes(planned, frame as f64).map_err(|problem| self.model.error(problem))?;
+                let attributes =
+                    self.morph_attributes(planned, frame as f64).map_err(|problem| self.model.error(problem))?;
                 let (colour, scalars) = attributes;
                 Scenery { field, colour, scalars }
             }
@@ -188,8 +189,21 @@ impl Prepared {
         // What is empty has no surface to move, and what is endless is said elsewhere.
         let Ok(solid) = box_of(whole.as_ref()) else { return Ok(whole) };
         let Some(displacement) = self.displacement(solid, by, planned, frame)? else { return Ok(whole) };
-        let moved = displacement.of_field(whole, self.lattice.voxel_size.get());
-        moved.map_err(|error| Problem::new(by.span, format!("frame {}: {error}", plain(frame))))
+        let time = self.model.shot.range.share(frame);
+        let end = match planned.morph.stage(time) {
+            Stage::From => Some(&planned.from),
+            Stage::To => Some(&planned.to),
+            _ => None,
+        };
+        // One of the objects, as it is.
+        if let Some(end) = end {
+            let mut solids = self.base.at(self.model.moment(frame), &self.variation);
+            let moved = solids.moved(end.id, &displacement)?;
+            return Ok(moved.unwrap_or_else(|| displacement.of_field(planned.morph.moving_field(time))));
+        }
+        let distance = displace::measured(whole.as_ref(), solid, self.lattice.voxel_size.get())
+            .map_err(|error| Problem::new(by.span, format!("frame {}: {error}", plain(frame))))?;
+        Ok(displacement.of_field(Arc::new(distance)))
     }
 
     fn displacement(

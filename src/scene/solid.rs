@@ -22,16 +22,13 @@ use super::paint::TheScalar;
 use super::prepare::solid_box;
 use super::variation::Variation;
 
-/// The edge of voxels that are finer than any: a shape moved by a scalar is the same at every resolution, and measured on
-/// the finest cells.
-const FINE: f64 = 0.0;
-
 /// Builds the fields of shapes at one moment, in one graph.
 #[derive(Clone)]
 pub(super) struct Solids {
     model: Arc<Model>,
     assets: Arc<Assets>,
     moment: Moment,
+    resolution: f64,
     graph: Graph,
     made: BTreeMap<(ShapeId, Stage), Node>,
     /// The distances of shapes as they are before `displace`, where those had to be measured.
@@ -55,13 +52,14 @@ pub(super) enum Stage {
 }
 
 impl Solids {
-    /// Nothing built yet.
-    pub fn new(model: &Arc<Model>, assets: &Arc<Assets>, moment: Moment) -> Self {
+    /// Nothing built yet. `resolution` is about how many voxels go along the longest side of what is baked.
+    pub fn new(model: &Arc<Model>, assets: &Arc<Assets>, moment: Moment, resolution: f64) -> Self {
         let (model, assets) = (Arc::clone(model), Arc::clone(assets));
         Self {
             model,
             assets,
             moment,
+            resolution,
             graph: Graph::new(),
             made: BTreeMap::new(),
             measured: BTreeMap::new(),
@@ -145,6 +143,16 @@ impl Solids {
         // The values of both may be distances: the minimum keeps them so on one side.
         let node = self.graph.difference(SetSystem::MinMax, whole, &[cut]);
         Ok(Arc::new(Expression::new(&self.graph, node)))
+    }
+
+    /// A shape's surface moved; `None` where its field is no distance.
+    pub fn moved(&mut self, id: ShapeId, displacement: &Displacement) -> Result<Option<Arc<dyn Field>>, Problem> {
+        let whole = self.node(id, Stage::Placed)?;
+        if !displacement.is_distance(self.graph.slope(whole)) {
+            return Ok(None);
+        }
+        let node = displacement.apply(&mut self.graph, whole);
+        Ok(Some(Arc::new(Expression::new(&self.graph, node))))
     }
 
     /// Another field, filled by a mixture of two shapes. `size` is about how large it is.
@@ -250,7 +258,9 @@ impl Solids {
         let bare = self.node(id, Stage::Bare)?;
         let field = Expression::new(&self.graph, bare);
         let solid = solid_box(&self.model, id, &field)?;
-        let Some(paint) = self.paint(TheScalar(&by.name), id, Stage::Own, FINE)? else { return Ok(bare) };
+        // The lattice follows from the shape's box; no shape has more voxels than the whole, but where it is scaled.
+        let voxel = solid.size().max_element() / self.resolution;
+        let Some(paint) = self.paint(TheScalar(&by.name), id, Stage::Own, voxel)? else { return Ok(bare) };
         let displacement = Displacement::new(paint.attribute, solid)
             .ok_or_else(|| displace::no_greatest(by.span, &by.name, &shape.name))?;
         let mut distance = bare;
@@ -258,7 +268,7 @@ impl Solids {
             distance = match self.measured.get(&id) {
                 Some(known) => *known,
                 None => {
-                    let measured = displace::measured(&field, solid, FINE)
+                    let measured = displace::measured(&field, solid, voxel)
                         .map_err(|error| Problem::new(by.span, format!("`{}`: {error}", shape.name)))?;
                     self.graph.field(Arc::new(measured))
                 }

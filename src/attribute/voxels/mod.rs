@@ -1,7 +1,7 @@
-//! Colours of a volume of voxels, everywhere in space.
+//! Values of a volume of voxels, colours or scalars, everywhere in space.
 //!
 //! Positions here are in voxels: the centre of voxel (i, j, k) is at (i, j, k), and its cube reaches half a voxel
-//! further. The volume is the union of the cubes of all active voxels. In it colours are sampled trilinearly; outside
+//! further. The volume is the union of the cubes of all active voxels. In it values are sampled trilinearly; outside
 //! of it [`Outside`] says how they go on.
 
 mod nearest;
@@ -11,52 +11,52 @@ mod tree;
 use glam::{DVec3, IVec3};
 use rustc_hash::FxHashMap;
 
-use super::{Attribute, LinearRgb, Sampler};
-use crate::field::{Aabb, BATCH, Points};
+use super::{Attribute, Sampler, around};
+use crate::field::{Aabb, BATCH, Interval, Points};
 use crate::grid::{BLOCK_VOXELS, BlockMask, block_origin, is_active, voxel_offset};
 
 use potential::Potential;
 pub use potential::{POWERS, RELATIVE_ERROR};
 use tree::Tree;
 
-/// How the colours of a volume go on outside of it.
+/// How the values of a volume go on outside of it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Outside {
-    /// With the colour of the nearest point of the volume.
+    /// With the value of the nearest point of the volume.
     Foot,
     /// With the mean of all voxels, weighted by 1/dᵖ, d the distance to a voxel's centre (STB, eq. 4): p, one of
     /// [`POWERS`].
     Potential(u32),
 }
 
-/// Voxels with colours: blocks, and where they stand.
+/// Voxels with `N` numbers each: blocks, and where they stand.
 #[derive(Clone, Debug)]
-pub struct ColourBlocks {
+pub struct ValueBlocks<const N: usize> {
     /// A voxel's edge, world units.
     pub voxel_size: f64,
     /// Where the centre of voxel (0, 0, 0) is.
     pub origin: DVec3,
     /// The blocks' least corners, each once.
     pub origins: Vec<IVec3>,
-    /// The colours of each block, finite where they are active.
-    pub values: Vec<[LinearRgb; BLOCK_VOXELS]>,
+    /// The values of each block, finite where they are active.
+    pub values: Vec<[[f32; N]; BLOCK_VOXELS]>,
     /// The active voxels of each block.
     pub active: Vec<BlockMask>,
 }
 
-/// The colours of a volume of voxels.
-pub struct VoxelColours {
-    volume: Volume,
-    tree: Tree,
+/// The values of a volume of voxels.
+pub struct VoxelValues<const N: usize> {
+    volume: Volume<N>,
+    tree: Tree<N>,
     voxel_size: f64,
     origin: DVec3,
     outside: Outside,
 }
 
-impl VoxelColours {
-    /// Colours of voxels; `None` where none is active.
-    pub fn new(blocks: ColourBlocks, outside: Outside) -> Option<Self> {
-        let ColourBlocks { voxel_size, origin, origins, values, active } = blocks;
+impl<const N: usize> VoxelValues<N> {
+    /// Values of voxels; `None` where none is active.
+    pub fn new(blocks: ValueBlocks<N>, outside: Outside) -> Option<Self> {
+        let ValueBlocks { voxel_size, origin, origins, values, active } = blocks;
         let places = origins.iter().enumerate().map(|(block, origin)| (*origin, block as u32)).collect();
         let volume = Volume { origins, values, active, places };
         let tree = Tree::new(&volume)?;
@@ -70,25 +70,25 @@ impl VoxelColours {
 
     /// Memory that so many blocks with so many active voxels take at most, in bytes.
     pub fn bytes(blocks: u64, voxels: u64) -> u64 {
-        const BYTES_A_BLOCK: u64 = (BLOCK_VOXELS * size_of::<LinearRgb>() + size_of::<BlockMask>() + 64) as u64;
+        let bytes_a_block = (BLOCK_VOXELS * size_of::<[f32; N]>() + size_of::<BlockMask>() + 64) as u64;
         // A cube of 2³ voxels holds at least one, and at most 64 are in a block; the nodes above it are fewer by far.
         let cubes = voxels.min(blocks.saturating_mul(64));
-        let nodes = cubes.saturating_add(cubes / 4).saturating_mul(tree::BYTES_A_NODE);
-        blocks.saturating_mul(BYTES_A_BLOCK).saturating_add(nodes)
+        let nodes = cubes.saturating_add(cubes / 4).saturating_mul(size_of::<tree::Node<N>>() as u64);
+        blocks.saturating_mul(bytes_a_block).saturating_add(nodes)
     }
 }
 
 /// Blocks, found by their place.
-struct Volume {
+struct Volume<const N: usize> {
     origins: Vec<IVec3>,
-    values: Vec<[LinearRgb; BLOCK_VOXELS]>,
+    values: Vec<[[f32; N]; BLOCK_VOXELS]>,
     active: Vec<BlockMask>,
     places: FxHashMap<IVec3, u32>,
 }
 
-impl Volume {
-    /// The colour of a voxel, where it is active.
-    fn colour(&self, voxel: IVec3) -> Option<LinearRgb> {
+impl<const N: usize> Volume<N> {
+    /// The value of a voxel, where it is active.
+    fn value(&self, voxel: IVec3) -> Option<[f32; N]> {
         let block = *self.places.get(&block_origin(voxel))? as usize;
         let offset = voxel_offset(voxel);
         is_active(&self.active[block], offset).then(|| self.values[block][offset])
@@ -96,16 +96,16 @@ impl Volume {
 
     /// The trilinear mean around a point of the volume; inactive corners are left out. The voxel that the point is in
     /// is active and among the corners, so an eighth of the weight is always there.
-    fn trilinear(&self, at: DVec3) -> LinearRgb {
+    fn trilinear(&self, at: DVec3) -> [f32; N] {
         let floor = at.floor();
         let (corner, share) = (floor.as_ivec3(), (at - floor).as_vec3());
-        let (mut sum, mut total) = ([0.0; 3], 0.0);
+        let (mut sum, mut total) = ([0.0; N], 0.0);
         for i in 0..8 {
             let step = IVec3::new(i >> 2, i >> 1 & 1, i & 1);
             let side = |axis: usize| if step[axis] == 1 { share[axis] } else { 1.0 - share[axis] };
             let weight = side(0) * side(1) * side(2);
-            if let Some(colour) = self.colour(corner.wrapping_add(step)) {
-                (0..3).for_each(|channel| sum[channel] += weight * colour[channel]);
+            if let Some(value) = self.value(corner.wrapping_add(step)) {
+                (0..N).for_each(|number| sum[number] += weight * value[number]);
                 total += weight;
             }
         }
@@ -113,35 +113,35 @@ impl Volume {
     }
 }
 
-impl Attribute<3> for VoxelColours {
-    fn sampler(&self) -> Box<dyn Sampler<3> + '_> {
+impl<const N: usize> Attribute<N> for VoxelValues<N> {
+    fn sampler(&self) -> Box<dyn Sampler<N> + '_> {
         let potential = match self.outside {
             Outside::Foot => None,
             Outside::Potential(power) => Some(Potential::new(&self.volume, &self.tree, power)),
         };
-        Box::new(VoxelSampler { colours: self, potential, far: Vec::with_capacity(BATCH) })
+        Box::new(VoxelSampler { values: self, potential, far: Vec::with_capacity(BATCH) })
     }
 }
 
-struct VoxelSampler<'a> {
-    colours: &'a VoxelColours,
-    potential: Option<Potential<'a>>,
+struct VoxelSampler<'a, const N: usize> {
+    values: &'a VoxelValues<N>,
+    potential: Option<Potential<'a, N>>,
     /// Points outside of the volume, and their places in the batch.
     far: Vec<(DVec3, usize)>,
 }
 
-impl Sampler<3> for VoxelSampler<'_> {
+impl<const N: usize> Sampler<N> for VoxelSampler<'_, N> {
     fn enter(&mut self, _region: &Aabb) {}
 
     fn leave(&mut self) {}
 
-    fn sample(&mut self, points: &Points, out: &mut [LinearRgb; BATCH]) {
-        let VoxelColours { volume, tree, voxel_size, origin, .. } = self.colours;
+    fn sample(&mut self, points: &Points, out: &mut [[f32; N]; BATCH]) {
+        let VoxelValues { volume, tree, voxel_size, origin, .. } = self.values;
         self.far.clear();
         let mut near = None;
         for (i, out) in out.iter_mut().enumerate().take(points.len) {
             let at = (points.position(i) - origin) / *voxel_size;
-            if volume.colour(at.round().as_ivec3()).is_some() {
+            if volume.value(at.round().as_ivec3()).is_some() {
                 *out = volume.trilinear(at);
             } else if self.potential.is_some() {
                 self.far.push((at, i));
@@ -155,6 +155,13 @@ impl Sampler<3> for VoxelSampler<'_> {
         if let Some(potential) = &mut self.potential {
             potential.sample(&mut self.far, out);
         }
+    }
+
+    /// Of all voxels: means of theirs, but for the error of those of all.
+    fn bounds(&mut self, _region: &Aabb) -> [Interval; N] {
+        let share = if self.potential.is_some() { RELATIVE_ERROR / (1.0 - RELATIVE_ERROR) } else { 0.0 };
+        let grown = |Interval { lo, hi }| Interval::new(lo - share * (hi - lo), hi + share * (hi - lo));
+        around(self.values.tree.range.into_iter()).map(grown)
     }
 }
 

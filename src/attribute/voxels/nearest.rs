@@ -14,10 +14,10 @@ fn distance_squared(at: DVec3, low: IVec3, high: IVec3) -> f64 {
     at.distance_squared(at.clamp(low.as_dvec3() - half, high.as_dvec3() + half))
 }
 
-impl Tree {
+impl<const N: usize> Tree<N> {
     /// The active voxel whose cube is nearest; of several, the least by x, then y, then z. `near`, any active voxel,
     /// only makes it faster.
-    pub fn nearest(&self, volume: &Volume, at: DVec3, near: Option<IVec3>) -> IVec3 {
+    pub fn nearest(&self, volume: &Volume<N>, at: DVec3, near: Option<IVec3>) -> IVec3 {
         let key = |voxel: IVec3| (distance_squared(at, voxel, voxel), voxel.to_array());
         let mut best = near.map_or((f64::INFINITY, [i32::MAX; 3]), key);
         let mut waiting = [(0.0, 0_u32); DEPTH];

@@ -1,4 +1,4 @@
-//! The colours of all voxels, weighted by a power of the distance (STB, eq. 4): c = Σ cⱼ/dⱼᵖ / Σ 1/dⱼᵖ.
+//! The values of all voxels, weighted by a power of the distance (STB, eq. 4): c = Σ cⱼ/dⱼᵖ / Σ 1/dⱼᵖ.
 //!
 //! Summed for a few points at a time over nodes of an octree. For a node of N voxels with the centroid m, each weight
 //! w(x) = |x − a|⁻ᵖ at the point a is replaced by its first two terms around m,
@@ -11,10 +11,10 @@
 //!
 //! Σ |ŵⱼ − wⱼ| ≤ E = ½ p(p + 1) r⁻⁽ᵖ⁺²⁾ Σ hⱼ².
 //!
-//! The colour ĉ that the ŵ give differs from c by Σ (ŵⱼ − wⱼ)(cⱼ − c) / Σ ŵⱼ, as Σ wⱼ(cⱼ − c) = 0. No cⱼ is further from
-//! their mean c than the greatest R of all differences between two colours, and Σ ŵⱼ ≥ Σ wⱼ − ΣE. So where ΣE ≤ ε Σ wⱼ,
+//! The value ĉ that the ŵ give differs from c by Σ (ŵⱼ − wⱼ)(cⱼ − c) / Σ ŵⱼ, as Σ wⱼ(cⱼ − c) = 0. No cⱼ is further from
+//! their mean c than the greatest R of all differences between two values, and Σ ŵⱼ ≥ Σ wⱼ − ΣE. So where ΣE ≤ ε Σ wⱼ,
 //!
-//! |ĉ − c| ≤ R ε/(1 − ε), channel by channel.
+//! |ĉ − c| ≤ R ε/(1 − ε), number by number.
 //!
 //! Nodes are opened until that holds with ε = [`RELATIVE_ERROR`] for all points of a group, by the least distances
 //! between boxes for E and the greatest for wⱼ. A voxel by itself is exact. Sums are in 32 bits, whose
@@ -26,14 +26,12 @@ use glam::{DVec3, Vec3};
 
 use super::Volume;
 use super::tree::{Below, Node, Tree, cube};
-use crate::attribute::LinearRgb;
 use crate::field::BATCH;
 
 /// The powers of the distance that there are.
 pub const POWERS: RangeInclusive<u32> = 2..=8;
 
-/// ε: the part of all weight that may be wrong. Colours are off by no more than ε/(1 − ε) of the range of their
-/// channel. Greater: steps between groups of points
+/// ε: the part of all weight that may be wrong. Values are off by no more than ε/(1 − ε) of their range. Greater: steps between groups of points
 /// begin to show; less: more nodes are opened.
 pub const RELATIVE_ERROR: f64 = 1.0 / 256.0;
 
@@ -42,14 +40,14 @@ pub const RELATIVE_ERROR: f64 = 1.0 / 256.0;
 const GROUP: usize = 32;
 
 /// Sums for points outside of the volume, with its own scratch memory.
-pub(super) struct Potential<'a> {
-    volume: &'a Volume,
-    tree: &'a Tree,
+pub(super) struct Potential<'a, const N: usize> {
+    volume: &'a Volume<N>,
+    tree: &'a Tree<N>,
     power: u32,
     open: Vec<Open>,
     opened: Vec<Open>,
-    voxels: Vec<Single>,
-    nodes: Vec<Cluster>,
+    voxels: Vec<Single<N>>,
+    nodes: Vec<Cluster<N>>,
 }
 
 /// A node that may have to be opened.
@@ -62,27 +60,27 @@ struct Open {
 }
 
 /// A voxel, relative to the group's middle, scaled.
-struct Single {
+struct Single<const N: usize> {
     at: Vec3,
-    colour: LinearRgb,
+    value: [f32; N],
 }
 
 /// A node, relative to the group's middle, scaled.
-struct Cluster {
+struct Cluster<const N: usize> {
     at: Vec3,
     count: f32,
-    colour: LinearRgb,
+    value: [f32; N],
     /// p Σ h c.
-    dipole: [[f32; 3]; 3],
+    dipole: [[f32; 3]; N],
 }
 
-impl<'a> Potential<'a> {
-    pub fn new(volume: &'a Volume, tree: &'a Tree, power: u32) -> Self {
+impl<'a, const N: usize> Potential<'a, N> {
+    pub fn new(volume: &'a Volume<N>, tree: &'a Tree<N>, power: u32) -> Self {
         Self { volume, tree, power, open: vec![], opened: vec![], voxels: vec![], nodes: vec![] }
     }
 
-    /// The colours at points, each with its place in `out`. The points are put in another order.
-    pub fn sample(&mut self, points: &mut [(DVec3, usize)], out: &mut [LinearRgb; BATCH]) {
+    /// The values at points, each with its place in `out`. The points are put in another order.
+    pub fn sample(&mut self, points: &mut [(DVec3, usize)], out: &mut [[f32; N]; BATCH]) {
         if points.is_empty() {
             return;
         }
@@ -102,7 +100,7 @@ impl<'a> Potential<'a> {
         let mut sums = Sums::new(points, centre, scale);
         add_all(self.power, &mut sums, &self.nodes, &self.voxels);
         for (i, (_, place)) in points.iter().enumerate() {
-            out[*place] = sums.colour.map(|channel| channel[i] / sums.weight[i]);
+            out[*place] = sums.value.map(|sum| sum[i] / sums.weight[i]);
         }
     }
 
@@ -134,10 +132,10 @@ impl<'a> Potential<'a> {
                         self.opened.extend(children.map(|child| group.judge(child, &self.tree.nodes[child as usize])));
                     }
                     Below::Voxels { block, place } => {
-                        for (voxel, colour) in cube(self.volume, block, place, 2) {
+                        for (voxel, value) in cube(self.volume, block, place, 2) {
                             let voxel = voxel.as_dvec3();
                             exact += group.weight(voxel, voxel);
-                            self.voxels.push(Single { at: (voxel - centre).as_vec3(), colour });
+                            self.voxels.push(Single { at: (voxel - centre).as_vec3(), value });
                         }
                     }
                 }
@@ -154,9 +152,9 @@ impl<'a> Potential<'a> {
         self.voxels.iter_mut().for_each(|voxel| voxel.at *= scale as f32);
         let moment = (f64::from(self.power) * scale) as f32;
         self.nodes.extend(self.open.iter().map(|open| {
-            let Node { centroid, count, colour, dipole, .. } = self.tree.nodes[open.node as usize];
-            let dipole = dipole.map(|channel| channel.map(|part| moment * part));
-            Cluster { at: ((centroid - centre) * scale).as_vec3(), count, colour, dipole }
+            let Node { centroid, count, value, dipole, .. } = self.tree.nodes[open.node as usize];
+            let dipole = dipole.map(|number| number.map(|part| moment * part));
+            Cluster { at: ((centroid - centre) * scale).as_vec3(), count, value, dipole }
         }));
         scale
     }
@@ -177,7 +175,7 @@ struct Group {
 
 impl Group {
     /// What a node costs in error and is worth in weight.
-    fn judge(&self, index: u32, node: &Node) -> Open {
+    fn judge<const N: usize>(&self, index: u32, node: &Node<N>) -> Open {
         let (low, high) = (node.low.as_dvec3(), node.high.as_dvec3());
         let gap = (low - self.high).max(self.low - high).max(DVec3::ZERO).length_squared();
         let power = f64::from(self.power);
@@ -202,13 +200,13 @@ fn inverse_power(squared: f64, power: u32) -> f64 {
 }
 
 /// The points of a group, relative to its middle, scaled, and what is summed there.
-struct Sums {
+struct Sums<const N: usize> {
     at: [[f32; GROUP]; 3],
     weight: [f32; GROUP],
-    colour: [[f32; GROUP]; 3],
+    value: [[f32; GROUP]; N],
 }
 
-impl Sums {
+impl<const N: usize> Sums<N> {
     fn new(points: &[(DVec3, usize)], centre: DVec3, scale: f64) -> Self {
         // Places without a point repeat the first: nothing is divided by 0 there.
         let at = |axis: usize| {
@@ -217,20 +215,20 @@ impl Sums {
                 ((at[axis] - centre[axis]) * scale) as f32
             })
         };
-        Self { at: std::array::from_fn(at), weight: [0.0; GROUP], colour: [[0.0; GROUP]; 3] }
+        Self { at: std::array::from_fn(at), weight: [0.0; GROUP], value: [[0.0; GROUP]; N] }
     }
 }
 
 #[multiversion::multiversion(targets = "simd")]
-fn add_all(power: u32, sums: &mut Sums, nodes: &[Cluster], voxels: &[Single]) {
+fn add_all<const N: usize>(power: u32, sums: &mut Sums<N>, nodes: &[Cluster<N>], voxels: &[Single<N>]) {
     match power {
-        2 => add::<1, false>(sums, nodes, voxels),
-        3 => add::<1, true>(sums, nodes, voxels),
-        4 => add::<2, false>(sums, nodes, voxels),
-        5 => add::<2, true>(sums, nodes, voxels),
-        6 => add::<3, false>(sums, nodes, voxels),
-        7 => add::<3, true>(sums, nodes, voxels),
-        8 => add::<4, false>(sums, nodes, voxels),
+        2 => add::<N, 1, false>(sums, nodes, voxels),
+        3 => add::<N, 1, true>(sums, nodes, voxels),
+        4 => add::<N, 2, false>(sums, nodes, voxels),
+        5 => add::<N, 2, true>(sums, nodes, voxels),
+        6 => add::<N, 3, false>(sums, nodes, voxels),
+        7 => add::<N, 3, true>(sums, nodes, voxels),
+        8 => add::<N, 4, false>(sums, nodes, voxels),
         _ => unreachable!("one of POWERS"),
     }
 }
@@ -248,10 +246,13 @@ fn weight<const HALF: usize, const ODD: bool>(inverse: f32) -> f32 {
 /// Adds nodes, then voxels. Inlined, so that it is compiled for its caller's vector width; each point's sum has the
 /// same order for any.
 #[inline(always)]
-fn add<const HALF: usize, const ODD: bool>(sums: &mut Sums, nodes: &[Cluster], voxels: &[Single]) {
-    let Sums { at: [x, y, z], weight: total, colour: [red, green, blue] } = sums;
+fn add<const N: usize, const HALF: usize, const ODD: bool>(
+    sums: &mut Sums<N>,
+    nodes: &[Cluster<N>],
+    voxels: &[Single<N>],
+) {
+    let Sums { at: [x, y, z], weight: total, value: sums } = sums;
     for node in nodes {
-        let [r, g, b] = node.dipole;
         for i in 0..GROUP {
             let (dx, dy, dz) = (x[i] - node.at.x, y[i] - node.at.y, z[i] - node.at.z);
             let inverse = 1.0 / (dx * dx + dy * dy + dz * dz);
@@ -259,9 +260,10 @@ fn add<const HALF: usize, const ODD: bool>(sums: &mut Sums, nodes: &[Cluster], v
             // The gradient of w by a voxel's place is p r⁻⁽ᵖ⁺²⁾ times the way from there to the point.
             let slope = weight * inverse;
             total[i] += node.count * weight;
-            red[i] += node.colour[0] * weight + slope * (r[0] * dx + r[1] * dy + r[2] * dz);
-            green[i] += node.colour[1] * weight + slope * (g[0] * dx + g[1] * dy + g[2] * dz);
-            blue[i] += node.colour[2] * weight + slope * (b[0] * dx + b[1] * dy + b[2] * dz);
+            for number in 0..N {
+                let [a, b, c] = node.dipole[number];
+                sums[number][i] += node.value[number] * weight + slope * (a * dx + b * dy + c * dz);
+            }
         }
     }
     for voxel in voxels {
@@ -269,9 +271,9 @@ fn add<const HALF: usize, const ODD: bool>(sums: &mut Sums, nodes: &[Cluster], v
             let (dx, dy, dz) = (x[i] - voxel.at.x, y[i] - voxel.at.y, z[i] - voxel.at.z);
             let weight = weight::<HALF, ODD>(1.0 / (dx * dx + dy * dy + dz * dz));
             total[i] += weight;
-            red[i] += voxel.colour[0] * weight;
-            green[i] += voxel.colour[1] * weight;
-            blue[i] += voxel.colour[2] * weight;
+            for number in 0..N {
+                sums[number][i] += voxel.value[number] * weight;
+            }
         }
     }
 }

@@ -2,11 +2,12 @@ use glam::Vec3;
 use proptest::prelude::*;
 
 use super::*;
+use crate::attribute::LinearRgb;
 use crate::grid::block_order;
 
 /// Voxels as blocks, in an order of their own.
-fn blocks(voxels: impl IntoIterator<Item = (IVec3, LinearRgb)>) -> ColourBlocks {
-    let mut blocks = ColourBlocks {
+fn blocks(voxels: impl IntoIterator<Item = (IVec3, LinearRgb)>) -> ValueBlocks<3> {
+    let mut blocks = ValueBlocks {
         voxel_size: 0.5,
         origin: DVec3::new(0.25, -3.0, 1.0),
         origins: vec![],
@@ -50,7 +51,7 @@ fn shell(radius: i32) -> Vec<(IVec3, LinearRgb)> {
 }
 
 /// Colours at positions in voxels.
-fn sampled(colours: &VoxelColours, positions: &[DVec3]) -> Vec<LinearRgb> {
+fn sampled(colours: &VoxelValues<3>, positions: &[DVec3]) -> Vec<LinearRgb> {
     let mut sampler = colours.sampler();
     let mut all = Vec::new();
     for positions in positions.chunks(BATCH) {
@@ -86,7 +87,7 @@ fn direct(voxels: &[(IVec3, LinearRgb)], at: DVec3, power: i32) -> DVec3 {
 fn the_potential_is_within_its_bound_of_the_direct_sum() {
     for voxels in [ball(12), shell(16), coloured(2, |voxel| voxel == IVec3::ONE)] {
         for power in POWERS {
-            let colours = VoxelColours::new(blocks(voxels.iter().copied()), Outside::Potential(power)).unwrap();
+            let colours = VoxelValues::new(blocks(voxels.iter().copied()), Outside::Potential(power)).unwrap();
             let [low, high] = colours.tree.range.map(|colour| Vec3::from(colour).as_dvec3());
             let bound = (high - low) * (RELATIVE_ERROR / (1.0 - RELATIVE_ERROR)) + 1e-5;
             let mut positions = positions(300, 20.0);
@@ -106,7 +107,7 @@ fn the_potential_far_away_is_the_mean() {
     let voxels = ball(12);
     let mean = voxels.iter().map(|(_, colour)| Vec3::from(*colour).as_dvec3()).sum::<DVec3>() / voxels.len() as f64;
     for power in POWERS {
-        let colours = VoxelColours::new(blocks(voxels.iter().copied()), Outside::Potential(power)).unwrap();
+        let colours = VoxelValues::new(blocks(voxels.iter().copied()), Outside::Potential(power)).unwrap();
         for colour in sampled(&colours, &[DVec3::new(1e7, 0.0, 0.0), DVec3::new(-4e7, 3e7, 1e6)]) {
             assert!(Vec3::from(colour).as_dvec3().distance(mean) < 1e-4, "power {power}: {colour:?}, not {mean}");
         }
@@ -120,7 +121,7 @@ fn inside_a_linear_colour_is_itself() {
     let linear = |at: DVec3| (DVec3::new(0.5, 0.1, 0.2) + at * 0.02).as_vec3();
     let voxels = ball(9).into_iter().map(|(voxel, _)| (voxel, linear(voxel.as_dvec3()).to_array()));
     for outside in [Outside::Foot, Outside::Potential(4)] {
-        let colours = VoxelColours::new(blocks(voxels.clone()), outside).unwrap();
+        let colours = VoxelValues::new(blocks(voxels.clone()), outside).unwrap();
         let positions = positions(700, 4.0);
         for (at, found) in positions.iter().zip(sampled(&colours, &positions)) {
             assert!(Vec3::from(found).distance(linear(*at)) < 1e-6, "{at}: {found:?}");
@@ -131,7 +132,7 @@ fn inside_a_linear_colour_is_itself() {
 #[test]
 fn outside_the_foot_has_the_colour_and_nothing_jumps_at_the_border() {
     let voxels = shell(16);
-    let colours = VoxelColours::new(blocks(voxels.iter().copied()), Outside::Foot).unwrap();
+    let colours = VoxelValues::new(blocks(voxels.iter().copied()), Outside::Foot).unwrap();
     let positions: Vec<DVec3> = positions(600, 24.0).into_iter().filter(|at| !is_inside(&voxels, *at)).collect();
     let half = DVec3::splat(0.5);
     for (at, found) in positions.iter().zip(sampled(&colours, &positions)) {
@@ -158,7 +159,7 @@ fn the_order_of_blocks_does_not_count() {
     let positions = positions(600, 24.0);
     for outside in [Outside::Foot, Outside::Potential(4)] {
         let found = [blocks(shell(16)), sorted.clone()]
-            .map(|blocks| sampled(&VoxelColours::new(blocks, outside).unwrap(), &positions));
+            .map(|blocks| sampled(&VoxelValues::new(blocks, outside).unwrap(), &positions));
         assert_eq!(found[0], found[1]);
     }
 }
@@ -167,8 +168,8 @@ fn the_order_of_blocks_does_not_count() {
 fn without_active_voxels_there_are_no_colours() {
     let mut none = blocks(ball(2));
     none.active.iter_mut().for_each(|mask| *mask = [0; 8]);
-    assert!(VoxelColours::new(none, Outside::Foot).is_none());
-    assert!(VoxelColours::new(blocks([]), Outside::Foot).is_none());
+    assert!(VoxelValues::new(none, Outside::Foot).is_none());
+    assert!(VoxelValues::new(blocks([]), Outside::Foot).is_none());
 }
 
 proptest! {
@@ -182,7 +183,7 @@ proptest! {
         guess in any::<prop::sample::Index>(),
     ) {
         let blocks = blocks(strays.iter().map(|voxel| (*voxel, [0.0; 3])));
-        let colours = VoxelColours::new(blocks, Outside::Foot).unwrap();
+        let colours = VoxelValues::new(blocks, Outside::Foot).unwrap();
         let at = IVec3::from(at).as_dvec3();
         let half = DVec3::splat(0.5);
         let key = |voxel: IVec3| {

@@ -5,22 +5,17 @@ use std::ops::Range;
 use glam::{DVec3, IVec3};
 
 use super::Volume;
-use crate::attribute::LinearRgb;
 use crate::grid::{is_active, voxel_offset};
 
 /// The nodes, the root first, a node's children side by side and behind it.
-pub(super) struct Tree {
-    pub nodes: Vec<Node>,
-    /// The least and the greatest colour, by channel.
-    #[cfg(test)]
-    pub range: [LinearRgb; 2],
+pub(super) struct Tree<const N: usize> {
+    pub nodes: Vec<Node<N>>,
+    /// The least and the greatest of each number.
+    pub range: [[f32; N]; 2],
 }
 
-/// Memory of a node.
-pub(super) const BYTES_A_NODE: u64 = size_of::<Node>() as u64;
-
-/// Active voxels that stand together. `h` below is a voxel's centre less their centroid, `c` its colour.
-pub(super) struct Node {
+/// Active voxels that stand together. `h` below is a voxel's centre less their centroid, `c` its value.
+pub(super) struct Node<const N: usize> {
     /// The least and the greatest centre of its voxels.
     pub low: IVec3,
     pub high: IVec3,
@@ -29,9 +24,9 @@ pub(super) struct Node {
     /// The mean of their centres.
     pub centroid: DVec3,
     /// Σ c.
-    pub colour: LinearRgb,
-    /// Σ h c, by channel.
-    pub dipole: [[f32; 3]; 3],
+    pub value: [f32; N],
+    /// Σ h c, by number.
+    pub dipole: [[f32; 3]; N],
     /// Σ h².
     pub spread: f32,
     pub below: Below,
@@ -54,9 +49,9 @@ enum Pending {
     Cube { block: u32, place: u16, edge: i32 },
 }
 
-impl Tree {
+impl<const N: usize> Tree<N> {
     /// `None` where no voxel is active.
-    pub fn new(volume: &Volume) -> Option<Self> {
+    pub fn new(volume: &Volume<N>) -> Option<Self> {
         let mut order: Vec<u32> =
             (0..volume.origins.len() as u32).filter(|block| volume.active[*block as usize] != [0; 8]).collect();
         if order.is_empty() {
@@ -96,21 +91,17 @@ impl Tree {
         for node in (0..nodes.len()).rev() {
             sum_up(volume, &mut nodes, node);
         }
-        Some(Self {
-            #[cfg(test)]
-            range: range(volume, &nodes),
-            nodes,
-        })
+        Some(Self { range: range(volume, &nodes), nodes })
     }
 }
 
-/// The active voxels of a cube of a block: centre and colour.
-pub(super) fn cube(
-    volume: &Volume,
+/// The active voxels of a cube of a block: centre and value.
+pub(super) fn cube<const N: usize>(
+    volume: &Volume<N>,
     block: u32,
     place: u16,
     edge: i32,
-) -> impl Iterator<Item = (IVec3, LinearRgb)> + use<'_> {
+) -> impl Iterator<Item = (IVec3, [f32; N])> + use<'_, N> {
     let block = block as usize;
     let (origin, mask, values) = (volume.origins[block], &volume.active[block], &volume.values[block]);
     let corner = IVec3::new(i32::from(place >> 6), i32::from(place >> 3 & 7), i32::from(place & 7));
@@ -122,7 +113,7 @@ pub(super) fn cube(
 }
 
 /// Sorts blocks by the octants of the least aligned cube that holds them all, and tells each octant's share.
-fn octants(volume: &Volume, order: &mut [u32], mut tell: impl FnMut(Range<usize>)) {
+fn octants<const N: usize>(volume: &Volume<N>, order: &mut [u32], mut tell: impl FnMut(Range<usize>)) {
     let origin = |block: u32| volume.origins[block as usize];
     let first = origin(order[0]);
     // The highest bit in which any two differ; of the sign too, so cubes never straddle 0.
@@ -142,15 +133,15 @@ fn octants(volume: &Volume, order: &mut [u32], mut tell: impl FnMut(Range<usize>
 }
 
 /// Fills a node from what it is made of.
-fn sum_up(volume: &Volume, nodes: &mut [Node], node: usize) {
+fn sum_up<const N: usize>(volume: &Volume<N>, nodes: &mut [Node<N>], node: usize) {
     match nodes[node].below {
         Below::Voxels { block, place } => {
             let mut sum = Sum::new();
             cube(volume, block, place, 2)
-                .for_each(|(voxel, colour)| sum.count(voxel, voxel, 1.0, voxel.as_dvec3(), colour));
+                .for_each(|(voxel, value)| sum.count(voxel, voxel, 1.0, voxel.as_dvec3(), value));
             let mut whole = sum.node();
-            for (voxel, colour) in cube(volume, block, place, 2) {
-                whole.shift(1.0, voxel.as_dvec3(), colour, [[0.0; 3]; 3], 0.0);
+            for (voxel, value) in cube(volume, block, place, 2) {
+                whole.shift(1.0, voxel.as_dvec3(), value, [[0.0; 3]; N], 0.0);
             }
             nodes[node] = Node { below: nodes[node].below, ..whole };
         }
@@ -158,82 +149,81 @@ fn sum_up(volume: &Volume, nodes: &mut [Node], node: usize) {
             let (above, behind) = nodes.split_at_mut(first as usize);
             let parts = &behind[..usize::from(count)];
             let mut sum = Sum::new();
-            parts.iter().for_each(|part| sum.count(part.low, part.high, part.count, part.centroid, part.colour));
+            parts.iter().for_each(|part| sum.count(part.low, part.high, part.count, part.centroid, part.value));
             let mut whole = sum.node();
-            parts.iter().for_each(|part| whole.shift(part.count, part.centroid, part.colour, part.dipole, part.spread));
+            parts.iter().for_each(|part| whole.shift(part.count, part.centroid, part.value, part.dipole, part.spread));
             above[node] = Node { below: above[node].below, ..whole };
         }
     }
 }
 
-/// Count, box, centroid and colour, before what is around the centroid.
-struct Sum {
+/// Count, box, centroid and value, before what is around the centroid.
+struct Sum<const N: usize> {
     low: IVec3,
     high: IVec3,
     count: f64,
     position: DVec3,
-    colour: DVec3,
+    value: [f64; N],
 }
 
-impl Sum {
+impl<const N: usize> Sum<N> {
     fn new() -> Self {
-        Self { low: IVec3::MAX, high: IVec3::MIN, count: 0.0, position: DVec3::ZERO, colour: DVec3::ZERO }
+        Self { low: IVec3::MAX, high: IVec3::MIN, count: 0.0, position: DVec3::ZERO, value: [0.0; N] }
     }
 
-    fn count(&mut self, low: IVec3, high: IVec3, count: f32, centroid: DVec3, colour: LinearRgb) {
+    fn count(&mut self, low: IVec3, high: IVec3, count: f32, centroid: DVec3, value: [f32; N]) {
         (self.low, self.high) = (self.low.min(low), self.high.max(high));
         self.count += f64::from(count);
         self.position += f64::from(count) * centroid;
-        self.colour += DVec3::from(colour.map(f64::from));
+        self.value.iter_mut().zip(value).for_each(|(sum, value)| *sum += f64::from(value));
     }
 
-    fn node(&self) -> Node {
+    fn node(&self) -> Node<N> {
         Node {
             low: self.low,
             high: self.high,
             count: self.count as f32,
             centroid: self.position / self.count,
-            colour: self.colour.as_vec3().to_array(),
+            value: self.value.map(|value| value as f32),
             ..Node::new()
         }
     }
 }
 
-impl Node {
+impl<const N: usize> Node<N> {
     fn new() -> Self {
         Self {
             low: IVec3::ZERO,
             high: IVec3::ZERO,
             count: 0.0,
             centroid: DVec3::ZERO,
-            colour: [0.0; 3],
-            dipole: [[0.0; 3]; 3],
+            value: [0.0; N],
+            dipole: [[0.0; 3]; N],
             spread: 0.0,
             below: Below::Nodes(0, 0),
         }
     }
 
     /// Adds a part's sums around its own centroid, moved to this one's.
-    fn shift(&mut self, count: f32, centroid: DVec3, colour: LinearRgb, dipole: [[f32; 3]; 3], spread: f32) {
+    fn shift(&mut self, count: f32, centroid: DVec3, value: [f32; N], dipole: [[f32; 3]; N], spread: f32) {
         let step = centroid - self.centroid;
-        for channel in 0..3 {
+        for number in 0..N {
             for axis in 0..3 {
-                self.dipole[channel][axis] += dipole[channel][axis] + colour[channel] * step[axis] as f32;
+                self.dipole[number][axis] += dipole[number][axis] + value[number] * step[axis] as f32;
             }
         }
         self.spread += spread + count * step.length_squared() as f32;
     }
 }
 
-#[cfg(test)]
-fn range(volume: &Volume, nodes: &[Node]) -> [LinearRgb; 2] {
-    let mut range = [[f32::INFINITY; 3], [f32::NEG_INFINITY; 3]];
+fn range<const N: usize>(volume: &Volume<N>, nodes: &[Node<N>]) -> [[f32; N]; 2] {
+    let mut range = [[f32::INFINITY; N], [f32::NEG_INFINITY; N]];
     for node in nodes {
         let Below::Voxels { block, place } = node.below else { continue };
-        for (_, colour) in cube(volume, block, place, 2) {
-            for channel in 0..3 {
-                range[0][channel] = range[0][channel].min(colour[channel]);
-                range[1][channel] = range[1][channel].max(colour[channel]);
+        for (_, value) in cube(volume, block, place, 2) {
+            for number in 0..N {
+                range[0][number] = range[0][number].min(value[number]);
+                range[1][number] = range[1][number].max(value[number]);
             }
         }
     }

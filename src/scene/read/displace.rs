@@ -59,7 +59,8 @@ impl<'r, 'a> Building<'r, 'a> {
         };
         if let Some(shape) = objects.iter().find_map(moved) {
             let problem = format!("`{}` moves the surface of `{}` already", clip(&by.name), clip(&shape.name));
-            let help = "leave one `displace` out: the shape's, and the morph moves what it makes of both; or the morph's";
+            let help =
+                "leave one `displace` out: the shape's, and the morph moves what it makes of both; or the morph's";
             self.reader.say(Diagnostic::error(by.span, problem).help(help));
         }
     }
