@@ -268,10 +268,14 @@ impl Prepared {
 
     /// About how much memory the prepared scene itself holds, in bytes: frames come on top.
     pub fn memory_estimate(&self) -> u64 {
-        let distances = match &self.content {
-            Ready::Morph(planned) => planned.iter().map(|planned| planned.bytes).sum(),
-            _ => 0,
-        };
-        self.assets.bytes() + distances
+        let (mut distances, mut of_frame) = (0, 0);
+        if let (Ready::Morph(planned), Content::Morph(morphs)) = (&self.content, &self.model.content) {
+            distances = planned.iter().map(|planned| planned.bytes).sum();
+            if morphs[0].displace.is_some() {
+                // The frame is measured too: about as much as one of its objects, and one more frame may be under way.
+                of_frame = planned.iter().map(|planned| planned.bytes).max().unwrap_or(0);
+            }
+        }
+        self.assets.bytes() + distances + of_frame
     }
 }
