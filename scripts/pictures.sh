@@ -23,6 +23,8 @@ hfvdb preview cube-to-heart --variant rgb --pictures 12 --size 170 --output "$im
 hfvdb preview cube-to-heart --variant linear --pictures 12 --size 170 --output "$images/cube-to-heart-linear.png"
 hfvdb preview cube-to-heart --variant paper --pictures 12 --size 170 --output "$images/cube-to-heart-paper.png"
 hfvdb preview three-ways --pictures 12 --size 170 --output "$images/three-ways.png"
+hfvdb preview displacement --pictures 8 --output "$images/displacement.png"
+hfvdb preview microstructure --pictures 8 --output "$images/microstructure.png"
 hfvdb preview partitions --pictures 8 --output "$images/partitions.png"
 hfvdb preview octopus --pictures 8 --output "$images/octopus.png"
 for alpha in 0.05 0.3 3; do

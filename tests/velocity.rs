@@ -67,6 +67,21 @@ fn greatest_error(voxels: &[Voxel], exact: impl Fn(&Voxel) -> DVec3) -> f64 {
     voxels.iter().map(|voxel| (voxel.velocity - exact(voxel)).length()).fold(0.0, f64::max)
 }
 
+/// What moves the surface over time moves it as fast as it says.
+#[test]
+fn a_surface_moved_by_an_attribute_has_its_speed() {
+    let ball = "frames = '1-5'\n[shape.a]\nsphere = 1\nattribute.grow = '0.3*time'\n";
+    let morph = "[shape.b]\nsphere = 1\nattribute.grow = '0.3*time'\n[morph]\nfrom = 'a'\nto = 'b'\nmode = 'still'\n";
+    for text in [format!("{ball}displace = 'grow'\n"), format!("{ball}{morph}displace = 'grow'\n")] {
+        let voxels = band(&computed(&prepared(&text), 3));
+        for Voxel { centre, velocity, .. } in &voxels {
+            let wanted = centre.normalize() * 0.3;
+            assert!((*velocity - wanted).length() < 0.003, "{velocity} at {centre}, not {wanted}");
+        }
+        assert!(voxels.len() > 10_000);
+    }
+}
+
 #[test]
 fn what_moves_rigidly_has_its_velocity_everywhere() {
     // 2 units in 8 frames of 1/24 s; a box has edges and corners.

@@ -2,8 +2,8 @@
 
 use std::sync::Arc;
 
-use super::{Attribute, Sampler};
-use crate::field::{Aabb, BATCH, Evaluator, Field, Points};
+use super::{Attribute, Sampler, around};
+use crate::field::{Aabb, BATCH, Evaluator, Field, Interval, Points};
 
 /// Values in turn, each from one depth of a field to the next.
 pub struct Bands<const N: usize> {
@@ -49,6 +49,11 @@ impl<const N: usize> Sampler<N> for BandsSampler<'_, N> {
             let begun = bands.partition_point(|(begin, _)| *begin <= depth);
             *out = bands[begun.saturating_sub(1)].1;
         }
+    }
+
+    /// Of all bands: how deep a point lies is told by values away from the surface, which entering a region may change.
+    fn bounds(&mut self, _region: &Aabb) -> [Interval; N] {
+        around(self.bands.bands.iter().map(|(_, values)| *values))
     }
 }
 

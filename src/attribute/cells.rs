@@ -5,8 +5,8 @@ use std::sync::Arc;
 use glam::DVec3;
 
 use super::mix::Mix;
-use super::{Attribute, Sampler};
-use crate::field::{Aabb, BATCH, Field, Points};
+use super::{Attribute, Sampler, around};
+use crate::field::{Aabb, BATCH, Field, Interval, Points};
 
 /// Space divided into cells.
 pub trait CellIndex: Send + Sync {
@@ -105,6 +105,18 @@ impl<const N: usize, M: Mix<N>> Choice<N, M> {
     }
 }
 
+impl<const N: usize, M: Mix<N>> Choice<N, M> {
+    /// Bounds of all that may be chosen.
+    fn bounds(&self) -> [Interval; N] {
+        let one = |value: &[f32; N]| around([*value].into_iter());
+        match self {
+            Self::Palette(values) if values.is_empty() => one(&[0.18; N]),
+            Self::Palette(values) => around(values.iter().copied()),
+            Self::Range { from, to, mix } => mix.bounds(one(from), one(to), Interval::new(0.0, 1.0)),
+        }
+    }
+}
+
 /// The finaliser of SplitMix64 (Steele, Lea and Flood 2014).
 fn scrambled(value: u64) -> u64 {
     let mut z = value.wrapping_add(0x9e37_79b9_7f4a_7c15);
@@ -150,6 +162,10 @@ impl<const N: usize, M: Mix<N>> Sampler<N> for ByCellSampler<'_, N, M> {
             last = Some((*index, value));
             *out = value;
         }
+    }
+
+    fn bounds(&mut self, _region: &Aabb) -> [Interval; N] {
+        self.by_cell.choice.bounds()
     }
 }
 

@@ -1,7 +1,7 @@
 //! One value everywhere.
 
 use super::{Attribute, Sampler};
-use crate::field::{Aabb, BATCH, Points};
+use crate::field::{Aabb, BATCH, Interval, Points};
 
 /// One value everywhere.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -27,5 +27,9 @@ impl<const N: usize> Sampler<N> for Constant<N> {
 
     fn sample(&mut self, points: &Points, out: &mut [[f32; N]; BATCH]) {
         out[..points.len].fill(self.0);
+    }
+
+    fn bounds(&mut self, _region: &Aabb) -> [Interval; N] {
+        self.0.map(|value| Interval::new(value.into(), value.into()))
     }
 }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::colour_space::{LANES, Lanes, each};
 use super::{Attribute, LinearRgb, Sampler, conversion};
 use crate::field::lane_math::clamp01;
-use crate::field::{Aabb, BATCH, Evaluator, Field, Points};
+use crate::field::{Aabb, BATCH, Evaluator, Field, Interval, Points};
 
 /// What a formula's three numbers are.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -105,7 +105,7 @@ impl Sampler<3> for FormulaSampler<'_> {
     }
 }
 
-/// A scalar that is a field's value.
+/// A scalar that is a field's value; one that keeps its values, so that its bounds are theirs.
 pub struct FieldValue(pub Arc<dyn Field>);
 
 impl Attribute<1> for FieldValue {
@@ -128,6 +128,13 @@ impl Sampler<1> for FieldSampler<'_> {
     fn sample(&mut self, points: &Points, out: &mut [[f32; 1]; BATCH]) {
         self.evaluator.values(points, &mut self.values);
         out.as_flattened_mut()[..points.len].copy_from_slice(&self.values[..points.len]);
+    }
+
+    fn bounds(&mut self, region: &Aabb) -> [Interval; 1] {
+        self.evaluator.enter(region);
+        let bounds = self.evaluator.bounds();
+        self.evaluator.leave();
+        [bounds]
     }
 }
 

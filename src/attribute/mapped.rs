@@ -3,10 +3,10 @@
 use glam::DVec3;
 
 use super::Sampler;
-use crate::field::{Aabb, BATCH, Points};
+use crate::field::{Aabb, BATCH, Interval, Points};
 
 /// How positions of one space become positions of another.
-pub trait SpaceMap {
+pub trait SpaceMap: Send {
     /// A batch there.
     fn points(&self, points: &Points, out: &mut Points);
 
@@ -40,5 +40,9 @@ impl<M: SpaceMap, const N: usize> Sampler<N> for MappedSampler<'_, M, N> {
     fn sample(&mut self, points: &Points, out: &mut [[f32; N]; BATCH]) {
         self.map.points(points, &mut self.there);
         self.inner.sample(&self.there, out);
+    }
+
+    fn bounds(&mut self, region: &Aabb) -> [Interval; N] {
+        self.inner.bounds(&self.map.region(region))
     }
 }

@@ -2,8 +2,8 @@
 
 use super::colour_space::{HueAxis, LANES, Lanes};
 use super::{ColourSpace, LinearRgb};
-use crate::field::BATCH;
 use crate::field::lane_math::{clamp01, smooth};
+use crate::field::{BATCH, Interval};
 
 /// Hues further apart than this have no short way that a small change could not turn round: they go the decided way.
 const NEARLY_OPPOSITE: f32 = 150.0;
@@ -18,6 +18,11 @@ pub trait Mix<const N: usize>: Copy + Send + Sync {
 
     /// `from` at weight 0, `to` at weight 1.
     fn mix(&self, from: [f32; N], to: [f32; N], weight: f32) -> [f32; N];
+
+    /// Bounds of what is mixed from values and weights within bounds; [`Interval::ALL`] where they are not known.
+    fn bounds(&self, _from: [Interval; N], _to: [Interval; N], _weight: Interval) -> [Interval; N] {
+        [Interval::ALL; N]
+    }
 }
 
 /// Each number for itself: (1 − w)·from + w·to.
@@ -35,6 +40,14 @@ impl<const N: usize> Mix<N> for Straight {
     fn mix(&self, from: [f32; N], to: [f32; N], weight: f32) -> [f32; N] {
         let mixed = |i: usize| if weight >= 1.0 { to[i] } else { from[i] + (to[i] - from[i]) * weight };
         std::array::from_fn(mixed)
+    }
+
+    /// Linear in each of the three, so that the extremes are at ends.
+    fn bounds(&self, from: [Interval; N], to: [Interval; N], weight: Interval) -> [Interval; N] {
+        let end =
+            |a: f64, b: f64, w: f64| if w == 0.0 || w == 1.0 { [a, b][w as usize] } else { a * (1.0 - w) + b * w };
+        let at = |i: usize, w: f64| Interval::new(end(from[i].lo, to[i].lo, w), end(from[i].hi, to[i].hi, w));
+        std::array::from_fn(|i| at(i, weight.lo).union(at(i, weight.hi)))
     }
 }
 

@@ -15,6 +15,7 @@ mod mapped;
 mod mesh_colour;
 mod mix;
 mod parts;
+mod scalar_field;
 mod voxels;
 
 pub use affine::AffineVector;
@@ -27,9 +28,10 @@ pub use mapped::{MappedSampler, SpaceMap};
 pub use mesh_colour::VertexColours;
 pub use mix::{Mix, Mixer, Straight, Turn};
 pub use parts::{Overlap, Part, Parts, Rule};
-pub use voxels::{ColourBlocks, Outside, POWERS, RELATIVE_ERROR, VoxelColours};
+pub use scalar_field::ScalarField;
+pub use voxels::{Outside, POWERS, RELATIVE_ERROR, ValueBlocks, VoxelValues};
 
-use crate::field::{Aabb, BATCH, Points};
+use crate::field::{Aabb, BATCH, Interval, Points};
 
 /// Scene-linear Rec.709 red, green, blue.
 pub type LinearRgb = [f32; 3];
@@ -46,12 +48,23 @@ pub trait Attribute<const N: usize>: Send + Sync {
     fn sampler(&self) -> Box<dyn Sampler<N> + '_>;
 }
 
+/// Bounds of each number of some values, of which there is at least one.
+fn around<const N: usize>(values: impl Iterator<Item = [f32; N]>) -> [Interval; N] {
+    let single = |value: f32| Interval::new(value.into(), value.into());
+    let both = |a: [Interval; N], b: [Interval; N]| std::array::from_fn(|i| a[i].union(b[i]));
+    values.map(|value| value.map(single)).reduce(both).unwrap_or([Interval::ALL; N])
+}
+
 /// Samples one attribute on one thread. Regions nest as in [`crate::field::Evaluator`].
-pub trait Sampler<const N: usize> {
+pub trait Sampler<const N: usize>: Send {
     /// All points sampled until the matching `leave` lie in the region.
     fn enter(&mut self, region: &Aabb);
     /// Leaves the innermost region.
     fn leave(&mut self);
     /// The numbers at each point.
     fn sample(&mut self, points: &Points, out: &mut [[f32; N]; BATCH]);
+    /// Bounds of each number over a region, whatever regions were entered; [`Interval::ALL`] where they are not known.
+    fn bounds(&mut self, _region: &Aabb) -> [Interval; N] {
+        [Interval::ALL; N]
+    }
 }

@@ -6,7 +6,7 @@ use multiversion::multiversion;
 
 use super::{Attribute, Sampler};
 use crate::field::lane_math::clamp01;
-use crate::field::{Aabb, BATCH, Evaluator, Field, Points};
+use crate::field::{Aabb, BATCH, Evaluator, Field, Interval, Points};
 
 /// A solid with its attribute. Distances, or fields that are nearly so: their values are compared between parts.
 pub type Part<const N: usize> = (Arc<dyn Field>, Arc<dyn Attribute<N>>);
@@ -267,6 +267,13 @@ impl<const N: usize> Sampler<N> for PartsSampler<'_, N> {
             }
         }
     }
+
+    /// Weights are convex: what all parts' bounds hold.
+    fn bounds(&mut self, region: &Aabb) -> [Interval; N] {
+        let all = self.samplers.iter_mut().map(|sampler| sampler.bounds(region));
+        let both = |a: [Interval; N], b: [Interval; N]| std::array::from_fn(|i| a[i].union(b[i]));
+        all.reduce(both).unwrap_or([Interval::ALL; N])
+    }
 }
 
 #[cfg(test)]
@@ -275,7 +282,6 @@ mod tests {
 
     use super::*;
     use crate::attribute::{Constant, LinearRgb};
-    use crate::field::Interval;
 
     const RED: LinearRgb = [1.0, 0.0, 0.0];
     const BLUE: LinearRgb = [0.0, 0.0, 1.0];

@@ -174,14 +174,21 @@ impl Graph {
     /// The solid grown by a distance (shrunk where that is negative), as exactly as its value is the distance.
     pub fn offset(&mut self, solid: Node, distance: f64) -> Node {
         let facts = Facts::unary(Unary::Linear { scale: 1.0, offset: distance }, self.facts(solid));
-        let node = self.distributed(solid, 1.0, distance);
+        let node = self.shifted(solid, 1.0, distance);
         self.declare(node, facts)
+    }
+
+    /// The solid grown by another node's value, which may differ from place to place and is ≤ 0 throughout where the
+    /// solid only shrinks (`inward`). `bounds` is believed, as in [`Self::bounded`].
+    pub fn displaced(&mut self, solid: Node, by: Node, inward: bool, bounds: Aabb) -> Node {
+        let node = self.distributed(solid, false, inward, |graph, operand| graph.add(operand, by));
+        self.bounded(node, bounds)
     }
 
     /// The skin of a solid: all within half the thickness of its surface, as exactly as its value is the distance.
     pub fn shell(&mut self, solid: Node, thickness: f64) -> Node {
         let half = thickness / 2.0;
-        let (inner, outer) = (self.distributed(solid, -1.0, half), self.offset(solid, half));
+        let (inner, outer) = (self.shifted(solid, -1.0, half), self.offset(solid, half));
         let slope = match self.slope(solid) {
             Slope::Exact { outside: true, inside: true } => Slope::Exact { outside: true, inside: false },
             _ => Slope::Unknown,
@@ -190,13 +197,25 @@ impl Graph {
         self.declare(node, Facts { bounds: None, slope })
     }
 
-    /// `scale · node + offset` (scale ±1), taken below minima and maxima: values are the same, and the smooth
-    /// branches stay the operands of a set operation. Shrinking takes corners along too: the inset of an exact
-    /// corner is the exact corner of the insets.
-    fn distributed(&mut self, node: Node, scale: f64, offset: f64) -> Node {
+    /// `scale · node + offset`, scale ±1.
+    fn shifted(&mut self, node: Node, scale: f64, offset: f64) -> Node {
+        let inward = scale > 0.0 && offset < 0.0;
+        self.distributed(node, scale < 0.0, inward, |graph, operand| graph.linear(operand, scale, offset))
+    }
+
+    /// What `shift` makes of a node, taken below minima and maxima: values are the same, and the smooth branches stay
+    /// the operands of a set operation. Shrinking takes corners along too: the inset of an exact corner is the exact
+    /// corner of the insets. `turned`: whether greater values become lesser ones.
+    fn distributed(
+        &mut self,
+        node: Node,
+        turned: bool,
+        inward: bool,
+        mut shift: impl FnMut(&mut Self, Node) -> Node,
+    ) -> Node {
         let opens = |op: Op| match op {
             Op::Binary(operation @ (Binary::Min | Binary::Max), a, b) => Some((operation, a, b)),
-            Op::Binary(Binary::Corner, a, b) if scale > 0.0 && offset < 0.0 => Some((Binary::Corner, a, b)),
+            Op::Binary(Binary::Corner, a, b) if inward => Some((Binary::Corner, a, b)),
             _ => None,
         };
         // Arguments come before their operation, so going up in order needs no recursion.
@@ -214,13 +233,13 @@ impl Graph {
             let made = match opens(self.ops[index as usize]) {
                 Some((operation, a, b)) => {
                     let mirrored = match operation {
-                        Binary::Min if scale < 0.0 => Binary::Max,
-                        Binary::Max if scale < 0.0 => Binary::Min,
+                        Binary::Min if turned => Binary::Max,
+                        Binary::Max if turned => Binary::Min,
                         same => same,
                     };
                     self.binary(mirrored, moved[&a], moved[&b])
                 }
-                None => self.linear(Node(index), scale, offset),
+                None => shift(self, Node(index)),
             };
             moved.insert(index, made);
         }

@@ -21,6 +21,11 @@ impl Interval {
         Self { lo, hi }
     }
 
+    /// The least interval around both.
+    pub const fn union(self, other: Self) -> Self {
+        Self { lo: self.lo.min(other.lo), hi: self.hi.max(other.hi) }
+    }
+
     /// Whether a value lies in the interval.
     pub fn contains(self, value: f64) -> bool {
         self.lo <= value && value <= self.hi

@@ -7,7 +7,7 @@ use super::delay::DelayGrid;
 use super::real::{Real, intersection};
 use crate::attribute::{Attribute, Mix, Sampler};
 use crate::distance::Distance;
-use crate::field::{Aabb, BATCH, Evaluator, Points};
+use crate::field::{Aabb, BATCH, Evaluator, Interval, Points};
 
 /// STTI's parameters at one instant, free of units.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -20,6 +20,9 @@ pub struct Transfer {
     /// β in \[0, 1\]; 0.5 favours neither object.
     pub beta: f64,
 }
+
+/// How far a weight in `f32` is taken to be from that in `f64`, at most.
+const WEIGHT_SLACK: f64 = 1e-5;
 
 /// A [`Transfer`] made ready for one precision.
 #[derive(Clone, Copy, Debug)]
@@ -51,6 +54,20 @@ impl<T: Real> Weights<T> {
         let g2 = intersection(second * self.second_scale, self.second_cut).least(T::ZERO);
         let sum = g1 + g2;
         if sum < T::ZERO { g1 / sum } else { self.level }
+    }
+}
+
+impl Weights<f64> {
+    /// Bounds of w₂ for distances within bounds: it falls as the first rises and rises with the second.
+    fn second_bounds(&self, first: Interval, second: Interval) -> Interval {
+        let [g1, g2] = [first.hi * self.first_scale, second.hi * self.second_scale];
+        // Where both are 0 the weight jumps to that of time. Infinite distances are no numbers here.
+        let may_jump = intersection(g1, self.first_cut) >= 0.0 && intersection(g2, self.second_cut) >= 0.0;
+        if may_jump || ![first.lo, first.hi, second.lo, second.hi].into_iter().all(f64::is_finite) {
+            return Interval::new(0.0, 1.0);
+        }
+        let (least, greatest) = (self.second(first.hi, second.lo), self.second(first.lo, second.hi));
+        Interval::new((least - WEIGHT_SLACK).max(0.0), (greatest + WEIGHT_SLACK).min(1.0))
     }
 }
 
@@ -88,7 +105,7 @@ impl<const N: usize, M: Mix<N>> Attribute<N> for MorphAttribute<N, M> {
             mix: self.mix,
             transfer: self.transfer,
             delay: self.delay.as_deref(),
-            per_unit: (1.0 / self.unit) as f32,
+            per_unit: 1.0 / self.unit,
             first: self.first.evaluator(),
             second: self.second.evaluator(),
             from: self.from.sampler(),
@@ -103,7 +120,7 @@ struct MorphSampler<'a, const N: usize, M> {
     mix: M,
     transfer: Transfer,
     delay: Option<&'a DelayGrid>,
-    per_unit: f32,
+    per_unit: f64,
     first: Box<dyn Evaluator + 'a>,
     second: Box<dyn Evaluator + 'a>,
     from: Box<dyn Sampler<N> + 'a>,
@@ -132,13 +149,14 @@ impl<const N: usize, M: Mix<N>> Sampler<N> for MorphSampler<'_, N, M> {
         self.first.values(points, first);
         self.second.values(points, second);
         let (first_ones, second_ones) = (&mut first[..points.len], &second[..points.len]);
+        let per_unit = self.per_unit as f32;
         match self.delay {
-            None => second_weights(&Weights::new(&self.transfer), self.per_unit, first_ones, second_ones),
+            None => second_weights(&Weights::new(&self.transfer), per_unit, first_ones, second_ones),
             Some(delay) => {
                 for i in 0..points.len {
                     let time = delay.colour_time(points.position(i), self.transfer.time);
                     let weights = Weights::<f32>::new(&Transfer { time, ..self.transfer });
-                    first_ones[i] = weights.second(first_ones[i] * self.per_unit, second_ones[i] * self.per_unit);
+                    first_ones[i] = weights.second(first_ones[i] * per_unit, second_ones[i] * per_unit);
                 }
             }
         }
@@ -146,6 +164,20 @@ impl<const N: usize, M: Mix<N>> Sampler<N> for MorphSampler<'_, N, M> {
         self.from.sample(points, out);
         self.to.sample(points, &mut self.values);
         self.mix.mix_batch(out, &self.values, weights, points.len);
+    }
+
+    fn bounds(&mut self, region: &Aabb) -> [Interval; N] {
+        let [first, second] = [&mut self.first, &mut self.second].map(|object| {
+            object.enter(region);
+            let bounds = object.bounds();
+            object.leave();
+            Interval::new(bounds.lo * self.per_unit, bounds.hi * self.per_unit)
+        });
+        let weight = match self.delay {
+            None => Weights::<f64>::new(&self.transfer).second_bounds(first, second),
+            Some(_) => Interval::new(0.0, 1.0),
+        };
+        self.mix.bounds(self.from.bounds(region), self.to.bounds(region), weight)
     }
 }
 

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use crate::attribute::VoxelColours;
+use crate::attribute::VoxelValues;
 use crate::mesh::{Holes, MeshDistance, TriangleMesh, read, read_obj};
 
 use super::error::Problem;
@@ -15,27 +15,28 @@ use super::volume;
 #[derive(Clone, Default)]
 pub(super) struct Assets {
     meshes: BTreeMap<ShapeId, Arc<MeshDistance>>,
-    colours: BTreeMap<ShapeId, Arc<VoxelColours>>,
+    colours: BTreeMap<ShapeId, Arc<VoxelValues<3>>>,
+    /// By shape and name.
+    scalars: BTreeMap<(ShapeId, String), Arc<VoxelValues<1>>>,
 }
 
 impl Assets {
     /// Reads the files of some shapes. No volume of voxels may take more than the limit, in bytes.
     pub fn load(model: &Model, shapes: &[ShapeId], memory_limit: Option<usize>) -> Result<Self, Problem> {
         let mut assets = Self::default();
-        let mut loaded: Vec<(&VoxelSource, Arc<VoxelColours>)> = Vec::new();
+        let (mut colours, mut scalars) = (Loaded::new(memory_limit), Loaded::new(memory_limit));
         for &id in shapes {
             let shape = model.shape(id);
             if let Maker::Mesh { file } = &shape.maker {
                 assets.meshes.insert(id, Arc::new(load_mesh(file)?));
             }
             if let Some(AttributeSource::Voxels(source)) = &shape.colour {
-                let known = loaded.iter().find(|(other, _)| source.is_same(other));
-                let colours = match known {
-                    Some((_, colours)) => Arc::clone(colours),
-                    None => Arc::new(volume::load(source, memory_limit)?),
-                };
-                loaded.push((source, Arc::clone(&colours)));
-                assets.colours.insert(id, colours);
+                assets.colours.insert(id, colours.values(&volume::COLOURS, source)?);
+            }
+            for (name, scalar) in &shape.scalars {
+                if let AttributeSource::Voxels(source) = scalar {
+                    assets.scalars.insert((id, name.clone()), scalars.values(&volume::SCALARS, source)?);
+                }
             }
         }
         Ok(assets)
@@ -47,19 +48,50 @@ impl Assets {
     }
 
     /// The colours of a shape that has them from voxels, which was among those loaded.
-    pub fn colours(&self, id: ShapeId) -> &Arc<VoxelColours> {
+    pub fn colours(&self, id: ShapeId) -> &Arc<VoxelValues<3>> {
         &self.colours[&id]
+    }
+
+    /// A scalar of a shape that has it from voxels, which was among those loaded.
+    pub fn scalar(&self, id: ShapeId, name: &str) -> &Arc<VoxelValues<1>> {
+        &self.scalars[&(id, name.to_owned())]
     }
 
     /// Memory that the meshes and volumes take, about, in bytes.
     pub fn bytes(&self) -> u64 {
         /// Corners, triangles, normals and tree, by triangle.
         const BYTES_A_TRIANGLE: u64 = 300;
-        let mut volumes: Vec<&Arc<VoxelColours>> = self.colours.values().collect();
-        volumes.sort_by_key(|colours| Arc::as_ptr(colours));
-        volumes.dedup_by(|a, b| Arc::ptr_eq(a, b));
         let meshes = self.meshes.values().map(|mesh| mesh.mesh().triangles().len() as u64 * BYTES_A_TRIANGLE);
-        meshes.chain(volumes.into_iter().map(|colours| colours.memory())).sum()
+        meshes.sum::<u64>() + memory_of(self.colours.values()) + memory_of(self.scalars.values())
+    }
+}
+
+/// Memory of volumes, each counted once.
+fn memory_of<'v, const N: usize>(volumes: impl Iterator<Item = &'v Arc<VoxelValues<N>>>) -> u64 {
+    let mut volumes: Vec<&Arc<VoxelValues<N>>> = volumes.collect();
+    volumes.sort_by_key(|values| Arc::as_ptr(values));
+    volumes.dedup_by(|a, b| Arc::ptr_eq(a, b));
+    volumes.into_iter().map(|values| values.memory()).sum()
+}
+
+/// Volumes read so far: what several shapes name is read once.
+struct Loaded<'m, const N: usize> {
+    memory_limit: Option<usize>,
+    known: Vec<(&'m VoxelSource, Arc<VoxelValues<N>>)>,
+}
+
+impl<'m, const N: usize> Loaded<'m, N> {
+    fn new(memory_limit: Option<usize>) -> Self {
+        Self { memory_limit, known: Vec::new() }
+    }
+
+    fn values(&mut self, wanted: &volume::Wanted<N>, source: &'m VoxelSource) -> Result<Arc<VoxelValues<N>>, Problem> {
+        if let Some((_, values)) = self.known.iter().find(|(other, _)| source.is_same(other)) {
+            return Ok(Arc::clone(values));
+        }
+        let values = Arc::new(volume::load(wanted, source, self.memory_limit)?);
+        self.known.push((source, Arc::clone(&values)));
+        Ok(values)
     }
 }
 

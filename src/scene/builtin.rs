@@ -30,6 +30,16 @@ const SCENES: &[BuiltIn] = &[
         line: "how alpha and beta carry colour: --set alpha=3 --set beta=0.25",
     },
     BuiltIn {
+        name: "displacement",
+        text: include_str!("../../scenes/displacement.toml"),
+        line: "bumps become grooves: a scalar moves the surface and goes through the morph",
+    },
+    BuiltIn {
+        name: "microstructure",
+        text: include_str!("../../scenes/microstructure.toml"),
+        line: "a lattice becomes a gyroid inside a body",
+    },
+    BuiltIn {
         name: "octopus",
         text: include_str!("../../scenes/octopus.toml"),
         line: "a shape takes on the colours of what it sits on",

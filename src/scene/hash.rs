@@ -13,8 +13,8 @@ impl Model {
         digest.update(self.canonical.as_bytes());
         for shape in &self.shapes {
             let mesh = if let Maker::Mesh { file } = &shape.maker { Some(file) } else { None };
-            let voxels =
-                if let Some(AttributeSource::Voxels(source)) = &shape.colour { Some(&source.file) } else { None };
+            let colour = shape.colour.iter().filter_map(AttributeSource::file);
+            let voxels = colour.chain(shape.scalars.values().filter_map(AttributeSource::file));
             for file in mesh.into_iter().chain(voxels) {
                 let bytes = file.read().map_err(|error| (file.clone(), error))?;
                 digest.update(shape.name.as_bytes());

@@ -6,7 +6,7 @@ mod morph;
 mod scalars;
 
 pub use colours::COLOURS;
-pub use morph::{BY_MODE, DELAY, MORPH, ROUND};
+pub use morph::{BY_MODE, DELAY, FILL, MORPH, ROUND};
 pub use scalars::SCALARS;
 
 /// What a key takes.
@@ -48,6 +48,10 @@ pub enum Kind {
     Formula,
     /// A shape's name.
     Shape,
+    /// The name of a scalar.
+    Scalar,
+    /// Two shapes and the scalar that mixes them.
+    Fill,
     /// Names of shapes; one of them may be a shape written in place.
     Shapes,
     /// Pairs of names of shapes.
@@ -97,6 +101,8 @@ impl Kind {
             Self::Path => "file".into(),
             Self::Formula => "formula".into(),
             Self::Shape => "shape".into(),
+            Self::Scalar => "name of an attribute".into(),
+            Self::Fill => "`{ mix = [shape, shape], by = attribute }`".into(),
             Self::Shapes => "list of shapes".into(),
             Self::ShapePairs => "list of pairs of shapes".into(),
             Self::Cells => "cells".into(),
@@ -445,6 +451,12 @@ pub const SHAPE: &[Key] = &[
     Key::new("shell", Kind::Number, Nothing, "Only a wall of this thickness stays, its middle on the surface.")
         .limit(Limit::Positive)
         .unit("units"),
+    Key::new(
+        "displace",
+        Kind::Scalar,
+        Nothing,
+        "Moves the surface along its normal by an attribute of the shape, outward where that is positive: F = f + d, f the signed distance and d the attribute at the same point, in units.",
+    ),
     Key::new("scale", Kind::Lengths, Number(1.0), "How many times as large.").limit(Limit::Positive),
     Key::new("rotate", Kind::Vector, Number(0.0), "Turned about the fixed x, then y, then z axis.").unit("degrees"),
     Key::new("move", Kind::Vector, Number(0.0), "Moved along x, y and z.").unit("units"),

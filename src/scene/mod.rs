@@ -8,6 +8,7 @@ mod builtin;
 mod colour;
 mod delay;
 mod diagnostic;
+mod displace;
 mod error;
 mod files;
 mod formula;
@@ -38,6 +39,8 @@ mod volume;
 
 #[cfg(test)]
 mod delay_tests;
+#[cfg(test)]
+mod displace_tests;
 #[cfg(test)]
 mod frame_tests;
 #[cfg(test)]

@@ -152,12 +152,23 @@ pub struct Modifiers {
     pub offset: Number,
     /// The thickness of the wall that stays.
     pub shell: Option<Number>,
+    /// The scalar that its surface is moved by, along the normal.
+    pub displace: Option<ScalarName>,
     /// How many times as large.
     pub scale: [Number; 3],
     /// Degrees about the fixed x, then y, then z axis.
     pub rotate: [Number; 3],
     /// Where to.
     pub translate: [Number; 3],
+}
+
+/// The scalar that a key names.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct ScalarName {
+    /// Its name.
+    pub name: String,
+    /// Where the scene names it.
+    pub span: Span,
 }
 
 /// Copies in cells.
@@ -222,7 +233,7 @@ pub enum AttributeSource<const N: usize, K, M> {
     Voxels(VoxelSource),
 }
 
-/// A grid of colours in a file.
+/// A grid of colours or scalars in a file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct VoxelSource {
     /// The `.vdb` file.
@@ -231,7 +242,7 @@ pub struct VoxelSource {
     pub grid: String,
     /// Where the scene names the grid, or else the file.
     pub grid_span: Span,
-    /// How the colours go on outside of the volume.
+    /// How its values go on outside of the volume.
     pub outside: Outside,
 }
 
@@ -242,6 +253,11 @@ impl<const N: usize, K, M> AttributeSource<N, K, M> {
             Self::Parts { shapes, .. } => shapes,
             _ => &[],
         }
+    }
+
+    /// The file that it comes from, if one.
+    pub fn file(&self) -> Option<&FileReference> {
+        if let Self::Voxels(source) = self { Some(&source.file) } else { None }
     }
 
     /// Where its formulas stand, if they are what it is.
@@ -316,10 +332,23 @@ pub struct Morph {
     pub over: FrameRange,
     /// The frames of the colours' change.
     pub colour_over: FrameRange,
+    /// The scalar that the surface of every frame is moved by, along the normal.
+    pub displace: Option<ScalarName>,
+    /// What every frame is filled with.
+    pub fill: Option<Fill>,
     /// Which parts correspond; `None` where the objects' colours change as wholes.
     pub correspondence: Option<Correspondence>,
     /// Where the scene says so.
     pub span: Span,
+}
+
+/// An inner structure: only where it is not negative, something stays.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Fill {
+    /// The structures at 0 and at 1.
+    pub structures: [ShapeId; 2],
+    /// The scalar that mixes them.
+    pub by: ScalarName,
 }
 
 /// Which part of a morph's first object becomes which part of the second.

@@ -9,15 +9,15 @@ use super::error::Problem;
 use super::model::{Content, Correspondence};
 use super::morphing::{Brush, Planned};
 use super::paint::{Asked, Paint, TOLERANCE_VOXELS, TheColour, TheScalar};
-use super::prepared::{FrameInfo, Prepared};
+use super::prepared::Prepared;
 
 /// A frame's colour, `None` where there is none, and its scalars by the names of their grids, sorted.
 type Attributes = (Option<Arc<Colour>>, Vec<(String, Arc<Scalar>)>);
 
 impl Prepared {
     /// The attributes of a morph's frame, as far as they are to be written.
-    pub(super) fn morph_attributes(&self, planned: &Planned, info: &FrameInfo) -> Result<Attributes, Problem> {
-        let of_one = |planned| Ok((self.morph_colour(planned, info)?, self.morph_scalars(planned, info)?));
+    pub(super) fn morph_attributes(&self, planned: &Planned, frame: f64) -> Result<Attributes, Problem> {
+        let of_one = |planned| Ok((self.morph_colour(planned, frame)?, self.morph_scalars(planned, frame)?));
         let Some(correspondence) = self.correspondence() else { return of_one(planned) };
         let of_parts: Vec<Attributes> = planned.parts.iter().map(of_one).collect::<Result<_, Problem>>()?;
         // All have the same grids.
@@ -25,7 +25,7 @@ impl Prepared {
         if colour.is_none() && scalars.is_empty() {
             return Ok((None, Vec::new()));
         }
-        let fields: Vec<Arc<dyn Field>> = planned.parts.iter().map(|part| part.morph.field(info.t)).collect();
+        let fields = self.fields_of_parts(planned, frame);
         let colours: Option<Vec<Arc<Colour>>> = of_parts.iter().map(|(colour, _)| colour.clone()).collect();
         let colour = colours.map(|colours| self.joined(&fields, colours, correspondence));
         let scalar = |(place, (name, _)): (usize, &(String, Arc<Scalar>))| {
@@ -54,27 +54,55 @@ impl Prepared {
     }
 
     /// A morph's colour; `None` where nothing in it has one. Colours that change over time are made for the frame.
-    fn morph_colour(&self, planned: &Planned, info: &FrameInfo) -> Result<Option<Arc<Colour>>, Problem> {
+    fn morph_colour(&self, planned: &Planned, frame: f64) -> Result<Option<Arc<Colour>>, Problem> {
         if !planned.has_colour || !self.model.output.writes(&self.model.output.colour_name) {
             return Ok(None);
         }
         let now =
-            |brush: &Brush| self.repainted(TheColour, brush, info).map(|paint| paint.map(|paint| paint.attribute));
-        Ok(Some(planned.morph.colour_of(info.t, now(&planned.from)?, now(&planned.to)?)))
+            |brush: &Brush| self.repainted(TheColour, brush, frame).map(|paint| paint.map(|paint| paint.attribute));
+        Ok(Some(planned.morph.colour_of(self.model.shot.range.share(frame), now(&planned.from)?, now(&planned.to)?)))
     }
 
     /// A morph's scalars, mixed by the weights of colours.
-    fn morph_scalars(&self, planned: &Planned, info: &FrameInfo) -> Result<Vec<(String, Arc<Scalar>)>, Problem> {
-        let mut scalars = Vec::new();
-        for (name, [from, to]) in planned.scalars.iter().filter(|(name, _)| self.model.output.writes(name)) {
-            let now = |brush: &Brush, known: &Arc<Scalar>| -> Result<Arc<Scalar>, Problem> {
-                let now = self.repainted(TheScalar(name), brush, info)?;
-                Ok(now.map_or_else(|| Arc::clone(known), |paint| paint.attribute))
-            };
-            let (from, to) = (now(&planned.from, from)?, now(&planned.to, to)?);
-            scalars.push((name.clone(), planned.morph.attribute(info.t, from, to, Straight)));
-        }
-        Ok(scalars)
+    fn morph_scalars(&self, planned: &Planned, frame: f64) -> Result<Vec<(String, Arc<Scalar>)>, Problem> {
+        let written = planned.scalars.iter().filter(|(name, _)| self.model.output.writes(name));
+        written.map(|(name, known)| Ok((name.clone(), self.mixed_scalar(planned, name, known, frame)?))).collect()
+    }
+
+    fn mixed_scalar(
+        &self,
+        planned: &Planned,
+        name: &str,
+        known: &[Arc<Scalar>; 2],
+        frame: f64,
+    ) -> Result<Arc<Scalar>, Problem> {
+        let now = |brush: &Brush, known: &Arc<Scalar>| -> Result<Arc<Scalar>, Problem> {
+            let now = self.repainted(TheScalar(name), brush, frame)?;
+            Ok(now.map_or_else(|| Arc::clone(known), |paint| paint.attribute))
+        };
+        let (from, to) = (now(&planned.from, &known[0])?, now(&planned.to, &known[1])?);
+        Ok(planned.morph.attribute(self.model.shot.range.share(frame), from, to, Straight))
+    }
+
+    /// One scalar of a morph's frame, whether it is written or not; `None` where no object has it.
+    pub(super) fn morph_scalar(
+        &self,
+        planned: &Planned,
+        name: &str,
+        frame: f64,
+    ) -> Result<Option<Arc<Scalar>>, Problem> {
+        let of_one = |planned: &Planned| -> Result<Option<Arc<Scalar>>, Problem> {
+            let Some((_, known)) = planned.scalars.iter().find(|(there, _)| there == name) else { return Ok(None) };
+            Ok(Some(self.mixed_scalar(planned, name, known, frame)?))
+        };
+        let Some(correspondence) = self.correspondence() else { return of_one(planned) };
+        let scalars: Option<Vec<_>> = planned.parts.iter().map(of_one).collect::<Result<_, Problem>>()?;
+        Ok(scalars.map(|scalars| self.joined(&self.fields_of_parts(planned, frame), scalars, correspondence)))
+    }
+
+    fn fields_of_parts(&self, planned: &Planned, frame: f64) -> Vec<Arc<dyn Field>> {
+        let time = self.model.shot.range.share(frame);
+        planned.parts.iter().map(|part| part.morph.field(time)).collect()
     }
 
     /// An attribute of a morph's object as it is in a frame; `None` where it does not change over time.
@@ -82,12 +110,12 @@ impl Prepared {
         &self,
         what: impl Asked<N>,
         brush: &Brush,
-        info: &FrameInfo,
+        frame: f64,
     ) -> Result<Option<Paint<N>>, Problem> {
         if !self.variation.painted(brush.id) {
             return Ok(None);
         }
-        let mut solids = self.base.at(self.model.moment(info.frame as f64), &self.variation);
+        let mut solids = self.base.at(self.model.moment(frame), &self.variation);
         solids.paint(what, brush.id, brush.stage, brush.voxel)
     }
 }

@@ -29,7 +29,7 @@ use super::variation::Variation;
 
 /// Smallest cells of a distance object along its longest side, at most: more take memory without end, and a morph's
 /// in-betweens are smooth.
-const MOST_CELLS: f64 = 512.0;
+pub(super) const MOST_CELLS: f64 = 512.0;
 
 /// One of the two objects before it is measured.
 #[derive(Clone)]

@@ -53,8 +53,11 @@ impl Prepared {
                 Ready::Morph(planned) => {
                     let (time, later) = (shot.range.share(now), shot.range.share(then));
                     // Beside an object of a chain the instants lie in two morphs.
-                    let field = self.cut(planned[self.shown(then)].morph.moving_field(later), then)?;
-                    (field, planned[self.shown(now)].morph.own_way(time, later))
+                    let shown = &planned[self.shown(then)];
+                    (
+                        self.dressed(shown.morph.moving_field(later), shown, then)?,
+                        planned[self.shown(now)].morph.own_way(time, later),
+                    )
                 }
             };
             movement.around.push(Around { instant, field, own });

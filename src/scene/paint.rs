@@ -1,24 +1,22 @@
 //! Colours and scalars of shapes at one moment.
 
 use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
 
 use glam::{DAffine3, DVec3};
 
+use crate::attribute::VertexColours;
 use crate::attribute::{Attribute, Bands, ByCell, CellIndex, Choice, Colour, Constant, CubeLattice, LinearRgb};
 use crate::attribute::{ByFormula, Components, FieldValue, Mix, Mixer, Part, Parts, Rule, Scalar, Straight};
-use crate::attribute::{VertexColours, VoxelColours};
-use crate::distance::nearest::Watch;
-use crate::distance::octree::{self, DistanceObject};
 use crate::field::cells::Cells;
 use crate::field::facet::{self, surface_points};
 use crate::field::{BATCH, Expression, Field, Graph, Points, Slope};
 use crate::mesh::MeshDistance;
 
+use super::assets::Assets;
 use super::colour::{GREY, css};
+use super::displace::measured;
 use super::error::Problem;
 use super::model::{AttributeSource, Component, Maker, Pieces, Shape, ShapeColour, ShapeId, ShapeScalar};
-use super::morphing::smallest_cell;
 use super::placed::{Placed, Way};
 use super::prepare::solid_box;
 use super::solid::{Solids, Stage};
@@ -47,8 +45,8 @@ pub(super) trait Asked<const N: usize>: Copy {
     /// What comes with a mesh.
     fn of_mesh(self, mesh: &Arc<MeshDistance>) -> Option<Arc<dyn Attribute<N>>>;
 
-    /// What comes from a volume of voxels.
-    fn of_voxels(self, voxels: &Arc<VoxelColours>) -> Option<Arc<dyn Attribute<N>>>;
+    /// What comes from the volume of voxels that a shape has it from.
+    fn of_voxels(self, assets: &Assets, id: ShapeId) -> Arc<dyn Attribute<N>>;
 
     /// The problem of copies whose parts have several values.
     fn several(self, shape: &Shape) -> Problem;
@@ -78,8 +76,8 @@ impl Asked<3> for TheColour {
         Some(Arc::new(VertexColours::new(Arc::clone(mesh))?))
     }
 
-    fn of_voxels(self, voxels: &Arc<VoxelColours>) -> Option<Arc<Colour>> {
-        Some(Arc::clone(voxels) as Arc<Colour>)
+    fn of_voxels(self, assets: &Assets, id: ShapeId) -> Arc<Colour> {
+        Arc::clone(assets.colours(id)) as Arc<Colour>
     }
 
     fn several(self, shape: &Shape) -> Problem {
@@ -112,8 +110,8 @@ impl Asked<1> for TheScalar<'_> {
         None
     }
 
-    fn of_voxels(self, _voxels: &Arc<VoxelColours>) -> Option<Arc<Scalar>> {
-        None
+    fn of_voxels(self, assets: &Assets, id: ShapeId) -> Arc<Scalar> {
+        Arc::clone(assets.scalar(id, self.0)) as Arc<Scalar>
     }
 
     fn several(self, shape: &Shape) -> Problem {
@@ -167,7 +165,7 @@ impl Solids {
         let model = self.model();
         let shape = model.shape(id);
         match stage {
-            Stage::Own => self.own_paint(what, id, shape, voxel),
+            Stage::Bare | Stage::Own => self.own_paint(what, id, shape, voxel),
             Stage::Scaled | Stage::Placed => {
                 let Some(own) = self.paint(what, id, Stage::Own, voxel)? else { return Ok(None) };
                 let map = self.placement(&shape.modifiers, stage)?;
@@ -201,7 +199,7 @@ impl Solids {
                 let paint = self.parts_paint(what, shapes, Rule::Union { seam: *seam }, voxel)?;
                 Some(paint.unwrap_or_else(|| Paint::solid(what.absent())))
             }
-            Some(AttributeSource::Voxels(_)) => what.of_voxels(self.assets().colours(id)).map(Paint::shared),
+            Some(AttributeSource::Voxels(_)) => Some(Paint::shared(what.of_voxels(self.assets(), id))),
             None => {
                 let paint = self.made_paint(what, id, shape, voxel)?;
                 if shape.modifiers.at.is_some() && paint.as_ref().is_some_and(|paint| paint.solid.is_none()) {
@@ -288,7 +286,7 @@ impl Solids {
         let shape = model.shape(id);
         let cells: Arc<dyn CellIndex> = match (by, &shape.modifiers.at, &shape.maker) {
             (Pieces::Cubes(edge), ..) => {
-                let solid = self.field(id, Stage::Own)?;
+                let solid = self.field(id, Stage::Bare)?;
                 Arc::new(CubeLattice { edge, solid, tolerance: TOLERANCE_VOXELS * voxel })
             }
             (Pieces::Cells, Some(copies), _) => {
@@ -304,7 +302,8 @@ impl Solids {
         Ok(Paint::of(ByCell { cells, choice, seed }))
     }
 
-    /// Bands need a distance: the shape is measured where its field is none.
+    /// Bands need a distance: the shape is measured where its field is none. They stand as before `displace`, which they
+    /// may be what it goes by.
     fn by_bands<const N: usize>(
         &mut self,
         id: ShapeId,
@@ -313,14 +312,12 @@ impl Solids {
     ) -> Result<Paint<N>, Problem> {
         let model = self.model();
         let shape = model.shape(id);
-        let field = self.field(id, Stage::Own)?;
+        let field = self.field(id, Stage::Bare)?;
         let distance: Arc<dyn Field> = match field.slope() {
             Slope::Exact { outside: true, inside: true } => field,
             _ => {
                 let solid = solid_box(&model, id, field.as_ref())?;
-                let settings = octree::Settings::new(solid, smallest_cell(voxel, &solid));
-                let watch = Watch { cancel: &AtomicBool::new(false), progress: &|_| {} };
-                let measured = DistanceObject::of_field(field.as_ref(), &settings, &watch);
+                let measured = measured(field.as_ref(), solid, voxel);
                 Arc::new(measured.map_err(|error| Problem::new(shape.span, format!("`{}`: {error}", shape.name)))?)
             }
         };

@@ -15,7 +15,7 @@ use super::diagnostic::{Diagnostic, Diagnostics};
 use super::error::{Error, Problem};
 use super::frames::FrameRange;
 use super::model::{Content, Model, Morph, ShapeId};
-use super::morphing::{Measuring, Pair, alike, empty_frames, extent_over_shot, pair, plan};
+use super::morphing::{MOST_CELLS, Measuring, Pair, alike, empty_frames, extent_over_shot, pair, plan};
 use super::paint::{Scenery, TheColour, TheScalar};
 use super::prepared::{Prepared, Ready};
 use super::solid::{Solids, Stage};
@@ -74,14 +74,17 @@ fn prepare(model: &Arc<Model>, options: &PrepareOptions<'_>) -> Result<Prepared,
     let roots = match &model.content {
         Content::Shape(id) => vec![*id],
         Content::Morph(morphs) => {
-            morphs.iter().flat_map(|morph| [morph.from, morph.to].into_iter().chain(morph.cut)).collect()
+            let fill = morphs[0].fill.iter().flat_map(|fill| fill.structures);
+            let objects = morphs.iter().flat_map(|morph| [morph.from, morph.to]);
+            objects.chain(morphs[0].cut).chain(fill).collect()
         }
     };
     let parts = model.with_parts(&roots);
     let assets = Arc::new(Assets::load(model, &parts, options.memory_limit)?);
     let variation = Variation::of(model);
     stop_if(options.cancel)?;
-    let mut solids = Solids::new(model, &assets, model.moment(model.shot.range.first as f64));
+    let mut solids =
+        Solids::new(model, &assets, model.moment(model.shot.range.first as f64), resolution(model, options));
     let mut warnings = solids.cut_by_bounds(&parts)?;
     let (content, extent, lattice) = match &model.content {
         Content::Shape(id) => ready_shape(model, &mut solids, &variation, *id, options)?,
@@ -90,7 +93,7 @@ fn prepare(model: &Arc<Model>, options: &PrepareOptions<'_>) -> Result<Prepared,
     if let (Content::Morph(morphs), Ready::Morph(planned)) = (&model.content, &content) {
         warnings.extend(empty_frames(model, morphs, planned));
     }
-    Ok(Prepared {
+    let mut prepared = Prepared {
         lattice,
         half_width: options.half_width.unwrap_or(model.output.half_width) as f32,
         extent,
@@ -101,7 +104,13 @@ fn prepare(model: &Arc<Model>, options: &PrepareOptions<'_>) -> Result<Prepared,
         variation,
         content,
         base: solids,
-    })
+    };
+    let way = prepared.greatest_displacement()?;
+    if way > 0.0 {
+        prepared.extent = prepared.extent.grown(way);
+        prepared.lattice = self::lattice(model, options, prepared.extent)?;
+    }
+    Ok(prepared)
 }
 
 fn ready_shape(
@@ -247,6 +256,15 @@ pub(super) fn sampled_frames(range: FrameRange) -> Vec<f64> {
         return (first..=last).map(|frame| frame as f64).collect();
     }
     (0..MOST_BOXES).map(|i| first as f64 + (last - first) as f64 * (i as f64 / (MOST_BOXES - 1) as f64)).collect()
+}
+
+/// About how many voxels go along the longest side: no more than distances are measured on where their size is given.
+fn resolution(model: &Model, options: &PrepareOptions<'_>) -> f64 {
+    match (options.voxel_size, options.resolution, model.output.voxel_size) {
+        (None, Some(resolution), _) => f64::from(resolution),
+        (None, None, None) => f64::from(model.output.resolution),
+        _ => MOST_CELLS,
+    }
 }
 
 /// Where the voxels stand: by their size, or by how many go along the longest side.

@@ -8,16 +8,17 @@ use crate::attribute::{Colour, Scalar};
 use crate::distance::without::Keep;
 use crate::field::{Aabb, Field};
 use crate::grid::Lattice;
-use crate::morph::{FrameReport, Movement};
+use crate::morph::{FrameReport, Movement, Stage};
 
 use super::assets::Assets;
 use super::diagnostic::{Diagnostic, Diagnostics, listed};
+use super::displace::{self, Displacement};
 use super::error::{Error, Problem};
-use super::frames::Shot;
-use super::model::{AttributeSource, Content, Model, ShapeId};
+use super::frames::{Shot, plain};
+use super::model::{AttributeSource, Content, Model, Morph, ScalarName, ShapeId};
 use super::morphing::{Planned, shown_at};
 use super::paint::Scenery;
-use super::prepare::scenery;
+use super::prepare::{box_of, sampled_frames, scenery};
 use super::solid::Solids;
 use super::source::Span;
 use super::variation::Variation;
@@ -108,8 +109,9 @@ impl Prepared {
             Ready::Morph(planned) => {
                 let planned = &planned[self.shown(frame as f64)];
                 let whole = planned.morph.field(info.t);
-                let field = self.cut(whole, frame as f64).map_err(|problem| self.model.error(problem))?;
-                let attributes = self.morph_attributes(planned, &info).map_err(|problem| self.model.error(problem))?;
+                let field = self.dressed(whole, planned, frame as f64).map_err(|problem| self.model.error(problem))?;
+                let attributes =
+                    self.morph_attributes(planned, frame as f64).map_err(|problem| self.model.error(problem))?;
                 let (colour, scalars) = attributes;
                 Scenery { field, colour, scalars }
             }
@@ -150,11 +152,85 @@ impl Prepared {
         }
     }
 
-    /// A morph's field without what is to be taken away.
-    pub(super) fn cut(&self, whole: Arc<dyn Field>, frame: f64) -> Result<Arc<dyn Field>, Problem> {
+    /// A morph's field with its surface moved, filled, and without what is to be taken away.
+    pub(super) fn dressed(
+        &self,
+        mut whole: Arc<dyn Field>,
+        planned: &Planned,
+        frame: f64,
+    ) -> Result<Arc<dyn Field>, Problem> {
         let Content::Morph(morphs) = &self.model.content else { return Ok(whole) };
-        let Some(cut) = morphs[0].cut else { return Ok(whole) };
-        self.base.at(self.model.moment(frame), &self.variation).without(whole, cut)
+        let Morph { displace, fill, cut, .. } = &morphs[0];
+        if let Some(by) = displace {
+            whole = self.displaced(whole, by, planned, frame)?;
+        }
+        if fill.is_none() && cut.is_none() {
+            return Ok(whole);
+        }
+        let mut solids = self.base.at(self.model.moment(frame), &self.variation);
+        if let Some(fill) = fill
+            && let Some(omega) = self.morph_scalar(planned, &fill.by.name, frame)?
+        {
+            whole = solids.filled(whole, fill, omega, self.extent.size().max_element())?;
+        }
+        match cut {
+            Some(cut) => solids.without(whole, *cut),
+            None => Ok(whole),
+        }
+    }
+
+    fn displaced(
+        &self,
+        whole: Arc<dyn Field>,
+        by: &ScalarName,
+        planned: &Planned,
+        frame: f64,
+    ) -> Result<Arc<dyn Field>, Problem> {
+        // What is empty has no surface to move, and what is endless is said elsewhere.
+        let Ok(solid) = box_of(whole.as_ref()) else { return Ok(whole) };
+        let Some(displacement) = self.displacement(solid, by, planned, frame)? else { return Ok(whole) };
+        let time = self.model.shot.range.share(frame);
+        let end = match planned.morph.stage(time) {
+            Stage::From => Some(&planned.from),
+            Stage::To => Some(&planned.to),
+            _ => None,
+        };
+        // One of the objects, as it is.
+        if let Some(end) = end {
+            let mut solids = self.base.at(self.model.moment(frame), &self.variation);
+            let moved = solids.moved(end.id, &displacement)?;
+            return Ok(moved.unwrap_or_else(|| displacement.of_field(planned.morph.moving_field(time))));
+        }
+        let distance = displace::measured(whole.as_ref(), solid, self.lattice.voxel_size.get())
+            .map_err(|error| Problem::new(by.span, format!("frame {}: {error}", plain(frame))))?;
+        Ok(displacement.of_field(Arc::new(distance)))
+    }
+
+    fn displacement(
+        &self,
+        solid: Aabb,
+        by: &ScalarName,
+        planned: &Planned,
+        frame: f64,
+    ) -> Result<Option<Displacement>, Problem> {
+        let Some(scalar) = self.morph_scalar(planned, &by.name, frame)? else { return Ok(None) };
+        let displacement = Displacement::new(scalar, solid);
+        let displacement = displacement.ok_or_else(|| displace::no_greatest(by.span, &by.name, "morph"))?;
+        Ok(Some(displacement))
+    }
+
+    /// The farthest outward that `displace` moves any frame of a morph, world units; 0 where nothing does.
+    pub(super) fn greatest_displacement(&self) -> Result<f64, Problem> {
+        let (Content::Morph(morphs), Ready::Morph(planned)) = (&self.model.content, &self.content) else {
+            return Ok(0.0);
+        };
+        let Some(by) = &morphs[0].displace else { return Ok(0.0) };
+        let mut greatest: f64 = 0.0;
+        for frame in sampled_frames(self.model.shot.range) {
+            let found = self.displacement(self.extent, by, &planned[self.shown(frame)], frame)?;
+            greatest = greatest.max(found.map_or(0.0, |displacement| displacement.reach()));
+        }
+        Ok(greatest)
     }
 
     fn changing(&self, id: ShapeId, frame: i64) -> Result<Scenery, Problem> {
@@ -192,10 +268,14 @@ impl Prepared {
 
     /// About how much memory the prepared scene itself holds, in bytes: frames come on top.
     pub fn memory_estimate(&self) -> u64 {
-        let distances = match &self.content {
-            Ready::Morph(planned) => planned.iter().map(|planned| planned.bytes).sum(),
-            _ => 0,
-        };
-        self.assets.bytes() + distances
+        let (mut distances, mut of_frame) = (0, 0);
+        if let (Ready::Morph(planned), Content::Morph(morphs)) = (&self.content, &self.model.content) {
+            distances = planned.iter().map(|planned| planned.bytes).sum();
+            if morphs[0].displace.is_some() {
+                // The frame is measured too: about as much as one of its objects, and one more frame may be under way.
+                of_frame = planned.iter().map(|planned| planned.bytes).max().unwrap_or(0);
+            }
+        }
+        self.assets.bytes() + distances + of_frame
     }
 }

@@ -48,8 +48,8 @@ Lengths are in `unit`, angles in degrees; only keys in voxels say so. F is posit
 **Time.** t is 0 at the first frame of `frames` and 1 at its last: t = (frame − first)/(last − first). Outside the shot
 the ends hold.
 
-**Order.** Whatever the order of the text: the maker, then `bounds`, copies (`at`), `mirror`, `offset`, `shell`, `scale`, `rotate`,
-`move`. Another order is another shape: `union = [\"first\"]` with its own modifiers.
+**Order.** Whatever the order of the text: the maker, then `bounds`, copies (`at`), `mirror`, `offset`, `shell`,
+`displace`, `scale`, `rotate`, `move`. Another order is another shape: `union = [\"first\"]` with its own modifiers.
 
 **Output.** Baked is the `[morph]`, else the one shape that no other uses, else `output.shape`.
 
@@ -77,9 +77,19 @@ const SCALARS: &str = "
 `x y z t frame time pi` and `[param]` names, or a table with exactly one of the keys below; space is that of formulas of
 colours. Each becomes a float grid of its name on the voxels of `surface`, with the value at the surface point closest to
 the voxel. Attributes go through unions, blends, cuts and morphs by the weights of colours; a part without the attribute
-counts as 0. No attribute moves the surface, not even one that is called `displacement`: a shader does that with its grid.
+counts as 0.
+
+None of them moves the surface, not even one that is called `displacement`, unless `displace` names it. Then F = f + d,
+with the signed distance f (measured first where the shape's F is none) and the attribute d at the same point, not at the
+surface point nearest to it; where d jumps, so does the surface. d needs a greatest value near the shape, or is refused:
+`\"min(…, 0.1)\"` gives it one. Colours, bands of depth and other attributes stay where they are, and the surface goes
+through them. In a morph a shape's own `displace` comes before the morph, and `[morph] displace` after it.
 
 ";
+
+const FILL: &str = "\
+Of each frame what lies in the mixture of two structures stays: min(F, (1 − ω)·a + ω·b). Weights of 0 and 1 are the
+structures themselves; ω may go beyond. F of the structures need not be a distance; alike in steepness they mix evenly.";
 
 const ROUND: &str = "\
 Each object is cut in time by a plane: the first at t = 0, the second at t = 1. This blends each with its plane before
@@ -125,6 +135,7 @@ pub fn reference() -> String {
     section(&mut out, "`[param]`: a parameter as a table", "", keys::PARAMETER);
     section(&mut out, "`[morph]`", "", keys::MORPH);
     section(&mut out, "`delay` of `[morph]` as a table", "", keys::DELAY);
+    section(&mut out, "`fill` of `[morph]`", FILL, keys::FILL);
     section(&mut out, "`round` of `[morph]`", ROUND, keys::ROUND);
     section(&mut out, "`[output]`", "The command line's options come before these.", keys::OUTPUT);
     out.push_str(OVERRIDES);

@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use glam::{DAffine3, DVec3};
 
+use crate::attribute::Scalar;
 use crate::field::cells::{CellId, CellOptions, Cells};
 use crate::field::facet::{Options, Pieces, facet, scatter};
 use crate::field::{Blend, BlendBounds, Expression, Field, Graph, Node, SetSystem, rotation};
@@ -13,9 +14,12 @@ use crate::distance::extent::extent;
 
 use super::assets::Assets;
 use super::diagnostic::Diagnostic;
+use super::displace::{self, Displacement};
 use super::error::Problem;
-use super::model::{CellsId, Copies, Maker, Model, Modifiers, Shape, ShapeId};
+use super::model::{CellsId, Copies, Fill, Maker, Model, Modifiers, ScalarName, Shape, ShapeId};
 use super::number::{Moment, Number};
+use super::paint::TheScalar;
+use super::prepare::solid_box;
 use super::variation::Variation;
 
 /// Builds the fields of shapes at one moment, in one graph.
@@ -24,8 +28,11 @@ pub(super) struct Solids {
     model: Arc<Model>,
     assets: Arc<Assets>,
     moment: Moment,
+    resolution: f64,
     graph: Graph,
     made: BTreeMap<(ShapeId, Stage), Node>,
+    /// The distances of shapes as they are before `displace`, where those had to be measured.
+    measured: BTreeMap<ShapeId, Node>,
     cells: BTreeMap<CellsId, Arc<Cells>>,
     /// Of shapes made by `facet`, as far as they are made.
     pieces: BTreeMap<ShapeId, Arc<Pieces>>,
@@ -34,6 +41,8 @@ pub(super) struct Solids {
 /// How far a shape is made.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Stage {
+    /// All but `displace`, scale, rotate and move.
+    Bare,
     /// All but scale, rotate and move: the shape in its own space.
     Own,
     /// Scaled, but neither turned nor moved.
@@ -43,15 +52,17 @@ pub(super) enum Stage {
 }
 
 impl Solids {
-    /// Nothing built yet.
-    pub fn new(model: &Arc<Model>, assets: &Arc<Assets>, moment: Moment) -> Self {
+    /// Nothing built yet. `resolution` is about how many voxels go along the longest side of what is baked.
+    pub fn new(model: &Arc<Model>, assets: &Arc<Assets>, moment: Moment, resolution: f64) -> Self {
         let (model, assets) = (Arc::clone(model), Arc::clone(assets));
         Self {
             model,
             assets,
             moment,
+            resolution,
             graph: Graph::new(),
             made: BTreeMap::new(),
+            measured: BTreeMap::new(),
             cells: BTreeMap::new(),
             pieces: BTreeMap::new(),
         }
@@ -61,10 +72,12 @@ impl Solids {
     pub fn at(&self, moment: Moment, variation: &Variation) -> Self {
         let mut other = Self { moment, ..self.clone() };
         other.made.retain(|(id, stage), _| match stage {
+            Stage::Bare => !variation.bare(*id),
             Stage::Own => !variation.own(*id),
             Stage::Scaled | Stage::Placed => !variation.placed(*id),
         });
-        other.pieces.retain(|id, _| !variation.own(*id));
+        other.measured.retain(|id, _| !variation.bare(*id));
+        other.pieces.retain(|id, _| !variation.bare(*id));
         other.cells.retain(|id, _| !variation.placed(self.model.cells[id.0].around));
         other
     }
@@ -94,10 +107,10 @@ impl Solids {
     /// needs it.
     pub fn build_still(&mut self, shapes: &[ShapeId], variation: &Variation) {
         for &id in shapes {
-            for (stage, varies) in [(Stage::Own, variation.own(id)), (Stage::Placed, variation.placed(id))] {
-                if !varies {
-                    let _ = self.node(id, stage);
-                }
+            // Own before bare: what moves the surface now tells whether that is to be measured.
+            let still = [(Stage::Own, variation.bare(id)), (Stage::Placed, variation.placed(id))];
+            for (stage, _) in still.into_iter().filter(|(_, varies)| !varies) {
+                let _ = self.node(id, stage);
             }
         }
     }
@@ -132,6 +145,31 @@ impl Solids {
         Ok(Arc::new(Expression::new(&self.graph, node)))
     }
 
+    /// A shape's surface moved; `None` where its field is no distance.
+    pub fn moved(&mut self, id: ShapeId, displacement: &Displacement) -> Result<Option<Arc<dyn Field>>, Problem> {
+        let whole = self.node(id, Stage::Placed)?;
+        if !displacement.is_distance(self.graph.slope(whole)) {
+            return Ok(None);
+        }
+        let node = displacement.apply(&mut self.graph, whole);
+        Ok(Some(Arc::new(Expression::new(&self.graph, node))))
+    }
+
+    /// Another field, filled by a mixture of two shapes. `size` is about how large it is.
+    pub fn filled(
+        &mut self,
+        whole: Arc<dyn Field>,
+        fill: &Fill,
+        omega: Arc<Scalar>,
+        size: f64,
+    ) -> Result<Arc<dyn Field>, Problem> {
+        let [a, b] = fill.structures;
+        let structures = [self.node(a, Stage::Placed)?, self.node(b, Stage::Placed)?];
+        let whole = self.graph.field(whole);
+        let node = displace::filled(&mut self.graph, whole, structures, omega, size);
+        Ok(Arc::new(Expression::new(&self.graph, node)))
+    }
+
     /// A shape's field whose values hold everywhere, not only near the surface.
     pub fn values(&mut self, id: ShapeId) -> Result<Arc<dyn Field>, Problem> {
         let node = self.node(id, Stage::Placed)?;
@@ -155,7 +193,11 @@ impl Solids {
         let model = self.model();
         let shape = model.shape(id);
         let node = match stage {
-            Stage::Own => self.own(id, shape)?,
+            Stage::Bare => self.bare(id, shape)?,
+            Stage::Own => match &shape.modifiers.displace {
+                Some(by) => self.displaced(id, shape, by)?,
+                None => self.node(id, Stage::Bare)?,
+            },
             Stage::Scaled | Stage::Placed => {
                 let own = self.node(id, Stage::Own)?;
                 let map = self.placement(&shape.modifiers, stage)?;
@@ -185,7 +227,7 @@ impl Solids {
         self.graph.transform(node, map).map_err(|error| Problem::new(shape.span, format!("`{}`: {error}", shape.name)))
     }
 
-    fn own(&mut self, id: ShapeId, shape: &Shape) -> Result<Node, Problem> {
+    fn bare(&mut self, id: ShapeId, shape: &Shape) -> Result<Node, Problem> {
         let mut node = self.made_by(id, shape)?;
         let modifiers = &shape.modifiers;
         if let Some(bounds) = shape.bounds {
@@ -210,6 +252,30 @@ impl Solids {
             node = self.graph.shell(node, thickness);
         }
         Ok(node)
+    }
+
+    fn displaced(&mut self, id: ShapeId, shape: &Shape, by: &ScalarName) -> Result<Node, Problem> {
+        let bare = self.node(id, Stage::Bare)?;
+        let field = Expression::new(&self.graph, bare);
+        let solid = solid_box(&self.model, id, &field)?;
+        // The lattice follows from the shape's box; no shape has more voxels than the whole, but where it is scaled.
+        let voxel = solid.size().max_element() / self.resolution;
+        let Some(paint) = self.paint(TheScalar(&by.name), id, Stage::Own, voxel)? else { return Ok(bare) };
+        let displacement = Displacement::new(paint.attribute, solid)
+            .ok_or_else(|| displace::no_greatest(by.span, &by.name, &shape.name))?;
+        let mut distance = bare;
+        if !displacement.is_distance(self.graph.slope(bare)) {
+            distance = match self.measured.get(&id) {
+                Some(known) => *known,
+                None => {
+                    let measured = displace::measured(&field, solid, voxel)
+                        .map_err(|error| Problem::new(by.span, format!("`{}`: {error}", shape.name)))?;
+                    self.graph.field(Arc::new(measured))
+                }
+            };
+            self.measured.insert(id, distance);
+        }
+        Ok(displacement.apply(&mut self.graph, distance))
     }
 
     fn made_by(&mut self, id: ShapeId, shape: &Shape) -> Result<Node, Problem> {
@@ -305,7 +371,7 @@ impl Solids {
 
     /// The pieces of a shape made by `facet`.
     pub fn pieces(&mut self, id: ShapeId) -> Result<Arc<Pieces>, Problem> {
-        self.node(id, Stage::Own)?;
+        self.node(id, Stage::Bare)?;
         Ok(Arc::clone(&self.pieces[&id]))
     }
 

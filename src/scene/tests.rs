@@ -213,7 +213,9 @@ fn many_errors_stay_within_two_kilobytes() {
     assert!(report.contains("3:1"));
     let hostile = format!("[shape.\"{}\"]\nsphere = 1\n\"{}\" = 1\n", "x".repeat(5000), "y".repeat(5000));
     assert!(load_text(&hostile, &Overrides::default()).unwrap_err().render(false).len() <= 2048);
-    assert!(problems.render(true).contains('\u{1b}'));
+    // What is short is marked and coloured.
+    let short = load_text("[shape.a]\nspher = 1\n", &Overrides::default()).unwrap_err();
+    assert!(short.render(true).contains('\u{1b}') && !short.render(false).contains('\u{1b}'));
 }
 
 #[test]

@@ -6,6 +6,7 @@ use super::number::{Number, NumberValue};
 /// Which shapes change over time.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Variation {
+    bare: Vec<bool>,
     own: Vec<bool>,
     placed: Vec<bool>,
     painted: Vec<bool>,
@@ -15,12 +16,18 @@ impl Variation {
     /// Looks through all shapes.
     pub fn of(model: &Model) -> Self {
         let count = model.shapes.len();
-        let mut variation = Self { own: vec![false; count], placed: vec![false; count], painted: vec![false; count] };
+        let mut variation = Self {
+            bare: vec![false; count],
+            own: vec![false; count],
+            placed: vec![false; count],
+            painted: vec![false; count],
+        };
         // Shapes stand in any order, without cycles: each round settles one more level.
         for _ in 0..=count {
             let before = variation.clone();
             for i in 0..count {
-                variation.own[i] = variation.own_varies(model, ShapeId(i));
+                variation.bare[i] = variation.bare_varies(model, ShapeId(i));
+                variation.own[i] = variation.bare[i] || variation.displacement_varies(model, ShapeId(i));
                 variation.placed[i] = variation.own[i] || placement_varies(model, ShapeId(i));
                 variation.painted[i] = variation.paint_varies(model, ShapeId(i));
             }
@@ -29,6 +36,11 @@ impl Variation {
             }
         }
         variation
+    }
+
+    /// Whether a shape changes in its own space, before `displace`.
+    pub fn bare(&self, id: ShapeId) -> bool {
+        self.bare[id.0]
     }
 
     /// Whether a shape changes in its own space, before scale, rotate and move.
@@ -70,7 +82,16 @@ impl Variation {
         }
     }
 
-    fn own_varies(&self, model: &Model, id: ShapeId) -> bool {
+    fn displacement_varies(&self, model: &Model, id: ShapeId) -> bool {
+        let shape = model.shape(id);
+        let Some(by) = &shape.modifiers.displace else { return false };
+        match shape.scalars.get(&by.name) {
+            Some(source) => self.source_varies(model, source),
+            None => model.needs(id).into_iter().any(|part| self.painted[part.0]),
+        }
+    }
+
+    fn bare_varies(&self, model: &Model, id: ShapeId) -> bool {
         let shape = model.shape(id);
         let by_number = numbers(&shape.maker)
             .into_iter()

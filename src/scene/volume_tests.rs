@@ -127,6 +127,60 @@ fn outside_it_is_the_foot_or_the_mean_of_all() {
     }
 }
 
+/// A scalar from a grid of numbers goes by the same ways, and may move the surface.
+#[test]
+fn a_grid_of_numbers_is_a_scalar() {
+    let folder = tempfile::tempdir().unwrap();
+    let (band, _) = cube();
+    let number = |at: DVec3| (at.x * 0.1 + at.z * 0.05) as f32;
+    let place = |i: usize| IVec3::new(i as i32 >> 6, i as i32 >> 3 & 7, i as i32 & 7);
+    let block = |origin: &IVec3| std::array::from_fn(|i| number((*origin + place(i)).as_dvec3() * VOXEL));
+    let values = band.origins.iter().map(block).collect();
+    let channel = Channel { name: "bump".into(), background: 0.0, values };
+    let values = Values::over(&band, &channel);
+    let grids = vec![Grid::new("bump", Content::Floats { values, class: Class::Unknown })];
+    let path = folder.path().join("a.vdb");
+    vdb::write(&path, &Frame { grids, metadata: [].into() }, &WriteOptions::default()).unwrap();
+    let scene = |rest: &str| format!("[shape.a]\nsphere = 0.7\nscale = 2\n{rest}\n");
+    let at = |ready: &Prepared, at: [f64; 3]| scalar_tests::scalar(&ready.frame(1).unwrap(), "bump", at);
+    let ready = prepared(folder.path(), &scene("attribute.bump = { vdb = 'a.vdb' }"), None).unwrap();
+    assert!((at(&ready, [0.5, -0.3, 1.1]) - number(DVec3::new(0.25, -0.15, 0.55))).abs() < 1e-6);
+    assert!((at(&ready, [4.0, 0.0, 0.0]) - number(DVec3::X * 0.875)).abs() < 1e-6);
+    let potential = "attribute.bump = { vdb = 'a.vdb', outside = 'potential' }";
+    let ready = prepared(folder.path(), &scene(potential), None).unwrap();
+    // By eq. 4, in the shape's own space.
+    let (mut sum, mut total, own) = (0.0, 0.0, DVec3::new(1.5, 0.25, -0.5));
+    for i in 0..4096 {
+        let centre = (IVec3::new(i >> 8, i >> 4 & 15, i & 15) - IVec3::splat(8)).as_dvec3() * VOXEL;
+        let weight = centre.distance(own).powi(-4);
+        sum += weight * f64::from(number(centre));
+        total += weight;
+    }
+    // To 1/255 of the range of 0.28.
+    assert!((f64::from(at(&ready, (own * 2.0).to_array())) - sum / total).abs() < 0.6e-3);
+    // Moved by it: 0.1 x + 0.05 z before the shape is scaled.
+    let ready = prepared(folder.path(), &scene("displace = 'bump'\nattribute.bump = { vdb = 'a.vdb' }"), None).unwrap();
+    let field = ready.frame(1).unwrap().field;
+    for way in [DVec3::X, DVec3::NEG_X, DVec3::Z, DVec3::new(0.6, 0.0, 0.8)] {
+        // r − s + s·n(way) = 0.
+        let s = 0.7 / (1.0 - f64::from(number(way)));
+        assert!(
+            field.reference(way * (2.0 * s - 1e-4)) > 0.0 && field.reference(way * (2.0 * s + 1e-4)) < 0.0,
+            "{way}"
+        );
+    }
+    let problem = |rest: &str| prepared(folder.path(), &scene(rest), None).err().expect("it is wrong").to_string();
+    let said = problem("attribute.heat = { vdb = 'a.vdb' }");
+    assert!(said.contains("has no grid 'heat'") && said.contains("its grids of attributes: `bump`"), "{said}");
+    write_cube(&folder.path().join("b.vdb"), false);
+    let said = problem("attribute.heat = { vdb = 'b.vdb', grid = 'Cd' }");
+    assert!(said.contains("is of type vec3s, and attributes are float"), "{said}");
+    let hash = || loaded(folder.path(), &scene("attribute.bump = { vdb = 'a.vdb' }")).unwrap().hash().unwrap();
+    let before = hash();
+    fs::copy(folder.path().join("b.vdb"), &path).unwrap();
+    assert_ne!(before, hash());
+}
+
 #[test]
 fn tiles_are_voxels_too() {
     let folder = tempfile::tempdir().unwrap();
@@ -203,7 +257,7 @@ fn what_is_wrong_has_its_place() {
     // The writer here refuses such values.
     let made = Command::new("/usr/bin/python3").args(["-c", NAN_MAKER]).arg(folder.path()).output().unwrap();
     assert!(made.status.success(), "{}", String::from_utf8_lossy(&made.stderr));
-    check("vdb = 'nan.vdb'", "scene.toml:3:18", &["without a finite colour"]);
+    check("vdb = 'nan.vdb'", "scene.toml:3:18", &["without a finite value"]);
 
     let bytes = fs::read(&path).unwrap();
     fs::write(folder.path().join("cut.vdb"), &bytes[..bytes.len() / 2]).unwrap();

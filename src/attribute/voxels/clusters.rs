@@ -3,9 +3,9 @@
 use glam::{DVec3, IVec3};
 use rayon::prelude::*;
 
-use super::Volume;
 use super::series::{Coefficients, DEGREE, ZERO, monomials, shift, shifted_fourth, square_sum};
 use super::tree::{Below, Node, Tree, cube};
+use super::{Volume, three};
 
 /// A node's voxels. h is the way from a voxel's centre to their centroid.
 #[derive(Clone)]
@@ -35,7 +35,7 @@ pub(super) struct Clusters {
 pub(super) const BYTES_A_NODE: u64 = (size_of::<Cluster>() + size_of::<Coefficients>()) as u64;
 
 impl Clusters {
-    pub fn new(volume: &Volume, tree: &Tree) -> Self {
+    pub fn new<const N: usize>(volume: &Volume<N>, tree: &Tree) -> Self {
         let leaf = |node: &Node| match node.below {
             Below::Voxels { block, place } => of_cube(volume, block, place),
             Below::Nodes(..) => (Cluster::around(DVec3::ZERO, 0.0), ZERO),
@@ -75,7 +75,7 @@ fn farthest(at: DVec3, low: IVec3, high: IVec3) -> f64 {
 }
 
 /// The active voxels of the 4³ at a place of a block.
-fn of_cube(volume: &Volume, block: u32, place: u16) -> (Cluster, Coefficients) {
+fn of_cube<const N: usize>(volume: &Volume<N>, block: u32, place: u16) -> (Cluster, Coefficients) {
     let (mut count, mut sum) = (0.0, DVec3::ZERO);
     for (voxel, _) in cube(volume, block, place) {
         count += 1.0;
@@ -84,7 +84,8 @@ fn of_cube(volume: &Volume, block: u32, place: u16) -> (Cluster, Coefficients) {
     let mut whole = Cluster::around(sum / count, count);
     let mut moments = ZERO;
     let mut fourth = 0.0;
-    for (voxel, [red, green, blue]) in cube(volume, block, place) {
+    for (voxel, value) in cube(volume, block, place) {
+        let [red, green, blue] = three(value);
         let h = (whole.centroid - voxel.as_dvec3()).as_vec3();
         for (moment, power) in moments.iter_mut().zip(monomials(h)) {
             let terms = [power, power * red, power * green, power * blue];

@@ -1,7 +1,7 @@
-//! Colours of a volume of voxels, everywhere in space.
+//! Values of a volume of voxels, colours or scalars, everywhere in space.
 //!
 //! Positions here are in voxels: the centre of voxel (i, j, k) is at (i, j, k), and its cube reaches half a voxel
-//! further. The volume is the union of the cubes of all active voxels. In it colours are sampled trilinearly; outside
+//! further. The volume is the union of the cubes of all active voxels. In it values are sampled trilinearly; outside
 //! of it [`Outside`] says how they go on.
 
 mod bound;
@@ -15,9 +15,9 @@ mod tree;
 use glam::{DVec3, IVec3};
 use rustc_hash::FxHashMap;
 
-use super::{Attribute, LinearRgb, Sampler};
-use crate::field::{Aabb, BATCH, Points};
-use crate::grid::{BLOCK_VOXELS, BlockMask, block_origin, is_active, voxel_offset};
+use super::{Attribute, LinearRgb, Sampler, around};
+use crate::field::{Aabb, BATCH, Interval, Points};
+use crate::grid::{BLOCK_VOXELS, BlockMask, block_origin, is_active, mask, voxel_offset};
 
 use clusters::Clusters;
 use nearest::{Nearest, foot};
@@ -25,36 +25,38 @@ use potential::Potential;
 pub use potential::{POWERS, RELATIVE_ERROR};
 use tree::Tree;
 
-/// How the colours of a volume go on outside of it.
+/// How the values of a volume go on outside of it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Outside {
-    /// With the colour of the nearest point of the volume.
+    /// With the value of the nearest point of the volume.
     Foot,
     /// With the mean of all voxels, weighted by 1/dᵖ, d the distance to a voxel's centre (STB, eq. 4): p, one of
     /// [`POWERS`].
     Potential(u32),
 }
 
-/// Voxels with colours: blocks, and where they stand.
+/// Voxels with `N` numbers each, 3 at most: blocks, and where they stand.
 #[derive(Clone, Debug)]
-pub struct ColourBlocks {
+pub struct ValueBlocks<const N: usize> {
     /// A voxel's edge, world units.
     pub voxel_size: f64,
     /// Where the centre of voxel (0, 0, 0) is.
     pub origin: DVec3,
     /// The blocks' least corners, each once.
     pub origins: Vec<IVec3>,
-    /// The colours of each block, finite where they are active.
-    pub values: Vec<[LinearRgb; BLOCK_VOXELS]>,
+    /// The values of each block, finite where they are active.
+    pub values: Vec<[[f32; N]; BLOCK_VOXELS]>,
     /// The active voxels of each block.
     pub active: Vec<BlockMask>,
 }
 
-/// The colours of a volume of voxels.
-pub struct VoxelColours {
-    volume: Volume,
+/// The values of a volume of voxels.
+pub struct VoxelValues<const N: usize> {
+    volume: Volume<N>,
     tree: Tree,
     beyond: Beyond,
+    /// Of all active voxels.
+    range: [Interval; N],
     voxel_size: f64,
     origin: DVec3,
 }
@@ -65,10 +67,11 @@ enum Beyond {
     Potential(u32, Clusters),
 }
 
-impl VoxelColours {
-    /// Colours of voxels; `None` where none is active.
-    pub fn new(blocks: ColourBlocks, outside: Outside) -> Option<Self> {
-        let ColourBlocks { voxel_size, origin, origins, values, active } = blocks;
+impl<const N: usize> VoxelValues<N> {
+    /// Values of voxels; `None` where none is active.
+    pub fn new(blocks: ValueBlocks<N>, outside: Outside) -> Option<Self> {
+        const { assert!(N <= 3, "sums are of three numbers") };
+        let ValueBlocks { voxel_size, origin, origins, values, active } = blocks;
         let places = origins.iter().enumerate().map(|(block, origin)| (*origin, block as u32)).collect();
         let volume = Volume { origins, values, active, places };
         let tree = Tree::new(&volume)?;
@@ -76,7 +79,9 @@ impl VoxelColours {
             Outside::Foot => Beyond::Foot,
             Outside::Potential(power) => Beyond::Potential(power, Clusters::new(&volume, &tree)),
         };
-        Some(Self { volume, tree, beyond, voxel_size, origin })
+        let blocks = volume.active.iter().zip(&volume.values);
+        let range = around(blocks.flat_map(|(active, values)| mask::places(active).map(move |place| values[place])));
+        Some(Self { volume, tree, beyond, range, voxel_size, origin })
     }
 
     /// Memory that it takes, about, in bytes.
@@ -91,7 +96,7 @@ impl VoxelColours {
 
     /// Memory that so many blocks with so many active voxels take at most, in bytes.
     pub fn bytes(blocks: u64, voxels: u64, outside: Outside) -> u64 {
-        const BYTES_A_BLOCK: u64 = (BLOCK_VOXELS * size_of::<LinearRgb>() + size_of::<BlockMask>() + 64) as u64;
+        let bytes_a_block = (BLOCK_VOXELS * size_of::<[f32; N]>() + size_of::<BlockMask>() + 64) as u64;
         // A cube of 4³ voxels holds at least one; above there is a node a block, and fewer than that above these.
         let cubes = voxels.min(blocks.saturating_mul(tree::CUBES_A_BLOCK));
         let nodes = cubes.saturating_add(blocks.saturating_mul(2));
@@ -99,21 +104,26 @@ impl VoxelColours {
             Outside::Foot => tree::BYTES_A_NODE,
             Outside::Potential(_) => tree::BYTES_A_NODE + clusters::BYTES_A_NODE,
         };
-        blocks.saturating_mul(BYTES_A_BLOCK).saturating_add(nodes.saturating_mul(bytes_a_node))
+        blocks.saturating_mul(bytes_a_block).saturating_add(nodes.saturating_mul(bytes_a_node))
     }
 }
 
 /// Blocks, found by their place.
-struct Volume {
+struct Volume<const N: usize> {
     origins: Vec<IVec3>,
-    values: Vec<[LinearRgb; BLOCK_VOXELS]>,
+    values: Vec<[[f32; N]; BLOCK_VOXELS]>,
     active: Vec<BlockMask>,
     places: FxHashMap<IVec3, u32>,
 }
 
-impl Volume {
-    /// The colour of a voxel, where it is active.
-    fn colour(&self, voxel: IVec3) -> Option<LinearRgb> {
+/// The numbers that are summed for a value: the rest is 0.
+fn three<const N: usize>(value: [f32; N]) -> LinearRgb {
+    std::array::from_fn(|number| value.get(number).copied().unwrap_or(0.0))
+}
+
+impl<const N: usize> Volume<N> {
+    /// The value of a voxel, where it is active.
+    fn value(&self, voxel: IVec3) -> Option<[f32; N]> {
         let block = *self.places.get(&block_origin(voxel))? as usize;
         let offset = voxel_offset(voxel);
         is_active(&self.active[block], offset).then(|| self.values[block][offset])
@@ -121,16 +131,16 @@ impl Volume {
 
     /// The trilinear mean around a point of the volume; inactive corners are left out. The voxel that the point is in
     /// is active and among the corners, so an eighth of the weight is always there.
-    fn trilinear(&self, at: DVec3) -> LinearRgb {
+    fn trilinear(&self, at: DVec3) -> [f32; N] {
         let floor = at.floor();
         let (corner, share) = (floor.as_ivec3(), (at - floor).as_vec3());
-        let (mut sum, mut total) = ([0.0; 3], 0.0);
+        let (mut sum, mut total) = ([0.0; N], 0.0);
         for i in 0..8 {
             let step = IVec3::new(i >> 2, i >> 1 & 1, i & 1);
             let side = |axis: usize| if step[axis] == 1 { share[axis] } else { 1.0 - share[axis] };
             let weight = side(0) * side(1) * side(2);
-            if let Some(colour) = self.colour(corner.wrapping_add(step)) {
-                (0..3).for_each(|channel| sum[channel] += weight * colour[channel]);
+            if let Some(value) = self.value(corner.wrapping_add(step)) {
+                (0..N).for_each(|number| sum[number] += weight * value[number]);
                 total += weight;
             }
         }
@@ -138,41 +148,41 @@ impl Volume {
     }
 }
 
-impl Attribute<3> for VoxelColours {
-    fn sampler(&self) -> Box<dyn Sampler<3> + '_> {
-        let VoxelColours { volume, tree, .. } = self;
+impl<const N: usize> Attribute<N> for VoxelValues<N> {
+    fn sampler(&self) -> Box<dyn Sampler<N> + '_> {
+        let VoxelValues { volume, tree, .. } = self;
         let finder = match &self.beyond {
             Beyond::Foot => Finder::Foot(Nearest::new(volume, tree)),
             Beyond::Potential(power, clusters) => Finder::Potential(Potential::new(volume, tree, clusters, *power)),
         };
-        Box::new(VoxelSampler { colours: self, finder, far: Vec::with_capacity(BATCH) })
+        Box::new(VoxelSampler { values: self, finder, far: Vec::with_capacity(BATCH) })
     }
 }
 
-/// What finds colours outside of the volume.
-enum Finder<'a> {
-    Foot(Nearest<'a>),
-    Potential(Potential<'a>),
+/// What finds values outside of the volume.
+enum Finder<'a, const N: usize> {
+    Foot(Nearest<'a, N>),
+    Potential(Potential<'a, N>),
 }
 
-struct VoxelSampler<'a> {
-    colours: &'a VoxelColours,
-    finder: Finder<'a>,
+struct VoxelSampler<'a, const N: usize> {
+    values: &'a VoxelValues<N>,
+    finder: Finder<'a, N>,
     /// Points outside of the volume, and their places in the batch.
     far: Vec<(DVec3, usize)>,
 }
 
-impl Sampler<3> for VoxelSampler<'_> {
+impl<const N: usize> Sampler<N> for VoxelSampler<'_, N> {
     fn enter(&mut self, _region: &Aabb) {}
 
     fn leave(&mut self) {}
 
-    fn sample(&mut self, points: &Points, out: &mut [LinearRgb; BATCH]) {
-        let VoxelColours { volume, voxel_size, origin, .. } = self.colours;
+    fn sample(&mut self, points: &Points, out: &mut [[f32; N]; BATCH]) {
+        let VoxelValues { volume, voxel_size, origin, .. } = self.values;
         self.far.clear();
         for (i, out) in out.iter_mut().enumerate().take(points.len) {
             let at = (points.position(i) - origin) / *voxel_size;
-            if volume.colour(at.round().as_ivec3()).is_some() {
+            if volume.value(at.round().as_ivec3()).is_some() {
                 *out = volume.trilinear(at);
             } else {
                 self.far.push((at, i));
@@ -184,6 +194,15 @@ impl Sampler<3> for VoxelSampler<'_> {
             }),
             Finder::Potential(potential) => potential.sample(&mut self.far, out),
         }
+    }
+
+    /// Of all voxels: means of theirs, but for the error of those of all.
+    fn bounds(&mut self, _region: &Aabb) -> [Interval; N] {
+        let share = match self.finder {
+            Finder::Foot(_) => 0.0,
+            Finder::Potential(_) => RELATIVE_ERROR / (1.0 - RELATIVE_ERROR),
+        };
+        self.values.range.map(|Interval { lo, hi }| Interval::new(lo - share * (hi - lo), hi + share * (hi - lo)))
     }
 }
 

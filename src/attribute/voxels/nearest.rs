@@ -31,16 +31,16 @@ pub(super) fn foot(at: DVec3, low: IVec3, high: IVec3) -> DVec3 {
 }
 
 /// Finds nearest voxels, with its own scratch memory.
-pub(super) struct Nearest<'a> {
-    volume: &'a Volume,
+pub(super) struct Nearest<'a, const N: usize> {
+    volume: &'a Volume<N>,
     tree: &'a Tree,
     /// Cubes of 4³ that may hold the nearest voxel of one of a group, the nearest first: their distance from the
     /// group's middle, and their node.
     cubes: Vec<(f64, u32)>,
 }
 
-impl<'a> Nearest<'a> {
-    pub fn new(volume: &'a Volume, tree: &'a Tree) -> Self {
+impl<'a, const N: usize> Nearest<'a, N> {
+    pub fn new(volume: &'a Volume<N>, tree: &'a Tree) -> Self {
         Self { volume, tree, cubes: vec![] }
     }
 

@@ -1,4 +1,4 @@
-//! The colours of all voxels, weighted by a power of the distance (STB, eq. 4): c = Σ cⱼ/dⱼᵖ / Σ 1/dⱼᵖ.
+//! The values of all voxels, weighted by a power of the distance (STB, eq. 4): c = Σ cⱼ/dⱼᵖ / Σ 1/dⱼᵖ.
 //!
 //! Summed over nodes of an octree, by series for all points of a group at once. Let A be a group's middle, u = a − A, m
 //! a node's centroid and hⱼ = m − xⱼ. Each weight wⱼ = |a − xⱼ|⁻ᵖ = φ(A − m + u + hⱼ), φ(y) = |y|⁻ᵖ, is replaced by the
@@ -23,10 +23,10 @@
 //! **The weight** is never less than W = N (|a − m|² + Σ hⱼ²/N)^(−p/2), since r⁻ᵖ is convex in r², whose mean over the node
 //! is |a − m|² + Σ hⱼ²/N. It is taken of each point.
 //!
-//! **The colour** ĉ that the ŵ give differs from c by Σ (ŵⱼ − wⱼ)(cⱼ − c) / Σ ŵⱼ, as Σ wⱼ(cⱼ − c) = 0. No cⱼ is further from
-//! their mean c than the greatest R of all differences between two colours, and Σ ŵⱼ ≥ Σ wⱼ − ΣE. So where ΣE ≤ ε Σ wⱼ,
+//! **The value** ĉ that the ŵ give differs from c by Σ (ŵⱼ − wⱼ)(cⱼ − c) / Σ ŵⱼ, as Σ wⱼ(cⱼ − c) = 0. No cⱼ is further from
+//! their mean c than the greatest R of all differences between two values, and Σ ŵⱼ ≥ Σ wⱼ − ΣE. So where ΣE ≤ ε Σ wⱼ,
 //!
-//! |ĉ − c| ≤ R ε/(1 − ε), channel by channel.
+//! |ĉ − c| ≤ R ε/(1 − ε), number by number.
 //!
 //! Nodes are chosen so that this holds with ε = [`RELATIVE_ERROR`] for all points of a block, then for parts of it of
 //! half the radius, down to a few points. In each part the nodes of the greatest E are opened until ΣE is within the
@@ -38,12 +38,12 @@ use std::ops::RangeInclusive;
 
 use glam::{DVec3, Vec3};
 
-use super::Volume;
 use super::bound::{Ball, inverse_power};
 use super::clusters::Clusters;
 use super::group::{Group, ball, halves};
 use super::series::{LANES, Series, evaluate};
 use super::tree::{Below, Tree, cube};
+use super::{Volume, three};
 use crate::attribute::LinearRgb;
 use crate::field::BATCH;
 
@@ -80,8 +80,8 @@ const WEIGHED: f64 = 0.5;
 const RADIUS: f64 = 8.0;
 
 /// Sums for points outside of the volume, with its own scratch memory.
-pub(super) struct Potential<'a> {
-    volume: &'a Volume,
+pub(super) struct Potential<'a, const N: usize> {
+    volume: &'a Volume<N>,
     tree: &'a Tree,
     clusters: &'a Clusters,
     power: u32,
@@ -119,8 +119,8 @@ struct Unit {
     weight: f64,
 }
 
-impl<'a> Potential<'a> {
-    pub fn new(volume: &'a Volume, tree: &'a Tree, clusters: &'a Clusters, power: u32) -> Self {
+impl<'a, const N: usize> Potential<'a, N> {
+    pub fn new(volume: &'a Volume<N>, tree: &'a Tree, clusters: &'a Clusters, power: u32) -> Self {
         Self {
             volume,
             tree,
@@ -135,7 +135,7 @@ impl<'a> Potential<'a> {
     }
 
     /// The colours at points, each with its place in `out`. The points are put in another order.
-    pub fn sample(&mut self, points: &mut Group, out: &mut [LinearRgb; BATCH]) {
+    pub fn sample(&mut self, points: &mut Group, out: &mut [[f32; N]; BATCH]) {
         if points.is_empty() {
             return;
         }
@@ -201,7 +201,7 @@ impl<'a> Potential<'a> {
         first: usize,
         above: f64,
         radius_above: f64,
-        out: &mut [LinearRgb; BATCH],
+        out: &mut [[f32; N]; BATCH],
     ) {
         let (middle, radius) = ball(points);
         let is_last = points.len() <= LANES;
@@ -243,10 +243,10 @@ impl<'a> Potential<'a> {
                     Below::Voxels { .. } if error <= CUBE_SHARE * most => i += 1,
                     Below::Voxels { block, place } if is_last => {
                         self.chosen.swap_remove(i);
-                        self.voxels.extend(
-                            cube(self.volume, block, place)
-                                .map(|(voxel, colour)| Voxel { at: (voxel.as_dvec3() - middle).as_vec3(), colour }),
-                        );
+                        self.voxels.extend(cube(self.volume, block, place).map(|(voxel, value)| Voxel {
+                            at: (voxel.as_dvec3() - middle).as_vec3(),
+                            colour: three(value),
+                        }));
                     }
                     Below::Nodes(first, count)
                         if is_last || f64::from(clusters[node as usize].size) > FINE * radius =>
@@ -280,7 +280,8 @@ impl<'a> Potential<'a> {
                 }
                 let [weight, red, green, blue] = sums;
                 for (i, (_, place)) in points.iter().enumerate() {
-                    out[*place] = [red[i] / weight[i], green[i] / weight[i], blue[i] / weight[i]];
+                    let numbers = [red[i], green[i], blue[i]];
+                    out[*place] = std::array::from_fn(|number| numbers[number] / weight[i]);
                 }
                 sums = [[0.0; LANES]; 4];
             }

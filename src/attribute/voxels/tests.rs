@@ -5,8 +5,8 @@ use super::*;
 use crate::grid::block_order;
 
 /// Voxels as blocks, in an order of their own.
-fn blocks(voxels: impl IntoIterator<Item = (IVec3, LinearRgb)>) -> ColourBlocks {
-    let mut blocks = ColourBlocks {
+fn blocks(voxels: impl IntoIterator<Item = (IVec3, LinearRgb)>) -> ValueBlocks<3> {
+    let mut blocks = ValueBlocks {
         voxel_size: 0.5,
         origin: DVec3::new(0.25, -3.0, 1.0),
         origins: vec![],
@@ -50,7 +50,7 @@ fn shell(radius: i32) -> Vec<(IVec3, LinearRgb)> {
 }
 
 /// Colours at positions in voxels.
-fn sampled(colours: &VoxelColours, positions: &[DVec3]) -> Vec<LinearRgb> {
+fn sampled(colours: &VoxelValues<3>, positions: &[DVec3]) -> Vec<LinearRgb> {
     let mut sampler = colours.sampler();
     let mut all = Vec::new();
     for positions in positions.chunks(BATCH) {
@@ -93,7 +93,7 @@ fn the_potential_is_within_its_bound_of_the_direct_sum() {
     let mut greatest = 0.0_f64;
     for voxels in [ball(12), shell(16), coloured(2, |voxel| voxel == IVec3::ONE)] {
         for power in POWERS {
-            let colours = VoxelColours::new(blocks(voxels.iter().copied()), Outside::Potential(power)).unwrap();
+            let colours = VoxelValues::new(blocks(voxels.iter().copied()), Outside::Potential(power)).unwrap();
             let bound = range(&voxels) * (RELATIVE_ERROR / (1.0 - RELATIVE_ERROR)) + 1e-5;
             let mut positions = positions(300, 20.0);
             positions.extend(self::positions(40, 300.0));
@@ -119,7 +119,7 @@ fn the_potential_far_away_is_the_mean() {
     let voxels = ball(12);
     let mean = voxels.iter().map(|(_, colour)| Vec3::from(*colour).as_dvec3()).sum::<DVec3>() / voxels.len() as f64;
     for power in POWERS {
-        let colours = VoxelColours::new(blocks(voxels.iter().copied()), Outside::Potential(power)).unwrap();
+        let colours = VoxelValues::new(blocks(voxels.iter().copied()), Outside::Potential(power)).unwrap();
         for colour in sampled(&colours, &[DVec3::new(1e7, 0.0, 0.0), DVec3::new(-4e7, 3e7, 1e6)]) {
             assert!(Vec3::from(colour).as_dvec3().distance(mean) < 1e-4, "power {power}: {colour:?}, not {mean}");
         }
@@ -133,7 +133,7 @@ fn inside_a_linear_colour_is_itself() {
     let linear = |at: DVec3| (DVec3::new(0.5, 0.1, 0.2) + at * 0.02).as_vec3();
     let voxels = ball(9).into_iter().map(|(voxel, _)| (voxel, linear(voxel.as_dvec3()).to_array()));
     for outside in [Outside::Foot, Outside::Potential(4)] {
-        let colours = VoxelColours::new(blocks(voxels.clone()), outside).unwrap();
+        let colours = VoxelValues::new(blocks(voxels.clone()), outside).unwrap();
         let positions = positions(700, 4.0);
         for (at, found) in positions.iter().zip(sampled(&colours, &positions)) {
             assert!(Vec3::from(found).distance(linear(*at)) < 1e-6, "{at}: {found:?}");
@@ -144,7 +144,7 @@ fn inside_a_linear_colour_is_itself() {
 #[test]
 fn outside_the_foot_has_the_colour_and_nothing_jumps_at_the_border() {
     let voxels = shell(16);
-    let colours = VoxelColours::new(blocks(voxels.iter().copied()), Outside::Foot).unwrap();
+    let colours = VoxelValues::new(blocks(voxels.iter().copied()), Outside::Foot).unwrap();
     let positions: Vec<DVec3> = positions(600, 24.0).into_iter().filter(|at| !is_inside(&voxels, *at)).collect();
     let half = DVec3::splat(0.5);
     for (at, found) in positions.iter().zip(sampled(&colours, &positions)) {
@@ -171,7 +171,7 @@ fn the_order_of_blocks_does_not_count() {
     let positions = positions(600, 24.0);
     for outside in [Outside::Foot, Outside::Potential(4)] {
         let found = [blocks(shell(16)), sorted.clone()]
-            .map(|blocks| sampled(&VoxelColours::new(blocks, outside).unwrap(), &positions));
+            .map(|blocks| sampled(&VoxelValues::new(blocks, outside).unwrap(), &positions));
         assert_eq!(found[0], found[1]);
     }
 }
@@ -180,8 +180,8 @@ fn the_order_of_blocks_does_not_count() {
 fn without_active_voxels_there_are_no_colours() {
     let mut none = blocks(ball(2));
     none.active.iter_mut().for_each(|mask| *mask = [0; 8]);
-    assert!(VoxelColours::new(none, Outside::Foot).is_none());
-    assert!(VoxelColours::new(blocks([]), Outside::Foot).is_none());
+    assert!(VoxelValues::new(none, Outside::Foot).is_none());
+    assert!(VoxelValues::new(blocks([]), Outside::Foot).is_none());
 }
 
 proptest! {
@@ -196,7 +196,7 @@ proptest! {
         step in 0..30,
     ) {
         let blocks = blocks(strays.iter().map(|voxel| (*voxel, [0.0; 3])));
-        let colours = VoxelColours::new(blocks, Outside::Foot).unwrap();
+        let colours = VoxelValues::new(blocks, Outside::Foot).unwrap();
         let half = DVec3::splat(0.5);
         // Points that stand together, or as far apart as the strays.
         let place = |way: &[i32; 3]| IVec3::from(middle).as_dvec3() + IVec3::from(*way).as_dvec3() * f64::from(1 << step);

@@ -5,7 +5,6 @@ use std::ops::Range;
 use glam::IVec3;
 
 use super::Volume;
-use crate::attribute::LinearRgb;
 use crate::grid::voxel_offset;
 
 /// The nodes, the root first, a node's children side by side and behind it.
@@ -41,7 +40,7 @@ pub(super) enum Below {
 
 impl Tree {
     /// `None` where no voxel is active.
-    pub fn new(volume: &Volume) -> Option<Self> {
+    pub fn new<const N: usize>(volume: &Volume<N>) -> Option<Self> {
         let mut order: Vec<u32> =
             (0..volume.origins.len() as u32).filter(|block| volume.active[*block as usize] != [0; 8]).collect();
         if order.is_empty() {
@@ -95,7 +94,7 @@ fn around(boxes: impl Iterator<Item = (IVec3, IVec3)>) -> (IVec3, IVec3) {
 }
 
 /// Which voxels of the 4³ at a place of a block are active: a bit each, by x, then y, then z, from the lowest.
-fn bits(volume: &Volume, block: u32, place: u16) -> u64 {
+fn bits<const N: usize>(volume: &Volume<N>, block: u32, place: u16) -> u64 {
     let rows = (0..16).map(|row| {
         let offset = place + (row >> 2 << 6) + ((row & 3) << 3);
         (volume.active[block as usize][usize::from(offset >> 6)] >> (offset & 63) & 15) << (row * 4)
@@ -104,12 +103,16 @@ fn bits(volume: &Volume, block: u32, place: u16) -> u64 {
 }
 
 /// Whether all voxels of the 4³ at a place of a block are active.
-pub(super) fn is_full(volume: &Volume, block: u32, place: u16) -> bool {
+pub(super) fn is_full<const N: usize>(volume: &Volume<N>, block: u32, place: u16) -> bool {
     bits(volume, block, place) == u64::MAX
 }
 
-/// The active voxels of the 4³ at a place of a block: centre and colour.
-pub(super) fn cube(volume: &Volume, block: u32, place: u16) -> impl Iterator<Item = (IVec3, LinearRgb)> + use<'_> {
+/// The active voxels of the 4³ at a place of a block: centre and value.
+pub(super) fn cube<const N: usize>(
+    volume: &Volume<N>,
+    block: u32,
+    place: u16,
+) -> impl Iterator<Item = (IVec3, [f32; N])> + use<'_, N> {
     let mut left = bits(volume, block, place);
     let block = block as usize;
     std::iter::from_fn(move || {
@@ -122,7 +125,7 @@ pub(super) fn cube(volume: &Volume, block: u32, place: u16) -> impl Iterator<Ite
 }
 
 /// Sorts blocks by the octants of the least aligned cube that holds them all, and tells each octant's share.
-fn octants(volume: &Volume, order: &mut [u32], mut tell: impl FnMut(Range<usize>)) {
+fn octants<const N: usize>(volume: &Volume<N>, order: &mut [u32], mut tell: impl FnMut(Range<usize>)) {
     let origin = |block: u32| volume.origins[block as usize];
     let first = origin(order[0]);
     // The highest bit in which any two differ; of the sign too, so cubes never straddle 0.

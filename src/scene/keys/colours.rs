@@ -87,24 +87,28 @@ pub const COLOURS: &[Maker] = &[
                 Text("Cd"),
                 "The grid: three numbers a voxel, its voxels cubes along the axes.",
             ),
-            Key::new(
-                "outside",
-                Kind::Choice(&["nearest", "potential"]),
-                Text("nearest"),
-                "How colours go on outside of the active voxels: that of their nearest point, or the mean of all voxels \
-                 weighted by a power of the distance, which takes some seconds more at high resolutions.",
-            ),
-            Key::new(
-                "power",
-                Kind::Whole,
-                Number(4.0),
-                "`outside = \"potential\"`: the power p. 2 is the paper's, and lets far voxels rule over near ones.",
-            )
-            .limit(Limit::Within(*POWERS.start() as f64, *POWERS.end() as f64)),
+            OUTSIDE,
+            POWER,
         ],
         formula: "Σ cⱼ/dⱼᵖ / Σ 1/dⱼᵖ (STB, eq. 4), to 1/127 of the range of colours",
     },
 ];
+
+pub(super) const OUTSIDE: Key = Key::new(
+    "outside",
+    Kind::Choice(&["nearest", "potential"]),
+    Text("nearest"),
+    "How values go on outside of the active voxels: that of their nearest point, or the mean of all voxels weighted by a \
+     power of the distance, which takes some seconds more at high resolutions.",
+);
+
+pub(super) const POWER: Key = Key::new(
+    "power",
+    Kind::Whole,
+    Number(4.0),
+    "`outside = \"potential\"`: the power p. 2 is the paper's, and lets far voxels rule over near ones.",
+)
+.limit(Limit::Within(*POWERS.start() as f64, *POWERS.end() as f64));
 
 pub(super) const BY: Key = Key::new(
     "by",

@@ -101,6 +101,18 @@ pub const MORPH: &[Key] = &[
         Text("false"),
         "Colours run on past their end: the last one's creeps outward (STTI).",
     ),
+    Key::new(
+        "displace",
+        Kind::Scalar,
+        Nothing,
+        "Moves the surface of every frame along its normal by an attribute that goes through the morph, in units, outward where that is positive (STTI). The shapes' own `displace` comes before the morph, this one after it.",
+    ),
+    Key::new(
+        "fill",
+        Kind::Fill,
+        Nothing,
+        "Leaves an inner structure of every frame: where (1 − ω)·a + ω·b ≥ 0, a and b the F of two shapes and ω an attribute that goes through the morph (STTI, section 6.5). The structures stand in the world and may be endless.",
+    ),
     Key::new("cut", Kind::Shape, Nothing, "Taken away from every frame, to look inside. Stands in the world."),
     Key::new(
         "keep",
@@ -129,6 +141,12 @@ pub const MORPH: &[Key] = &[
     ),
 ];
 
+/// The table of `fill`.
+pub const FILL: &[Key] = &[
+    Key::new("mix", Kind::Shapes, Required, "The two structures: what is where the attribute is 0, and where it is 1."),
+    Key::new("by", Kind::Scalar, Required, "The attribute that mixes them."),
+];
+
 /// The table of `round`, in the units of a0 … a3.
 pub const ROUND: &[Key] = &[
     Key::new("a0", Kind::Number, Required, "How much is added at the cut; a negative number takes away."),
@@ -154,7 +172,7 @@ pub const DELAY: &[Key] = &[
         Words("the luminance of its colour"),
         "The name of the shape's `attribute` that says how long to wait.",
     ),
-    Key::new("most", Kind::Constant, Number(1.0), "The delay where that is 1.").limit(Limit::Within(0.0, 0.95)),
+    Key::new("most", Kind::Constant, Number(0.5), "The delay where that is 1.").limit(Limit::Within(0.0, 0.95)),
 ];
 
 /// Keys of `[morph]` that not all modes use, with the modes that do.

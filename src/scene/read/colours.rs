@@ -128,7 +128,7 @@ impl<'r, 'a> Building<'r, 'a> {
                 let seam = fields.constant("seam").unwrap_or(0.0);
                 Some(ShapeColour::Parts { shapes: shapes?, seam })
             }
-            "vdb" => self.voxels(&fields).map(ShapeColour::Voxels),
+            "vdb" => self.voxels(&fields, "Cd").map(ShapeColour::Voxels),
             name => {
                 let by = self.pieces(&fields, main.span, has_cells);
                 let seed = self.seed_of(fields.whole("seed"), path);
@@ -195,10 +195,10 @@ impl<'r, 'a> Building<'r, 'a> {
         Some(ShapeColour::Formula { components: Box::new([a?, b?, c?]), meaning, span: value.span })
     }
 
-    /// A grid of a file.
-    fn voxels(&self, fields: &Fields<'r, 'a>) -> Option<VoxelSource> {
+    /// A grid of a file, of this name where none is given.
+    pub(super) fn voxels(&self, fields: &Fields<'r, 'a>, usual: &str) -> Option<VoxelSource> {
         let file = self.file("vdb", fields);
-        let grid = fields.text("grid");
+        let grid = fields.text("grid").unwrap_or_else(|| usual.to_owned());
         let outside = fields.choice("outside");
         let power = fields.whole("power");
         let outside = match (outside?, fields.entry("power")) {
@@ -212,7 +212,7 @@ impl<'r, 'a> Building<'r, 'a> {
         };
         let file = file?;
         let grid_span = fields.entry("grid").map_or(file.span, |entry| entry.value.span);
-        Some(VoxelSource { file, grid: grid?, grid_span, outside })
+        Some(VoxelSource { file, grid, grid_span, outside })
     }
 
     /// The file that a key names; it is there.

@@ -2,6 +2,7 @@
 
 mod chain;
 mod colours;
+mod displace;
 mod keyed;
 mod links;
 mod morph;
@@ -116,6 +117,7 @@ impl Parts {
         building.all_shapes();
         let morph = building.morph(&shot);
         let (output, chosen) = building.output();
+        building.check_displacements();
         building.report_cycles();
         let content = building.content(morph, chosen)?;
         Some(Self {

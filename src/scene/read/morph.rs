@@ -27,6 +27,7 @@ impl<'r, 'a> Building<'r, 'a> {
         let mode = self.morph_mode(&fields);
         let ease = self.ease(&fields);
         let chain = self.chain(&fields, &ease, shot);
+        let fill = fields.value("fill").and_then(|value| self.fill(value));
         let correspondence = self.correspondence(&fields, chain.as_deref());
         if shot.still {
             let problem = Diagnostic::error(entry.key_span, "a morph needs the scene's `frames`");
@@ -49,6 +50,8 @@ impl<'r, 'a> Building<'r, 'a> {
             over: chain[0].over,
             colour_over: chain[0].colour_over,
             correspondence,
+            displace: self.scalar_name(&fields, "displace"),
+            fill,
             span: entry.key_span,
             from: chain[0].from,
             to: chain[0].to,
@@ -60,7 +63,9 @@ impl<'r, 'a> Building<'r, 'a> {
             colour_over: link.colour_over,
             ..morph.clone()
         };
-        Some(chain.into_iter().map(link).collect())
+        let morphs: Vec<Morph> = chain.into_iter().map(link).collect();
+        self.check_morph_scalars(&morphs);
+        Some(morphs)
     }
 
     fn morph_mode(&mut self, fields: &Fields<'r, 'a>) -> MorphMode {
@@ -153,7 +158,7 @@ impl<'r, 'a> Building<'r, 'a> {
                 self.reader.choice_problem("morph.delay.attribute", &known, &entry.value);
                 return None;
             }
-            let most = fields.constant("most").unwrap_or(1.0);
+            let most = fields.constant("most").unwrap_or(0.5);
             return Some(MorphDelay { source: DelaySource::Shape { shape, attribute, most }, span });
         }
         let number =

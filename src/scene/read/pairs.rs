@@ -55,10 +55,15 @@ impl<'r, 'a> Building<'r, 'a> {
             self.reader.say(Diagnostic::error(span, problem).help("union = [\"head\", \"body\"]"));
             return None;
         };
-        let Modifiers { at, mirror, offset, shell, .. } = &shape.modifiers;
+        let Modifiers { at, mirror, offset, shell, displace, .. } = &shape.modifiers;
         let offset = !matches!(offset.value, NumberValue::Constant(0.0));
-        let changes =
-            [("at", at.is_some()), ("mirror", mirror.is_some()), ("offset", offset), ("shell", shell.is_some())];
+        let changes = [
+            ("at", at.is_some()),
+            ("mirror", mirror.is_some()),
+            ("offset", offset),
+            ("shell", shell.is_some()),
+            ("displace", displace.is_some()),
+        ];
         for (modifier, _) in changes.into_iter().filter(|(_, there)| *there) {
             let problem = format!("`{name}` has a `{modifier}`, so its parts cannot be told apart for `pairs`");
             self.reader.say(Diagnostic::error(shape.span, problem).help(format!("give its parts the `{modifier}`")));

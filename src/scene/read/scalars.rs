@@ -31,8 +31,9 @@ impl<'r, 'a> Building<'r, 'a> {
         for entry in &table.0 {
             let name_is_sound = self.check_name(entry);
             let scalar = self.scalar(&format!("{path}.{}", entry.key), &entry.value, id, has_cells, may_nest);
-            if let Some(scalar) = scalar.filter(|_| name_is_sound) {
-                scalars.insert(entry.key.clone(), scalar);
+            if name_is_sound {
+                // One that is wrong was said; those who name it are not.
+                scalars.insert(entry.key.clone(), scalar.unwrap_or(ShapeScalar::Solid([0.0])));
             }
         }
         scalars
@@ -98,6 +99,10 @@ impl<'r, 'a> Building<'r, 'a> {
                 let shapes = self.operands("parts", 1, &fields, id, may_nest);
                 let seam = fields.constant("seam").unwrap_or(0.0);
                 Some(ShapeScalar::Parts { shapes: shapes?, seam })
+            }
+            "vdb" => {
+                let name = path.rsplit('.').next().unwrap_or(path);
+                self.voxels(&fields, name).map(ShapeScalar::Voxels)
             }
             name => {
                 let by = self.pieces(&fields, main.span, has_cells);

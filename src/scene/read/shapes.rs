@@ -210,6 +210,7 @@ impl<'r, 'a> Building<'r, 'a> {
             mirror,
             offset: fields.required_number("offset"),
             shell: fields.number("shell"),
+            displace: self.scalar_name(fields, "displace"),
             scale: fields.required_vector("scale"),
             rotate: fields.required_vector("rotate"),
             translate: fields.required_vector("move"),
