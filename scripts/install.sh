@@ -17,7 +17,7 @@ readonly numpy_version=1.26.4
 readonly type_packages=(mypy==2.4.1 types-houdini==21.0.512.3 types-usd==24.5.2)
 
 build_packages=(
-    g++ pkg-config
+    g++ make pkg-config
     libopenvdb-dev libboost-dev libtbb-dev libblosc-dev libimath-dev zlib1g-dev
 )
 test_packages=(
