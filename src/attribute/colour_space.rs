@@ -9,6 +9,9 @@ use super::{LinearRgb, conversion};
 /// Several colours, or their numbers in a space: each component on its own, as vector loops want them.
 pub(super) type Lanes<const N: usize> = [[f32; N]; 3];
 
+/// The share of each of scene-linear Rec.709's red, green and blue in the luminance.
+pub const LUMINANCE: [f64; 3] = [0.2126, 0.7152, 0.0722];
+
 /// How many colours a vector loop takes at a time; a batch is a whole number of times as many.
 pub(super) const LANES: usize = 64;
 

@@ -21,7 +21,7 @@ mod voxels;
 pub use affine::AffineVector;
 pub use bands::Bands;
 pub use cells::{ByCell, CellIndex, Choice, CubeLattice};
-pub use colour_space::{ColourSpace, from_srgb, to_srgb};
+pub use colour_space::{ColourSpace, LUMINANCE, from_srgb, to_srgb};
 pub use constant::Constant;
 pub use formula::{ByFormula, Components, FieldValue};
 pub use mapped::{MappedSampler, SpaceMap};

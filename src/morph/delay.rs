@@ -121,7 +121,7 @@ impl DelayGrid {
             for y in first.y..=last.y {
                 for z in first.z..=last.z {
                     let delay = self.at_cell(IVec3::new(x, y, z));
-                    delays = Interval::new(delays.lo.min(delay), delays.hi.max(delay));
+                    delays = delays.union(Interval::new(delay, delay));
                 }
             }
         }

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
+use super::both::{Both, scaled};
 use super::course::Course;
 use super::delay::DelayGrid;
 use crate::distance::Distance;
@@ -40,8 +41,7 @@ impl Field for DelayedStb {
     fn evaluator(&self) -> Box<dyn Evaluator + '_> {
         Box::new(DelayedEvaluator {
             field: self,
-            first: self.first.evaluator(),
-            second: self.second.evaluator(),
+            both: Both::new(self.first.evaluator(), self.second.evaluator(), self.unit),
             regions: Vec::new(),
             values: [0.0; BATCH],
             gradients: Gradients::new(),
@@ -51,8 +51,7 @@ impl Field for DelayedStb {
 
 struct DelayedEvaluator<'a> {
     field: &'a DelayedStb,
-    first: Box<dyn Evaluator + 'a>,
-    second: Box<dyn Evaluator + 'a>,
+    both: Both<'a>,
     regions: Vec<Aabb>,
     values: [f32; BATCH],
     gradients: Gradients,
@@ -61,27 +60,24 @@ struct DelayedEvaluator<'a> {
 impl Evaluator for DelayedEvaluator<'_> {
     fn enter(&mut self, region: &Aabb) {
         self.regions.push(*region);
-        self.first.enter(region);
-        self.second.enter(region);
+        self.both.enter(region);
     }
 
     fn bounds(&mut self) -> Interval {
         let Some(region) = self.regions.last() else { return Interval::ALL };
         let DelayedStb { unit, eased, delay, course, .. } = self.field;
-        let scaled = |bounds: Interval, by: f64| Interval::new(bounds.lo * by, bounds.hi * by);
-        let (first, second) = (scaled(self.first.bounds(), 1.0 / unit), scaled(self.second.bounds(), 1.0 / unit));
+        let [first, second] = self.both.bounds();
         scaled(course.bounds(delay.bounds(region, *eased), first, second), *unit)
     }
 
     fn leave(&mut self) {
         self.regions.pop();
-        self.first.leave();
-        self.second.leave();
+        self.both.leave();
     }
 
     fn values(&mut self, points: &Points, out: &mut [f32; BATCH]) {
-        self.first.values(points, out);
-        self.second.values(points, &mut self.values);
+        self.both.first.values(points, out);
+        self.both.second.values(points, &mut self.values);
         let DelayedStb { unit, eased, delay, course, .. } = self.field;
         let per_unit = 1.0 / unit;
         for i in 0..points.len {
@@ -92,8 +88,8 @@ impl Evaluator for DelayedEvaluator<'_> {
     }
 
     fn gradients(&mut self, points: &Points, out: &mut Gradients) {
-        self.first.gradients(points, out);
-        self.second.gradients(points, &mut self.gradients);
+        self.both.first.gradients(points, out);
+        self.both.second.gradients(points, &mut self.gradients);
         let DelayedStb { unit, eased, delay, course, .. } = self.field;
         let per_unit = 1.0 / unit;
         for i in 0..points.len {

@@ -4,6 +4,7 @@
 //! colour can be had by itself. Knows scene time τ (0 at a shot's first frame, 1 at its last), but no frames, no files
 //! and no scene text.
 
+mod both;
 mod coarse;
 mod course;
 mod delay;

@@ -56,7 +56,7 @@ impl Curve {
     pub(super) fn range(&self, x: Interval) -> Interval {
         let (lo, hi) = (self.at(x.lo), self.at(x.hi));
         let between = self.points.iter().filter(|point| x.contains(point[0])).map(|point| point[1]);
-        between.fold(Interval::new(lo.min(hi), lo.max(hi)), |range, y| Interval::new(range.lo.min(y), range.hi.max(y)))
+        between.fold(Interval::new(lo.min(hi), lo.max(hi)), |range, y| range.union(Interval::new(y, y)))
     }
 
     fn secant(&self, i: usize) -> f64 {

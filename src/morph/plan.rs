@@ -100,7 +100,7 @@ pub struct Morph {
     pub(super) settings: Settings,
     pub(super) plan: Plan,
     /// The coarse grid's distances, where no object moves.
-    pub(super) still: Option<Measured>,
+    pub(super) still: Option<Arc<Measured>>,
     /// Where the shape waits.
     pub(super) delay: Option<Arc<DelayGrid>>,
     courses: Recent<Course>,
@@ -295,11 +295,9 @@ impl Morph {
     /// The blend at scene time τ.
     pub(super) fn solved(&self, time: f64) -> Arc<Solved> {
         self.solved.at(time, || {
-            let fresh = if self.still.is_none() { Some(self.measure(time)) } else { None };
-            let measured = fresh.as_ref().or(self.still.as_ref()).expect("one of both is there");
-            let t = self.time_at(time);
-            let enclosing = self.delayed(measured, time, t).unwrap_or_else(|| self.enclosing(measured, time, t));
-            Solved { enclosing, target: self.target(measured, time, t) }
+            let (measured, t) = (self.measured_at(time), self.time_at(time));
+            let enclosing = self.delayed(&measured, time, t).unwrap_or_else(|| self.enclosing(&measured, time, t));
+            Solved { enclosing, target: self.target(&measured, time, t) }
         })
     }
 
@@ -315,11 +313,12 @@ impl Morph {
     }
 
     /// What the blend encloses on the way where places wait.
-    fn delayed(&self, measured: &Measured, time: f64, t: f64) -> Option<Enclosing> {
+    fn delayed(&self, measured: &Arc<Measured>, time: f64, t: f64) -> Option<Enclosing> {
         let (Some(delay), Mode::Flow(flow), true) = (&self.delay, &self.settings.mode, t > 0.0 && t < 1.0) else {
             return None;
         };
-        let (grid, eased, course) = (&self.plan.grid, self.settings.eased(time), self.course(flow, measured, time));
+        let (grid, eased) = (&self.plan.grid, self.settings.eased(time));
+        let course = self.course(flow, time, || Arc::clone(measured));
         let place = |cell: usize| course.at(delay.local(grid.centre(cell), eased).progress);
         let fractions = place_fractions(grid, measured, self.plan.unit, place);
         Some(Enclosing { a0: course.a0(eased), fractions })
@@ -327,19 +326,19 @@ impl Morph {
 
     fn delayed_field(&self, time: f64, first: Arc<dyn Distance>, second: Arc<dyn Distance>) -> Option<Arc<dyn Field>> {
         let (Some(delay), Mode::Flow(flow)) = (&self.delay, &self.settings.mode) else { return None };
-        let fresh = if self.still.is_none() { Some(self.measure(time)) } else { None };
-        let course = self.course(flow, fresh.as_ref().or(self.still.as_ref())?, time);
+        let course = self.course(flow, time, || self.measured_at(time));
         let (unit, eased, delay) = (self.plan.unit, self.settings.eased(time), Arc::clone(delay));
         Some(Arc::new(DelayedStb { first, second, unit, eased, delay, course }))
     }
 
-    /// All sections with the objects as they stand at scene time τ.
-    fn course(&self, flow: &Flow, measured: &Measured, time: f64) -> Arc<Course> {
+    /// All sections with the objects as they stand at scene time τ. `measured` is asked only where they are not known.
+    fn course(&self, flow: &Flow, time: f64, measured: impl FnOnce() -> Arc<Measured>) -> Arc<Course> {
         let always = self.still.is_some() && flow.is_still();
         self.courses.at(if always { 0.0 } else { time }, || {
+            let measured = measured();
             let solve = |progress: &f64| {
                 let t = self.plan.pace.at(*progress).clamp(LEAST_TIME, 1.0 - LEAST_TIME);
-                let a0 = self.enclosing(measured, time, t).a0;
+                let a0 = self.enclosing(&measured, time, t).a0;
                 Solution { time: t, a0, reach: Kernel::<f64>::new(&flow.section(t, time)).reach() }
             };
             let solved: Vec<Solution> = Course::nodes().par_iter().map(solve).collect();
@@ -363,8 +362,13 @@ impl Morph {
 
     pub(super) fn measure_still(&mut self) {
         if self.from.motion.is_still() && self.to.motion.is_still() {
-            self.still = Some(self.measure(0.0));
+            self.still = Some(Arc::new(self.measure(0.0)));
         }
+    }
+
+    /// The coarse grid's distances at scene time τ.
+    fn measured_at(&self, time: f64) -> Arc<Measured> {
+        self.still.clone().unwrap_or_else(|| Arc::new(self.measure(time)))
     }
 
     /// The way round between the objects' mean colours, from the first's distances at the start and the second's at the
@@ -404,7 +408,7 @@ impl Morph {
             Some(_) => Vec::new(),
             None => scene.iter().map(|time| self.measure(*time)).collect(),
         };
-        let at = |step: usize| self.still.as_ref().unwrap_or_else(|| &samples[step]);
+        let at = |step: usize| self.still.as_deref().unwrap_or_else(|| &samples[step]);
         let ends = [self.enclosing(at(0), scene[0], 0.0), self.enclosing(at(STEPS), scene[STEPS], 1.0)];
         if ends.iter().all(|end| total(&end.fractions) <= 0.0) {
             return Err(Error::Empty);

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
+use super::both::{Both, scaled};
 use super::section::{Kernel, Section};
 use crate::distance::Distance;
 use crate::field::{Aabb, BATCH, Evaluator, Field, Gradients, Interval, Points, Slope};
@@ -72,8 +73,7 @@ impl Field for Stb {
     fn evaluator(&self) -> Box<dyn Evaluator + '_> {
         Box::new(StbEvaluator {
             stb: self,
-            first: self.first.evaluator(),
-            second: self.second.evaluator(),
+            both: Both::new(self.first.evaluator(), self.second.evaluator(), self.unit),
             regions: Vec::new(),
             values: [0.0; BATCH],
             gradients: Gradients::new(),
@@ -84,8 +84,7 @@ impl Field for Stb {
 
 struct StbEvaluator<'a> {
     stb: &'a Stb,
-    first: Box<dyn Evaluator + 'a>,
-    second: Box<dyn Evaluator + 'a>,
+    both: Both<'a>,
     regions: Vec<Aabb>,
     values: [f32; BATCH],
     gradients: Gradients,
@@ -96,7 +95,7 @@ impl StbEvaluator<'_> {
     /// The value in the middle of the region ± what the slopes allow on the way to its faces, in units of D (the mean
     /// value form). Narrower than the ends of both distances where the objects' slopes oppose one another.
     fn mean_value_bounds(&mut self, region: &Aabb, first: Interval, second: Interval) -> Option<Interval> {
-        let (one, two) = (self.first.gradient_bounds()?, self.second.gradient_bounds()?);
+        let (one, two) = (self.both.first.gradient_bounds()?, self.both.second.gradient_bounds()?);
         let kernel = &self.stb.exact;
         let [by_first, by_second] = kernel.slope_bounds(first, second);
         let half = region.size() * (0.5 / self.stb.unit);
@@ -108,9 +107,9 @@ impl StbEvaluator<'_> {
             .sum();
         self.centre.origin = region.centre();
         self.centre.len = 1;
-        self.first.values(&self.centre, &mut self.values);
+        self.both.first.values(&self.centre, &mut self.values);
         let at_first = f64::from(self.values[0]) / self.stb.unit;
-        self.second.values(&self.centre, &mut self.values);
+        self.both.second.values(&self.centre, &mut self.values);
         let at_second = f64::from(self.values[0]) / self.stb.unit;
         let at_centre = kernel.bounds(Interval::new(at_first, at_first), Interval::new(at_second, at_second));
         Some(Interval::new(at_centre.lo - reach, at_centre.hi + reach))
@@ -120,16 +119,13 @@ impl StbEvaluator<'_> {
 impl Evaluator for StbEvaluator<'_> {
     fn enter(&mut self, region: &Aabb) {
         self.regions.push(*region);
-        self.first.enter(region);
-        self.second.enter(region);
+        self.both.enter(region);
     }
 
     fn bounds(&mut self) -> Interval {
         let Some(region) = self.regions.last().copied() else { return Interval::ALL };
         let unit = self.stb.unit;
-        let scaled = |bounds: Interval, by: f64| Interval::new(bounds.lo * by, bounds.hi * by);
-        let first = scaled(self.first.bounds(), 1.0 / unit);
-        let second = scaled(self.second.bounds(), 1.0 / unit);
+        let [first, second] = self.both.bounds();
         let mut bounds = self.stb.exact.bounds(first, second);
         let finite = [first.lo, first.hi, second.lo, second.hi].iter().all(|end| end.is_finite());
         if bounds.contains(0.0)
@@ -144,20 +140,19 @@ impl Evaluator for StbEvaluator<'_> {
 
     fn leave(&mut self) {
         self.regions.pop();
-        self.first.leave();
-        self.second.leave();
+        self.both.leave();
     }
 
     fn values(&mut self, points: &Points, out: &mut [f32; BATCH]) {
-        self.first.values(points, out);
-        self.second.values(points, &mut self.values);
+        self.both.first.values(points, out);
+        self.both.second.values(points, &mut self.values);
         let len = points.len;
         blend_values(&self.stb.fast, self.stb.unit as f32, &mut out[..len], &self.values[..len]);
     }
 
     fn gradients(&mut self, points: &Points, out: &mut Gradients) {
-        self.first.gradients(points, out);
-        self.second.gradients(points, &mut self.gradients);
+        self.both.first.gradients(points, out);
+        self.both.second.gradients(points, &mut self.gradients);
         blend_gradients(&self.stb.fast, self.stb.unit as f32, points.len, out, &self.gradients);
     }
 }

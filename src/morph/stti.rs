@@ -3,11 +3,12 @@
 
 use std::sync::Arc;
 
+use super::both::Both;
 use super::delay::DelayGrid;
 use super::real::{Real, intersection};
 use crate::attribute::{Attribute, Mix, Sampler};
 use crate::distance::Distance;
-use crate::field::{Aabb, BATCH, Evaluator, Interval, Points};
+use crate::field::{Aabb, BATCH, Interval, Points};
 
 /// STTI's parameters at one instant, free of units.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -105,9 +106,8 @@ impl<const N: usize, M: Mix<N>> Attribute<N> for MorphAttribute<N, M> {
             mix: self.mix,
             transfer: self.transfer,
             delay: self.delay.as_deref(),
-            per_unit: 1.0 / self.unit,
-            first: self.first.evaluator(),
-            second: self.second.evaluator(),
+            per_unit: (1.0 / self.unit) as f32,
+            both: Both::new(self.first.evaluator(), self.second.evaluator(), self.unit),
             from: self.from.sampler(),
             to: self.to.sampler(),
             distances: [[0.0; BATCH]; 2],
@@ -120,9 +120,8 @@ struct MorphSampler<'a, const N: usize, M> {
     mix: M,
     transfer: Transfer,
     delay: Option<&'a DelayGrid>,
-    per_unit: f64,
-    first: Box<dyn Evaluator + 'a>,
-    second: Box<dyn Evaluator + 'a>,
+    per_unit: f32,
+    both: Both<'a>,
     from: Box<dyn Sampler<N> + 'a>,
     to: Box<dyn Sampler<N> + 'a>,
     distances: [[f32; BATCH]; 2],
@@ -131,25 +130,23 @@ struct MorphSampler<'a, const N: usize, M> {
 
 impl<const N: usize, M: Mix<N>> Sampler<N> for MorphSampler<'_, N, M> {
     fn enter(&mut self, region: &Aabb) {
-        self.first.enter(region);
-        self.second.enter(region);
+        self.both.enter(region);
         self.from.enter(region);
         self.to.enter(region);
     }
 
     fn leave(&mut self) {
-        self.first.leave();
-        self.second.leave();
+        self.both.leave();
         self.from.leave();
         self.to.leave();
     }
 
     fn sample(&mut self, points: &Points, out: &mut [[f32; N]; BATCH]) {
         let [first, second] = &mut self.distances;
-        self.first.values(points, first);
-        self.second.values(points, second);
+        self.both.first.values(points, first);
+        self.both.second.values(points, second);
         let (first_ones, second_ones) = (&mut first[..points.len], &second[..points.len]);
-        let per_unit = self.per_unit as f32;
+        let per_unit = self.per_unit;
         match self.delay {
             None => second_weights(&Weights::new(&self.transfer), per_unit, first_ones, second_ones),
             Some(delay) => {
@@ -167,12 +164,9 @@ impl<const N: usize, M: Mix<N>> Sampler<N> for MorphSampler<'_, N, M> {
     }
 
     fn bounds(&mut self, region: &Aabb) -> [Interval; N] {
-        let [first, second] = [&mut self.first, &mut self.second].map(|object| {
-            object.enter(region);
-            let bounds = object.bounds();
-            object.leave();
-            Interval::new(bounds.lo * self.per_unit, bounds.hi * self.per_unit)
-        });
+        self.both.enter(region);
+        let [first, second] = self.both.bounds();
+        self.both.leave();
         let weight = match self.delay {
             None => Weights::<f64>::new(&self.transfer).second_bounds(first, second),
             Some(_) => Interval::new(0.0, 1.0),

@@ -12,7 +12,7 @@ use super::{
     volume::Volume,
 };
 use crate::{
-    attribute::Colour,
+    attribute::{Colour, LUMINANCE},
     field::{Aabb, BATCH, Points},
     grid::Band,
 };
@@ -206,7 +206,8 @@ impl Slice {
         let known = samples.iter().all(|sample| sample.abs() < known);
         let off = (distance - nearest * self.spacing).abs() / slope;
         let weight = |half: f64| (half + 0.5 - off).clamp(0.0, 1.0) as f32;
-        let luminance = 0.2126 * colour[0] + 0.7152 * colour[1] + 0.0722 * colour[2];
+        let [red, green, blue] = LUMINANCE.map(|share| share as f32);
+        let luminance = red * colour[0] + green * colour[1] + blue * colour[2];
         let (line, weight) = match (known, nearest == 0.0) {
             (false, _) => (INK, 0.0),
             (true, true) => (INK, weight(HALF_LINES[0])),

@@ -2,17 +2,14 @@
 
 use std::sync::Arc;
 
-use crate::attribute::{Attribute, FieldValue, Sampler, Scalar};
-use crate::field::{Aabb, BATCH, Expression, Graph, Points};
+use crate::attribute::{Attribute, FieldValue, LUMINANCE, Sampler, Scalar};
+use crate::field::{Aabb, BATCH, Points};
 use crate::morph;
 
 use super::error::Problem;
-use super::model::{DelaySource, Model, Morph, MorphDelay, MorphMode};
+use super::model::{Component, DelaySource, Model, Morph, MorphDelay, MorphMode};
 use super::paint::{TheColour, TheScalar};
 use super::solid::{Solids, Stage};
-
-/// Rec.709's luminance of scene-linear red, green and blue.
-const LUMINANCE: [f64; 3] = [0.2126, 0.7152, 0.0722];
 
 /// How long places of a morph wait; `None` where none does. `voxel` is a voxel's edge.
 pub(super) fn delay(
@@ -24,16 +21,14 @@ pub(super) fn delay(
     let MorphMode::Volume { delay: Some(delay), .. } = &morph.mode else { return Ok(None) };
     let MorphDelay { source, span } = delay.as_ref();
     let scalar: Arc<Scalar> = match source {
-        DelaySource::Formula(formula) => {
-            if model.formula_varies(formula) {
+        DelaySource::Space(component) => {
+            if matches!(component, Component::Formula(formula) if model.formula_varies(formula)) {
                 let problem = "`morph.delay` changes over time, and must stand still";
                 return Err(
                     Problem::new(*span, problem).help("a formula of x, y, z; `ease` changes the pace over time")
                 );
             }
-            let mut graph = Graph::new();
-            let node = formula.node(&mut graph, solids.moment());
-            Arc::new(FieldValue(Arc::new(Expression::new(&graph, node))))
+            Arc::new(FieldValue(solids.component(component)?))
         }
         DelaySource::Shape { shape, attribute, most } => {
             let missing = |what: &str| {

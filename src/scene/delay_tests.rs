@@ -1,10 +1,7 @@
 //! Delays of a scene's morph: where they come from, and what is wrong with them.
 
-use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
-
 use super::prepared::Ready;
-use super::scalar_tests::{loaded, prepared, wrong};
+use super::scalar_tests::{prepared, refused, wrong};
 use super::*;
 
 const SHAPES: &str = "frames = '1-9'
@@ -60,19 +57,8 @@ fn a_frame_alone_is_that_of_the_sequence() {
 
 /// What is found only when the scene is made ready, at the delay's place.
 #[track_caller]
-fn refused(delay: &str, wanted: &str) {
-    let cancel = AtomicBool::new(false);
-    let (voxel_size, half_width, memory_limit) = (None, None, None);
-    let options = PrepareOptions {
-        voxel_size,
-        resolution: Some(48),
-        half_width,
-        memory_limit,
-        cancel: &cancel,
-        progress: &|_| (),
-    };
-    let model = loaded(&scene(delay)).unwrap_or_else(|problems| panic!("{problems}"));
-    let error = Arc::new(model).prepare(&options).err().expect("it is refused").to_string();
+fn found_later(delay: &str, wanted: &str) {
+    let error = refused(&scene(delay));
     assert!(error.contains(wanted) && error.contains("--> scene.toml:12:"), "{error}");
 }
 
@@ -82,8 +68,8 @@ fn what_is_wrong_with_a_delay() {
     said("'0.2*q'", "12:14 nothing here is called `q`; known are `frame`, `t`, `time`, `x`, `y`, `z`, `pi`");
     said("1.5", "12:9 `morph.delay` must be from 0 to 0.95");
     said("{ shape = 'one', attribute = 'lat' }", "12:39 `morph.delay.attribute` cannot be `lat`");
-    refused("'0.2*t'", "`morph.delay` changes over time, and must stand still");
-    refused("'2*x'", "the morph's delay is");
-    refused("{ shape = 'two', attribute = 'late' }", "`two` has no `attribute.late` for `morph.delay`");
+    found_later("'0.2*t'", "`morph.delay` changes over time, and must stand still");
+    found_later("'2*x'", "the morph's delay is");
+    found_later("{ shape = 'two', attribute = 'late' }", "`two` has no `attribute.late` for `morph.delay`");
     wrong(&format!("{}mode = 'linear'\n", scene("0.2")), "12:1 `delay` is for `mode = \"volume\"` only");
 }

@@ -1,11 +1,10 @@
 //! Surfaces moved by a scalar and solids filled by two structures: against exact answers, over morphs, with bad input.
 
-use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 use glam::{DVec3, IVec3};
 
-use super::scalar_tests::{prepared, scalar, wrong};
+use super::scalar_tests::{prepared, refused, scalar, wrong};
 use super::*;
 use crate::distance::accuracy::{Accuracy, compare};
 use crate::distance::band::{self, measure};
@@ -226,21 +225,6 @@ fn what_cannot_move_a_surface_is_refused_with_its_place() {
     wrong(&morph("fill = { mix = ['a', 'c'], by = 'nothing' }"), "14:34 there is no `attribute.nothing` here");
     wrong(&morph("fill = { mix = ['a'], by = 'bump' }"), "14:16 `morph.fill.mix` must be a list of two shapes");
     wrong(&morph("fill = { mix = ['a', 'd'], by = 'bump' }"), "14:23 there is no `shape.d`");
-}
-
-fn refused(text: &str) -> String {
-    let folder = ".".into();
-    let model = load(&Source::Text { name: "scene.toml".into(), text: text.into(), folder }, &Overrides::default());
-    let options = PrepareOptions {
-        voxel_size: None,
-        resolution: Some(32),
-        half_width: None,
-        memory_limit: None,
-        cancel: &AtomicBool::new(false),
-        progress: &|_| (),
-    };
-    let result = Arc::new(model.unwrap()).prepare(&options);
-    result.err().expect("the scene is wrong").to_string()
 }
 
 #[test]

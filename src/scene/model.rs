@@ -396,8 +396,8 @@ pub struct MorphDelay {
 /// Where a delay comes from.
 #[derive(Clone, Debug)]
 pub enum DelaySource {
-    /// A formula of x, y, z in the world.
-    Formula(Formula),
+    /// A number, or a formula of x, y, z in the world.
+    Space(Component),
     /// What a shape has at each place, as it stands when the shot begins.
     Shape {
         /// The shape.

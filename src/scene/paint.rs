@@ -265,7 +265,7 @@ impl Solids {
         Ok(Parts::new(parts, rule, TOLERANCE_VOXELS * voxel).map(Paint::of))
     }
 
-    fn component(&self, component: &Component) -> Result<Arc<dyn Field>, Problem> {
+    pub fn component(&self, component: &Component) -> Result<Arc<dyn Field>, Problem> {
         let mut graph = Graph::new();
         let node = match component {
             Component::Number(number) => graph.constant(self.number(number)?),

@@ -11,22 +11,32 @@ use crate::field::{BATCH, Points};
 
 use super::*;
 
-pub(super) fn loaded(text: &str) -> Result<Model, Diagnostics> {
+fn loaded(text: &str) -> Result<Model, Diagnostics> {
     let folder = PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/scenes"));
     load(&Source::Text { name: "scene.toml".into(), text: text.into(), folder }, &Overrides::default())
 }
 
 pub(super) fn prepared(text: &str) -> Prepared {
+    prepared_at(64, text).unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// What is wrong with a scene that can be read.
+#[track_caller]
+pub(super) fn refused(text: &str) -> String {
+    prepared_at(32, text).err().expect("the scene is wrong").to_string()
+}
+
+fn prepared_at(resolution: u32, text: &str) -> Result<Prepared, Error> {
     let model = loaded(text).unwrap_or_else(|problems| panic!("{problems}"));
     let options = PrepareOptions {
         voxel_size: None,
-        resolution: Some(64),
+        resolution: Some(resolution),
         half_width: None,
         memory_limit: None,
         cancel: &AtomicBool::new(false),
         progress: &|_| (),
     };
-    Arc::new(model).prepare(&options).unwrap_or_else(|error| panic!("{error}"))
+    Arc::new(model).prepare(&options)
 }
 
 /// Every problem as `line:column message`.

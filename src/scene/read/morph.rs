@@ -7,7 +7,7 @@ use super::super::formula::Formula;
 use super::super::frames::{FrameRange, Shot};
 use super::super::keys::{self, Limit};
 use super::super::model::{
-    Content, DelaySource, Morph, MorphDelay, MorphEase, MorphMode, MorphPaper, MorphRound, Output, ShapeId,
+    Component, Content, DelaySource, Morph, MorphDelay, MorphEase, MorphMode, MorphPaper, MorphRound, Output, ShapeId,
 };
 use super::super::number::{Number, NumberValue};
 use super::super::reader::{Fields, is_later};
@@ -161,16 +161,20 @@ impl<'r, 'a> Building<'r, 'a> {
             let most = fields.constant("most").unwrap_or(0.5);
             return Some(MorphDelay { source: DelaySource::Shape { shape, attribute, most }, span });
         }
-        let number =
-            value.text().is_none().then(|| self.reader.constant(PATH, Limit::Within(0.0, 0.95), value).to_string());
-        let text = number.as_deref().or(value.text())?;
-        match Formula::of_space(text, self.reader.names.clone()) {
-            Ok(formula) => Some(MorphDelay { source: DelaySource::Formula(formula), span }),
-            Err(problem) => {
-                self.reader.say(problem.into_diagnostic(self.reader.sources, span, text));
-                None
+        let component = match value.text() {
+            None => {
+                let number = self.reader.constant(PATH, Limit::Within(0.0, 0.95), value);
+                Component::Number(Number::constant(number, PATH, span))
             }
-        }
+            Some(text) => match Formula::of_space(text, self.reader.names.clone()) {
+                Ok(formula) => Component::Formula(formula),
+                Err(problem) => {
+                    self.reader.say(problem.into_diagnostic(self.reader.sources, span, text));
+                    return None;
+                }
+            },
+        };
+        Some(MorphDelay { source: DelaySource::Space(component), span })
     }
 
     fn round(&self, value: &'r Value) -> Option<MorphRound> {
