@@ -10,7 +10,7 @@ use common::clock::{Seconds, pairs, timed};
 use common::report::{Goal, Row};
 use common::scenes::{self, Sampling};
 use common::{bake, threads};
-use hfvdb::vdb::rivals;
+use hfvdb::vdb::{self, WriteOptions, rivals};
 
 const PAIRS: usize = 5;
 /// Frames of a sequence.
@@ -30,12 +30,19 @@ fn bench(name: &str, resolution: u32) {
     let (making_ready, prepared) = timed(|| scenes::prepare(name, sampling));
     println!("{name} at {resolution}: made ready in {making_ready:.2?} s");
     let numbers: Vec<i64> = (first..first + FRAMES).collect();
-    let ready: Vec<_> = numbers.iter().map(|frame| bake::hand_over(&bake::compute(&prepared, *frame))).collect();
     let folder = tempfile::tempdir_in(env!("CARGO_TARGET_TMPDIR")).expect("a folder");
+    let ready = |frame: &i64| {
+        let path = folder.path().join("ready.vdb");
+        let computed = bake::compute(&prepared, *frame);
+        let options = WriteOptions { overwrite: true, ..Default::default() };
+        vdb::write(&path, &bake::grids(&computed), &options).expect("it is written");
+        rivals::read_with_library(path.to_str().expect("UTF-8")).expect("the rival reads it")
+    };
+    let ready: Vec<_> = numbers.iter().map(ready).collect();
     let theirs = |frames: usize| -> Seconds {
-        let write = |(place, grids)| {
+        let write = |(place, grids): (usize, &cxx::UniquePtr<rivals::LibraryFrame>)| {
             let path = folder.path().join(format!("theirs.{place}.vdb"));
-            rivals::write_with_library(grids, path.to_str().expect("UTF-8")).expect("the rival runs");
+            grids.write(path.to_str().expect("UTF-8")).expect("the rival runs");
         };
         timed(|| ready[..frames].iter().enumerate().for_each(write)).0
     };

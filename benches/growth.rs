@@ -15,7 +15,7 @@ use common::clock::timed;
 use common::memory::resident;
 use common::scenes::{self, Sampling};
 use common::{bake, threads};
-use hfvdb::vdb::WriteOptions;
+use hfvdb::vdb::{self, WriteOptions};
 
 /// Scenes, and their frame.
 const SCENES: [(&str, i64); 2] = [("heart", 1), ("cube-to-heart", 12)];
@@ -39,8 +39,9 @@ fn bench(scene: &str, frame: i64, resolution: u32) {
     let (compute, computed) = timed(|| bake::compute(&prepared, frame));
     let voxels = computed.band.active_voxels();
     let options = WriteOptions { overwrite: true, ..Default::default() };
-    let (write, written) =
-        timed(|| bake::hand_over(&computed).write(folder.path().join("frame.vdb"), &options).expect("it is written"));
+    let (write, written) = timed(|| {
+        vdb::write(folder.path().join("frame.vdb"), &bake::grids(&computed), &options).expect("it is written")
+    });
     let ([_, ready], [_, compute], [_, write]) = (ready, compute, write);
     let (memory, bytes) = (resident().1, written.bytes);
     println!("GROWTH {scene} {resolution} {voxels} {ready:.3} {compute:.3} {write:.3} {memory} {bytes}");

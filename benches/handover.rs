@@ -1,5 +1,6 @@
-//! How fast blocks reach OpenVDB's tree across the bridge, against C++ alone and against a call a voxel (rows 11 and 18 of
-//! the performance table); and how fast a ready frame reaches the disk, against OpenVDB's own writer.
+//! How fast blocks cross the bridge and become a file's bytes, against C++ alone and, without
+//! compression, against a call a voxel (rows 11 and
+//! 18 of the performance table); and how fast a ready frame reaches the disk, against OpenVDB's own writer.
 //!
 //! `cargo bench --features rivals --bench handover [-- RESOLUTION...]`
 
@@ -9,7 +10,8 @@ use common::clock::{Seconds, pairs, timed};
 use common::report::{Goal, Row};
 use glam::{DVec3, IVec3};
 use hfvdb::grid::*;
-use hfvdb::vdb::{Frame, Grid, WriteOptions, prepare, rivals, set_threads};
+use hfvdb::vdb::{Compression, Frame, Grid, WriteOptions, encode, rivals, set_threads, write};
+use rayon::ThreadPool;
 
 const PAIRS: usize = 21;
 
@@ -52,24 +54,22 @@ fn sphere(resolution: i32) -> Band {
     }
 }
 
-/// Brings a band's blocks into a tree across the bridge; the tree's end is not counted.
-fn across_the_bridge(band: &Band, threads: usize) -> Seconds {
-    set_threads(threads).expect("a thread limit");
+/// Brings a band's blocks across the bridge into a file's bytes; the end of these is not counted.
+fn across_the_bridge(band: &Band, threads: &ThreadPool, compression: Compression) -> Seconds {
     let frame = Frame { grids: vec![Grid::level_set("surface", band)], ..Default::default() };
-    timed(|| prepare(&frame).expect("a sound band")).0
+    threads.install(|| timed(|| encode(&frame, compression).expect("a sound band")).0)
 }
 
 fn in_cpp(band: &Band, threads: usize) -> Seconds {
     let origins: Vec<i32> = band.origins.iter().flat_map(IVec3::to_array).collect();
     let (masks, values) = (band.active.as_flattened(), band.distances.as_flattened());
     let mut seconds = [0.0; 2];
-    let voxels = rivals::link_in_cpp(&origins, masks, values, band.background(), threads, &mut seconds);
-    assert_eq!(voxels.expect("the rival runs"), band.active_voxels());
+    rivals::encode_in_cpp(&origins, masks, values, band.background(), threads, &mut seconds).expect("the rival runs");
     seconds
 }
 
 fn a_call_a_voxel(band: &Band) -> Seconds {
-    let (seconds, tree) = timed(|| {
+    let fill = || {
         let mut tree = rivals::new_voxel_tree(band.background()).expect("a tree");
         for ((origin, values), mask) in band.origins.iter().zip(&band.distances).zip(&band.active) {
             for (place, value) in (0..).zip(values) {
@@ -79,24 +79,25 @@ fn a_call_a_voxel(band: &Band) -> Seconds {
                 }
             }
         }
-        tree
-    });
-    assert_eq!(tree.active_voxels(), band.active_voxels());
-    seconds
+        let bytes = tree.encode().expect("the rival runs");
+        (tree, bytes)
+    };
+    timed(fill).0
 }
 
 /// Writes a surface with colour here and by OpenVDB's own writer: encoded, on the disk and synced.
 fn compare_writing(band: &Band, row: Row) {
     let folder = tempfile::tempdir().expect("a folder");
     let colours = band.distances.iter().map(|values| values.map(|value| [0.5 + value, 0.5 - value, value.abs()]));
-    let colour = Channel { name: "Cd".into(), values: colours.collect(), background: [0.5; 3] };
+    let colour = Channel::of_blocks("Cd", &band.active, colours, [0.5; 3]);
     let frame =
         Frame { grids: vec![Grid::level_set("surface", band), Grid::colour(band, &colour)], ..Default::default() };
-    let prepared = prepare(&frame).expect("a sound frame");
     let (ours, theirs) = (folder.path().join("ours.vdb"), folder.path().join("theirs.vdb"));
     let options = WriteOptions { overwrite: true, ..Default::default() };
-    let write_ours = || timed(|| prepared.write(&ours, &options).expect("it is written")).0;
-    let write_theirs = || timed(|| rivals::write_with_library(&prepared, theirs.to_str().expect("UTF-8"))).0;
+    let write_ours = || timed(|| write(&ours, &frame, &options).expect("it is written")).0;
+    write_ours();
+    let ready = rivals::read_with_library(ours.to_str().expect("UTF-8")).expect("the rival reads it");
+    let write_theirs = || timed(|| ready.write(theirs.to_str().expect("UTF-8")).expect("the rival runs")).0;
     let pairs = pairs(PAIRS, write_ours, write_theirs);
     row.compare("a ready frame with colour on the disk, against io::File", Goal::None, &pairs);
 }
@@ -105,17 +106,31 @@ fn bench(resolution: u32) {
     let all = std::thread::available_parallelism().map_or(2, usize::from);
     let band = sphere(resolution as i32);
     println!("sphere at {resolution}: {} blocks, {} active voxels", band.origins.len(), band.active_voxels());
-    let ours = |threads| across_the_bridge(&band, threads);
+    let pool = |threads| rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool of threads");
+    let pools = [1, all].map(pool);
+    let ours = |threads, compression| {
+        set_threads(threads).expect("a thread limit");
+        across_the_bridge(&band, &pools[usize::from(threads > 1)], compression)
+    };
+    let compressed = |threads| ours(threads, Compression::Blosc);
     let row = |number| Row(number, "sphere", resolution);
     for threads in [1, all] {
         let scene = format!("sphere,_threads:_{threads}");
-        let pairs = pairs(PAIRS, || ours(threads), || in_cpp(&band, threads));
-        Row("11", &scene, resolution).compare("across the bridge, against C++ alone", Goal::AtLeast(0.8), &pairs);
+        let pairs = pairs(PAIRS, || compressed(threads), || in_cpp(&band, threads));
+        Row("11", &scene, resolution).compare(
+            "across the bridge and encoded, against C++ alone",
+            Goal::AtLeast(0.8),
+            &pairs,
+        );
     }
-    let voxels = pairs(PAIRS, || ours(1), || a_call_a_voxel(&band));
-    row("11-voxels").compare("across the bridge, against a call a voxel, one thread", Goal::AtLeast(3.0), &voxels);
-    let threads = pairs(PAIRS, || ours(all), || ours(1));
-    row("18-handover").compare("all threads against one, handing over", Goal::AtLeast(1.6), &threads);
+    let voxels = pairs(PAIRS, || ours(1, Compression::None), || a_call_a_voxel(&band));
+    row("11-voxels").compare(
+        "across the bridge and encoded, against a call a voxel, one thread, not compressed",
+        Goal::AtLeast(3.0),
+        &voxels,
+    );
+    let threads = pairs(PAIRS, || compressed(all), || compressed(1));
+    row("18-handover").compare("all threads against one, handing over and encoding", Goal::AtLeast(1.6), &threads);
     compare_writing(&band, row("written"));
 }
 

@@ -1,5 +1,5 @@
 //! Where the time of one frame with colour goes, on two threads: finding blocks, filling them with F, distances, colour,
-//! handing over, encoding with the check that reads the file back, and the disk. Each stage is what a longer piece of
+//! encoding, writing into memory with the check that reads the file back, and the disk. Each stage is what a longer piece of
 //! the work takes more than a shorter one, so that nothing in the program has a clock in it.
 //!
 //! `cargo bench --bench stages [-- SCENE... RESOLUTION...]`
@@ -17,7 +17,7 @@ use common::{bake, threads};
 use hfvdb::distance::descent::{NODE_EDGE, Scope, descend};
 use hfvdb::field::{BATCH, Field, Points};
 use hfvdb::grid::BLOCK_EDGE;
-use hfvdb::vdb::{Prepared, WriteOptions};
+use hfvdb::vdb::{self, Compression, Encoded};
 use rayon::prelude::*;
 
 const ROUNDS: usize = 9;
@@ -40,9 +40,8 @@ fn fill(field: &dyn Field, scope: &Scope) -> Vec<[f32; BATCH]> {
     values
 }
 
-fn write(prepared: &Prepared, folder: &Path) {
-    let options = WriteOptions { overwrite: true, ..Default::default() };
-    prepared.write(folder.join("frame.vdb"), &options).expect("it is written");
+fn write(encoded: Encoded, folder: &Path) {
+    encoded.write(folder.join("frame.vdb"), true).expect("it is written");
 }
 
 fn bench(scene: &str, resolution: u32) {
@@ -59,22 +58,25 @@ fn bench(scene: &str, resolution: u32) {
         let (filled, _) = timed(|| fill(&*content.field, &scope));
         let (measured, _) = timed(|| scenes::band(&prepared, &content));
         let (computed, grids) = timed(|| bake::compute(&prepared, frame));
-        let (handed_over, ready) = timed(|| bake::hand_over(&grids));
-        let (encoded, ()) = timed(|| write(&ready, memory.path()));
-        let (written, ()) = timed(|| write(&ready, disk.path()));
+        let frame = bake::grids(&grids);
+        let encode = || vdb::encode(&frame, Compression::Blosc).expect("a sound frame");
+        let (encoded, bytes) = timed(encode);
+        let (checked, ()) = timed(|| write(bytes, memory.path()));
+        let bytes = encode();
+        let (written, ()) = timed(|| write(bytes, disk.path()));
         let more = |long: Seconds, short: Seconds| [long[0] - short[0], long[1] - short[1]];
         let stage = [
             find,
             more(filled, find),
             more(measured, filled),
             more(computed, measured),
-            handed_over,
             encoded,
-            more(written, encoded),
+            checked,
+            more(written, checked),
         ];
         stages.iter_mut().zip(stage).for_each(|(list, seconds)| list.push(seconds));
     }
-    let names = ["find", "fill", "distances", "colour", "hand_over", "encode", "disk"];
+    let names = ["find", "fill", "distances", "colour", "encode", "check", "disk"];
     for (name, list) in names.into_iter().zip(stages) {
         let [clock, processor] = [0, 1].map(|clock| 1e3 * quartiles(list.iter().map(|seconds| seconds[clock]))[0]);
         println!("STAGE {scene} {resolution} {name} {clock:.1} {processor:.1}");

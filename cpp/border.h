@@ -9,6 +9,7 @@
 #include <exception>
 #include <memory>
 #include <new>
+#include <string>
 
 // Every exception becomes a Rust error, also one that is no std::exception.
 namespace rust {
@@ -34,12 +35,14 @@ namespace hfvdb {
 struct Meta;
 struct Head;
 struct Blocks;
+struct Leaves;
+struct LeafSizes;
 enum class Codec : std::uint8_t;
 
 rust::String library_version();
 void set_thread_limit(std::size_t threads);
 
-// A finished grid; what it holds is in grids.h.
+// A grid; what it holds is in grids.h.
 class Grid {
 public:
     struct Parts;
@@ -51,42 +54,28 @@ private:
     std::unique_ptr<Parts> mParts;
 };
 
-std::shared_ptr<Grid> level_set(
-    const Head& head, const Blocks& blocks, rust::Slice<const float> distances, float background);
-std::shared_ptr<Grid> float_grid(
-    const Head& head, const Blocks& blocks, rust::Slice<const float> values, float background, float tile_value);
-std::shared_ptr<Grid> vector_grid(const Head& head, const Blocks& blocks, rust::Slice<const float> values,
-    std::array<float, 3> background, std::array<float, 3> tile_value);
+// The nodes, leaves without values and tiles of a grid.
+std::shared_ptr<Grid> float_grid(const Head& head, const Blocks& blocks, float background, float tile_value);
+std::shared_ptr<Grid> vector_grid(
+    const Head& head, const Blocks& blocks, std::array<float, 3> background, std::array<float, 3> tile_value);
 
-// Grids and metadata of one file.
-class Frame {
+// The parts of a file.
+class Writer {
 public:
-    struct Parts;
-    explicit Frame(std::unique_ptr<Parts> parts);
-    ~Frame();
-    void add(std::shared_ptr<Grid> grid);
-    const Parts& parts() const { return *mParts; }
+    explicit Writer(Codec codec);
+    ~Writer();
+    std::unique_ptr<std::string> file_head(rust::Slice<const Meta> metadata, std::int32_t grids);
+    std::size_t leaves(const Grid& grid, const Leaves& leaves, rust::Slice<std::int64_t> sizes,
+        rust::Slice<std::uint8_t> target) const;
+    std::unique_ptr<std::string> grid_head(const Grid& grid, const LeafSizes& leaves, std::int64_t position) const;
 
 private:
+    class Archive;
+    struct Parts;
     std::unique_ptr<Parts> mParts;
 };
 
-std::unique_ptr<Frame> new_frame(rust::Slice<const Meta> metadata);
-
-// A file's bytes, in pieces.
-class Encoded {
-public:
-    struct Parts;
-    explicit Encoded(std::unique_ptr<Parts> parts);
-    ~Encoded();
-    std::size_t pieces() const;
-    rust::Slice<const std::uint8_t> piece(std::size_t index) const;
-
-private:
-    std::unique_ptr<Parts> mParts;
-};
-
-std::unique_ptr<Encoded> encode(const Frame& frame, Codec codec);
+std::unique_ptr<Writer> new_writer(Codec codec);
 
 struct Counts;
 struct Target;

@@ -1,4 +1,4 @@
-// Grids from blocks: one copy of the values, leaves made on all threads.
+// A grid's tree from blocks: nodes, leaves without values, tiles. Leaves are made on all threads.
 
 #include "grids.h"
 
@@ -6,10 +6,6 @@
 #include <tbb/global_control.h>
 #include <tbb/parallel_for.h>
 
-#include <algorithm>
-#include <cmath>
-#include <cstring>
-#include <limits>
 #include <mutex>
 #include <stdexcept>
 
@@ -21,100 +17,23 @@ using openvdb::Vec3s;
 
 namespace {
 
-constexpr std::size_t VOXELS = 512;
 constexpr std::size_t MASK_WORDS = 8;
 // Leaves a thread takes at a time: fewer cost scheduling, more leave threads idle at the end.
 constexpr std::size_t LEAVES_A_TASK = 64;
-
-bool finite(float value)
-{
-    return std::abs(value) <= std::numeric_limits<float>::max();
-}
-
-// Without a branch, so that it is done on vectors.
-bool all_finite(const float* values, std::size_t count)
-{
-    unsigned bad = 0;
-    for (std::size_t index = 0; index < count; ++index) bad |= unsigned(!finite(values[index]));
-    return bad == 0;
-}
-
-// How blocks are filled, for each kind of grid. `fill` gets a block's 512 values, its mask, and where to put them.
-struct LevelSetValues {
-    using Value = float;
-    static constexpr std::size_t COMPONENTS = 1;
-    const float* source;
-    float background;
-
-    // Inactive distances lie at or beyond the background, so limiting all of them is enough; the mask is not needed.
-    void fill(const float* block, const std::uint64_t*, float* target) const
-    {
-        for (std::size_t voxel = 0; voxel < VOXELS; ++voxel) {
-            target[voxel] = std::min(std::max(flip_sign(block[voxel]), -background), background);
-        }
-    }
-};
-
-// Active values as they are, the background elsewhere.
-template <typename ValueType, std::size_t Components>
-struct ChannelValues {
-    using Value = ValueType;
-    static constexpr std::size_t COMPONENTS = Components;
-    const float* source;
-    ValueType background;
-
-    void fill(const float* block, const std::uint64_t* mask, float* target) const
-    {
-        constexpr std::size_t ROW = 8;
-        float fallback[Components];
-        std::memcpy(fallback, &background, sizeof fallback);
-        for (std::size_t row = 0; row < VOXELS / ROW; ++row) {
-            const unsigned active = (mask[row / 8] >> (row % 8 * ROW)) & 0xff;
-            const std::size_t at = row * ROW * Components;
-            if (active == 0xff) {
-                std::memcpy(target + at, block + at, ROW * Components * sizeof(float));
-                continue;
-            }
-            for (std::size_t z = 0; z < ROW; ++z) {
-                const float* from = (active >> z) & 1 ? block + at + z * Components : fallback;
-                std::memcpy(target + at + z * Components, from, Components * sizeof(float));
-            }
-        }
-    }
-};
-
-using FloatValues = ChannelValues<float, 1>;
-using VectorValues = ChannelValues<Vec3s, 3>;
-static_assert(sizeof(Vec3s) == 3 * sizeof(float), "vectors are three floats");
 
 Coord coordinate(rust::Slice<const std::int32_t> numbers, std::size_t index)
 {
     return {numbers[index], numbers[index + 1], numbers[index + 2]};
 }
 
-[[noreturn]] void refuse_value(const Head& head, Coord origin, Index offset)
+// A leaf that says which of its voxels are active. It has no buffer: values go from the blocks straight into the file.
+template <typename Leaf>
+std::unique_ptr<Leaf> make_leaf(
+    Coord origin, const std::uint64_t* mask, const typename Leaf::ValueType& background)
 {
-    const Coord voxel(origin.x() + int(offset >> 6), origin.y() + int((offset >> 3) & 7), origin.z() + int(offset & 7));
-    throw std::runtime_error("grid '" + std::string(head.name) + "' has a value that is not a finite number at voxel ("
-        + std::to_string(voxel.x()) + ", " + std::to_string(voxel.y()) + ", " + std::to_string(voxel.z()) + ")");
-}
-
-template <typename Leaf, typename Values>
-std::unique_ptr<Leaf> make_leaf(const Head& head, Coord origin, const std::uint64_t* mask, const Values& values,
-    std::size_t block)
-{
-    constexpr std::size_t NUMBERS = VOXELS * Values::COMPONENTS;
-    // "Partial": the values are not filled in before we do it.
-    auto leaf = std::make_unique<Leaf>(openvdb::PartialCreate(), origin, values.background, false);
-    leaf->allocate();
-    float* target = reinterpret_cast<float*>(leaf->buffer().data());
-    values.fill(values.source + NUMBERS * block, mask, target);
+    auto leaf = std::make_unique<Leaf>(openvdb::PartialCreate(), origin, background, false);
     for (std::size_t word = 0; word < MASK_WORDS; ++word) {
         leaf->getValueMask().template getWord<std::uint64_t>(Index(word)) = mask[word];
-    }
-    if (!all_finite(target, NUMBERS)) {
-        const float* bad = std::find_if_not(target, target + NUMBERS, [](float value) { return finite(value); });
-        refuse_value(head, origin, Index(std::size_t(bad - target) / Values::COMPONENTS));
     }
     return leaf;
 }
@@ -134,8 +53,8 @@ std::vector<std::size_t> runs(rust::Slice<const std::int32_t> origins, int log2_
 
 // Blocks stand sorted as the tree holds them, so each node's blocks are a run: nodes of the two upper levels are
 // filled without a lock.
-template <typename Tree, typename Values>
-void link_leaves(Tree& tree, const Head& head, const Blocks& blocks, const Values& values)
+template <typename Tree>
+void link_leaves(Tree& tree, const Blocks& blocks)
 {
     using Leaf = typename Tree::LeafNodeType;
     using Upper = typename Tree::RootNodeType::ChildNodeType;
@@ -146,15 +65,15 @@ void link_leaves(Tree& tree, const Head& head, const Blocks& blocks, const Value
     std::vector<std::unique_ptr<Leaf>> leaves(count);
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, LEAVES_A_TASK), [&](const auto& range) {
         for (std::size_t block = range.begin(); block != range.end(); ++block) {
-            leaves[block] = make_leaf<Leaf>(head, coordinate(blocks.origins, 3 * block),
-                blocks.masks.data() + MASK_WORDS * block, values, block);
+            leaves[block] = make_leaf<Leaf>(
+                coordinate(blocks.origins, 3 * block), blocks.masks.data() + MASK_WORDS * block, tree.background());
         }
     });
 
     const std::vector<std::size_t> lower_runs = runs(blocks.origins, Lower::TOTAL);
     std::vector<std::unique_ptr<Lower>> lowers(lower_runs.size() - 1);
     tbb::parallel_for(std::size_t(0), lowers.size(), [&](std::size_t run) {
-        lowers[run] = std::make_unique<Lower>(coordinate(blocks.origins, 3 * lower_runs[run]), values.background);
+        lowers[run] = std::make_unique<Lower>(coordinate(blocks.origins, 3 * lower_runs[run]), tree.background());
         for (std::size_t block = lower_runs[run]; block != lower_runs[run + 1]; ++block) {
             lowers[run]->addLeaf(leaves[block].release());
         }
@@ -163,7 +82,7 @@ void link_leaves(Tree& tree, const Head& head, const Blocks& blocks, const Value
     for (std::unique_ptr<Lower>& lower : lowers) {
         Upper* upper = tree.root().template probeNode<Upper>(lower->origin());
         if (!upper) {
-            upper = new Upper(lower->origin(), values.background);
+            upper = new Upper(lower->origin(), tree.background());
             tree.root().addChild(upper);
         }
         upper->addChild(lower.release());
@@ -180,12 +99,12 @@ void add_tiles(Tree& tree, const Blocks& blocks, const typename Tree::ValueType&
     }
 }
 
-template <typename GridType, typename Values>
-std::shared_ptr<Grid> make_grid(
-    const Head& head, const Blocks& blocks, const Values& values, const typename Values::Value& tile_value)
+template <typename GridType>
+std::shared_ptr<Grid> make_grid(const Head& head, const Blocks& blocks, const typename GridType::ValueType& background,
+    const typename GridType::ValueType& tile_value)
 {
     start_library();
-    auto grid = GridType::create(values.background);
+    auto grid = GridType::create(background);
     insert_metadata(*grid, head.metadata);
     grid->setName(std::string(head.name));
     grid->setGridClass(openvdb::GridBase::stringToGridClass(std::string(head.grid_class)));
@@ -194,7 +113,7 @@ std::shared_ptr<Grid> make_grid(
     }
     grid->setSaveFloatAsHalf(head.half);
     grid->setTransform(openvdb::math::Transform::createLinearTransform(head.voxel_size));
-    link_leaves(grid->tree(), head, blocks, values);
+    link_leaves(grid->tree(), blocks);
     add_tiles(grid->tree(), blocks, tile_value);
     if (grid->tree().leafCount() != blocks.origins.size() / 3) {
         throw std::runtime_error("grid '" + std::string(head.name) + "' has tiles where it has blocks");
@@ -209,24 +128,6 @@ Grid::Grid(std::unique_ptr<Parts> parts)
 {
 }
 Grid::~Grid() = default;
-
-Frame::Frame(std::unique_ptr<Parts> parts)
-    : mParts(std::move(parts))
-{
-}
-Frame::~Frame() = default;
-
-void Frame::add(std::shared_ptr<Grid> grid)
-{
-    mParts->grids.push_back(grid->parts().grid);
-}
-
-std::unique_ptr<Frame> new_frame(rust::Slice<const Meta> metadata)
-{
-    auto parts = std::make_unique<Frame::Parts>();
-    insert_metadata(parts->metadata, metadata);
-    return std::make_unique<Frame>(std::move(parts));
-}
 
 rust::String library_version()
 {
@@ -275,25 +176,15 @@ void insert_metadata(openvdb::MetaMap& map, rust::Slice<const Meta> items)
     }
 }
 
-std::shared_ptr<Grid> level_set(
-    const Head& head, const Blocks& blocks, rust::Slice<const float> distances, float background)
+std::shared_ptr<Grid> float_grid(const Head& head, const Blocks& blocks, float background, float tile_value)
 {
-    // Tiles lie inside: they hold the most negative distance.
-    return make_grid<openvdb::FloatGrid>(
-        head, blocks, LevelSetValues{distances.data(), background}, flip_sign(background));
+    return make_grid<openvdb::FloatGrid>(head, blocks, background, tile_value);
 }
 
-std::shared_ptr<Grid> float_grid(
-    const Head& head, const Blocks& blocks, rust::Slice<const float> values, float background, float tile_value)
+std::shared_ptr<Grid> vector_grid(
+    const Head& head, const Blocks& blocks, std::array<float, 3> background, std::array<float, 3> tile_value)
 {
-    return make_grid<openvdb::FloatGrid>(head, blocks, FloatValues{values.data(), background}, tile_value);
-}
-
-std::shared_ptr<Grid> vector_grid(const Head& head, const Blocks& blocks, rust::Slice<const float> values,
-    std::array<float, 3> background, std::array<float, 3> tile_value)
-{
-    return make_grid<openvdb::Vec3SGrid>(
-        head, blocks, VectorValues{values.data(), Vec3s(background.data())}, Vec3s(tile_value.data()));
+    return make_grid<openvdb::Vec3SGrid>(head, blocks, Vec3s(background.data()), Vec3s(tile_value.data()));
 }
 
 } // namespace hfvdb

@@ -1,19 +1,15 @@
-// Grids to a file's bytes: what io::File writes, byte for byte, with the leaves encoded on all threads and once.
+// The parts of a file around its leaves' values: what io::File writes, byte for byte; and values compressed by OpenVDB.
 //
 // io::File encodes leaf after leaf on one thread, after compressing all of them a first time to learn their sizes for
-// its delayed-load metadata. Here runs of leaves are encoded by OpenVDB's own leaf writer into memory, on all threads,
-// before the metadata is written, so their sizes are known by then.
+// its delayed-load metadata. Here runs of leaves are encoded before the metadata is written, by any number of threads.
 
 #include "grids.h"
 
 #include <openvdb/io/Archive.h>
+#include <openvdb/io/Compression.h>
 #include <openvdb/io/DelayedLoadMetadata.h>
 #include <openvdb/io/GridDescriptor.h>
-#include <openvdb/tree/LeafManager.h>
-#include <tbb/parallel_for.h>
 
-#include <algorithm>
-#include <iterator>
 #include <ostream>
 #include <stdexcept>
 #include <streambuf>
@@ -22,16 +18,9 @@ namespace hfvdb {
 
 namespace io = openvdb::io;
 
-struct Encoded::Parts {
-    std::vector<std::string> pieces;
-};
-
 namespace {
 
-// Leaves encoded into one piece: some 100 KiB of output, enough to outweigh a stream's start, few enough to share.
-constexpr std::size_t LEAVES_A_PIECE = 256;
-// The value mask that a leaf's buffer starts with, and the byte after it that says how inactive values are kept.
-constexpr std::size_t LEAF_MASK_BYTES = 64;
+constexpr std::int64_t LEAF_VOXELS = 512;
 
 // A stream buffer that grows a string.
 class StringSink : public std::streambuf {
@@ -69,10 +58,10 @@ public:
 
     const std::string& bytes() const { return mSink.bytes; }
 
-    std::string take()
+    std::unique_ptr<std::string> take()
     {
         if (!stream) throw std::runtime_error("a grid could not be encoded");
-        return std::move(mSink.bytes);
+        return std::make_unique<std::string>(std::move(mSink.bytes));
     }
 
 private:
@@ -83,60 +72,65 @@ public:
     std::ostream stream;
 };
 
-struct Leaves {
-    std::vector<std::string> pieces;
-    std::vector<std::int8_t> masks;
-    std::vector<std::int64_t> sizes;
+// A stream buffer over memory of a fixed size, which is enough.
+class MemorySink : public std::streambuf {
+public:
+    explicit MemorySink(rust::Slice<std::uint8_t> memory)
+    {
+        char* start = reinterpret_cast<char*>(memory.data());
+        setp(start, start + memory.size());
+    }
+
+    std::size_t size() const { return std::size_t(pptr() - pbase()); }
 };
 
-// Bytes of a leaf before its compressed values, by the byte that says how inactive values are kept.
-std::size_t leaf_head_bytes(std::int8_t flag, std::size_t value_bytes)
+template <typename Value>
+void write_values(std::ostream& out, const float* values, std::size_t count, bool half, std::uint32_t compression)
 {
-    const std::size_t values = flag == io::MASK_AND_TWO_INACTIVE_VALS ? 2
-        : flag == io::NO_MASK_AND_ONE_INACTIVE_VAL || flag == io::MASK_AND_ONE_INACTIVE_VAL ? 1
-                                                                                            : 0;
-    const bool selection = flag == io::MASK_AND_NO_INACTIVE_VALS || flag == io::MASK_AND_ONE_INACTIVE_VAL
-        || flag == io::MASK_AND_TWO_INACTIVE_VALS;
-    return LEAF_MASK_BYTES + 1 + values * value_bytes + (selection ? LEAF_MASK_BYTES : 0);
+    const Value* first = reinterpret_cast<const Value*>(values);
+    if (half) {
+        io::HalfWriter<true, Value>::write(out, first, openvdb::Index(count), compression);
+    } else {
+        io::writeData<Value>(out, first, openvdb::Index(count), compression);
+    }
 }
 
-template <typename GridType>
-Leaves encode_leaves(const GridType& grid, const io::StreamMetadata& settings)
+static_assert(sizeof(openvdb::Vec3s) == 3 * sizeof(float), "vectors are three floats");
+
+// A grid's metadata with the statistics and sizes that readers look for.
+void write_metadata(const openvdb::GridBase& grid, const LeafSizes& leaves, std::ostream& stream)
 {
-    using Tree = typename GridType::TreeType;
-    const Tree& tree = grid.tree();
-    const openvdb::tree::LeafManager<const Tree> manager(tree);
-    const std::size_t count = manager.leafCount();
-    Leaves leaves;
-    leaves.pieces.resize((count + LEAVES_A_PIECE - 1) / LEAVES_A_PIECE);
-    leaves.masks.resize(count);
-    leaves.sizes.resize(count);
-    tbb::parallel_for(std::size_t(0), leaves.pieces.size(), [&](std::size_t piece) {
-        MemoryStream out(settings);
-        io::setGridBackgroundValuePtr(out.stream, &tree.background());
-        const std::size_t end = std::min(count, (piece + 1) * LEAVES_A_PIECE);
-        for (std::size_t leaf = piece * LEAVES_A_PIECE; leaf != end; ++leaf) {
-            const std::size_t start = out.bytes().size();
-            manager.leaf(leaf).writeBuffers(out.stream, grid.saveFloatAsHalf());
-            leaves.masks[leaf] = std::int8_t(out.bytes().at(start + LEAF_MASK_BYTES));
-            leaves.sizes[leaf] = std::int64_t(out.bytes().size() - start
-                - leaf_head_bytes(leaves.masks[leaf], sizeof(typename GridType::ValueType)));
+    const openvdb::GridBase::ConstPtr shallow = grid.copyGrid();
+    const openvdb::GridBase::Ptr copy = openvdb::ConstPtrCast<openvdb::GridBase>(shallow);
+    copy->addStatsMetadata();
+    // The memory of the grid as its readers have it: with the values, which its leaves here lack.
+    const bool is_float = grid.isType<openvdb::FloatGrid>();
+    const std::int64_t values = std::int64_t(leaves.masks.size()) * LEAF_VOXELS;
+    const std::int64_t value_bytes = values * std::int64_t(is_float ? sizeof(float) : sizeof(openvdb::Vec3s));
+    copy->insertMeta(openvdb::GridBase::META_FILE_MEM_BYTES,
+        openvdb::Int64Metadata(std::int64_t(grid.memUsage()) + value_bytes));
+    const std::uint32_t flags = io::getDataCompression(stream);
+    copy->insertMeta(openvdb::GridBase::META_FILE_COMPRESSION, openvdb::StringMetadata(io::compressionToString(flags)));
+    if (!leaves.masks.empty()) {
+        io::DelayedLoadMetadata delayed;
+        delayed.resizeMask(leaves.masks.size());
+        const bool compressed = flags & (io::COMPRESS_BLOSC | io::COMPRESS_ZIP);
+        if (compressed) delayed.resizeCompressedSize(leaves.sizes.size());
+        for (std::size_t leaf = 0; leaf < leaves.masks.size(); ++leaf) {
+            delayed.setMask(leaf, leaves.masks[leaf]);
+            if (compressed) delayed.setCompressedSize(leaf, leaves.sizes[leaf]);
         }
-        leaves.pieces[piece] = out.take();
-    });
-    return leaves;
+        copy->insertMeta(openvdb::GridBase::META_FILE_DELAYED_LOAD, delayed);
+    }
+    copy->writeMeta(stream);
 }
 
-Leaves encode_leaves(const openvdb::GridBase& grid, const io::StreamMetadata& settings)
-{
-    if (const auto* floats = dynamic_cast<const openvdb::FloatGrid*>(&grid)) return encode_leaves(*floats, settings);
-    if (const auto* vectors = dynamic_cast<const openvdb::Vec3SGrid*>(&grid)) return encode_leaves(*vectors, settings);
-    throw std::runtime_error("grid '" + grid.getName() + "' is of type " + grid.type() + ", which is not written here");
-}
+} // namespace
 
-class Writer : public io::Archive {
+class Writer::Archive : public io::Archive {
 public:
-    std::vector<std::string> write_file(const openvdb::GridCPtrVec& grids, const openvdb::MetaMap& metadata) const
+    // Sets what a file's streams have in common.
+    io::StreamMetadata settings() const
     {
         io::StreamMetadata settings;
         settings.setSeekable(true);
@@ -145,99 +139,104 @@ public:
         settings = *io::getStreamMetadataPtr(out.stream);
         settings.setCompression(compression());
         settings.setWriteGridStats(true);
-        metadata.writeMeta(out.stream);
-        const std::int32_t count = std::int32_t(grids.size());
-        out.stream.write(reinterpret_cast<const char*>(&count), sizeof count);
-
-        std::vector<std::string> pieces{out.take()};
-        std::int64_t position = std::int64_t(pieces.back().size());
-        for (const openvdb::GridBase::ConstPtr& grid : grids) write_one(*grid, settings, pieces, position);
-        return pieces;
+        return settings;
     }
 
-private:
-    void write_one(const openvdb::GridBase& grid, const io::StreamMetadata& settings, std::vector<std::string>& pieces,
-        std::int64_t& position) const
+    // The compression of a grid, which its class has a say in.
+    std::uint32_t of_grid(const openvdb::GridBase& grid) const
     {
-        MemoryStream out(settings);
-        io::setGridClass(out.stream, grid.getGridClass());
-        io::GridDescriptor descriptor(grid.getName(), grid.type(), grid.saveFloatAsHalf());
-        descriptor.writeHeader(out.stream);
-        const std::size_t offsets_at = out.bytes().size();
-        descriptor.writeStreamPos(out.stream); // to be replaced below
-        descriptor.setGridPos(position + std::int64_t(out.bytes().size()));
-        setGridCompression(out.stream, grid);
-
-        Leaves leaves = encode_leaves(grid, *io::getStreamMetadataPtr(out.stream));
-        write_metadata(grid, leaves, out.stream);
-        grid.writeTransform(out.stream);
-        grid.writeTopology(out.stream);
-        descriptor.setBlockPos(position + std::int64_t(out.bytes().size()));
-
-        position += std::int64_t(out.bytes().size());
-        for (const std::string& piece : leaves.pieces) position += std::int64_t(piece.size());
-        descriptor.setEndPos(position);
-        MemoryStream offsets(settings);
-        descriptor.writeStreamPos(offsets.stream);
-        const std::string offset_bytes = offsets.take();
-        pieces.push_back(out.take().replace(offsets_at, offset_bytes.size(), offset_bytes));
-        std::move(leaves.pieces.begin(), leaves.pieces.end(), std::back_inserter(pieces));
+        StringSink sink;
+        std::ostream out(&sink);
+        setGridCompression(out, grid);
+        return io::getDataCompression(out);
     }
 
-    // A grid's metadata with the statistics and sizes that readers look for.
-    static void write_metadata(const openvdb::GridBase& grid, const Leaves& leaves, std::ostream& stream)
-    {
-        const openvdb::GridBase::ConstPtr shallow = grid.copyGrid();
-        const openvdb::GridBase::Ptr copy = openvdb::ConstPtrCast<openvdb::GridBase>(shallow);
-        copy->addStatsMetadata();
-        const std::uint32_t flags = io::getDataCompression(stream);
-        copy->insertMeta(
-            openvdb::GridBase::META_FILE_COMPRESSION, openvdb::StringMetadata(io::compressionToString(flags)));
-        if (!leaves.masks.empty()) {
-            io::DelayedLoadMetadata delayed;
-            delayed.resizeMask(leaves.masks.size());
-            const bool compressed = flags & (io::COMPRESS_BLOSC | io::COMPRESS_ZIP);
-            if (compressed) delayed.resizeCompressedSize(leaves.sizes.size());
-            for (std::size_t leaf = 0; leaf < leaves.masks.size(); ++leaf) {
-                delayed.setMask(leaf, leaves.masks[leaf]);
-                if (compressed) delayed.setCompressedSize(leaf, leaves.sizes[leaf]);
-            }
-            copy->insertMeta(openvdb::GridBase::META_FILE_DELAYED_LOAD, delayed);
-        }
-        copy->writeMeta(stream);
-    }
+    using io::Archive::setGridCompression;
+    using io::Archive::writeHeader;
 };
 
-} // namespace
+struct Writer::Parts {
+    Archive archive;
+    io::StreamMetadata settings;
+};
 
-Encoded::Encoded(std::unique_ptr<Parts> parts)
-    : mParts(std::move(parts))
+Writer::Writer(Codec codec)
+    : mParts(std::make_unique<Parts>())
 {
-}
-Encoded::~Encoded() = default;
-
-std::size_t Encoded::pieces() const
-{
-    return mParts->pieces.size();
-}
-
-rust::Slice<const std::uint8_t> Encoded::piece(std::size_t index) const
-{
-    const std::string& bytes = mParts->pieces.at(index);
-    return {reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()};
-}
-
-std::unique_ptr<Encoded> encode(const Frame& frame, Codec codec)
-{
-    start_library();
-    Writer writer;
     const std::uint32_t flags = codec == Codec::Blosc ? std::uint32_t(io::COMPRESS_BLOSC)
         : codec == Codec::Zip                         ? std::uint32_t(io::COMPRESS_ZIP)
                                                       : std::uint32_t(io::COMPRESS_NONE);
-    writer.setCompression(flags | io::COMPRESS_ACTIVE_MASK);
-    auto parts = std::make_unique<Encoded::Parts>();
-    parts->pieces = writer.write_file(frame.parts().grids, frame.parts().metadata);
-    return std::make_unique<Encoded>(std::move(parts));
+    mParts->archive.setCompression(flags | io::COMPRESS_ACTIVE_MASK);
+    mParts->settings = mParts->archive.settings();
+}
+Writer::~Writer() = default;
+
+std::unique_ptr<std::string> Writer::file_head(rust::Slice<const Meta> metadata, std::int32_t grids)
+{
+    MemoryStream out(mParts->settings);
+    mParts->archive.writeHeader(out.stream, /*seekable=*/true);
+    openvdb::MetaMap map;
+    insert_metadata(map, metadata);
+    map.writeMeta(out.stream);
+    out.stream.write(reinterpret_cast<const char*>(&grids), sizeof grids);
+    return out.take();
+}
+
+std::size_t Writer::leaves(
+    const Grid& grid, const Leaves& leaves, rust::Slice<std::int64_t> sizes, rust::Slice<std::uint8_t> target) const
+{
+    const openvdb::GridBase& base = *grid.parts().grid;
+    const bool is_float = base.isType<openvdb::FloatGrid>(), half = base.saveFloatAsHalf();
+    const std::uint32_t compression = mParts->archive.of_grid(base);
+    MemorySink sink(target);
+    std::ostream out(&sink);
+    std::size_t head = 0, value = 0;
+    for (std::size_t leaf = 0; leaf < leaves.head_ends.size(); ++leaf) {
+        const std::size_t head_end = leaves.head_ends[leaf], value_end = leaves.value_ends[leaf];
+        out.write(reinterpret_cast<const char*>(leaves.heads.data()) + head, std::streamsize(head_end - head));
+        const std::size_t start = sink.size();
+        const float* values = leaves.values.data() + value;
+        if (is_float) {
+            write_values<float>(out, values, value_end - value, half, compression);
+        } else {
+            write_values<openvdb::Vec3s>(out, values, (value_end - value) / 3, half, compression);
+        }
+        sizes[leaf] = std::int64_t(sink.size() - start);
+        head = head_end;
+        value = value_end;
+    }
+    if (!out) throw std::runtime_error("leaves could not be encoded");
+    return sink.size();
+}
+
+std::unique_ptr<std::string> Writer::grid_head(const Grid& grid, const LeafSizes& leaves, std::int64_t position) const
+{
+    const openvdb::GridBase& base = *grid.parts().grid;
+    MemoryStream out(mParts->settings);
+    io::setGridClass(out.stream, base.getGridClass());
+    io::GridDescriptor descriptor(base.getName(), base.type(), base.saveFloatAsHalf());
+    descriptor.writeHeader(out.stream);
+    const std::size_t offsets_at = out.bytes().size();
+    descriptor.writeStreamPos(out.stream); // to be replaced below
+    descriptor.setGridPos(position + std::int64_t(out.bytes().size()));
+    mParts->archive.setGridCompression(out.stream, base);
+    write_metadata(base, leaves, out.stream);
+    base.writeTransform(out.stream);
+    base.writeTopology(out.stream);
+    const std::int64_t end = position + std::int64_t(out.bytes().size());
+    descriptor.setBlockPos(end);
+    descriptor.setEndPos(end + leaves.bytes);
+    MemoryStream offsets(mParts->settings);
+    descriptor.writeStreamPos(offsets.stream);
+    std::unique_ptr<std::string> head = out.take();
+    head->replace(offsets_at, offsets.bytes().size(), offsets.bytes());
+    return head;
+}
+
+std::unique_ptr<Writer> new_writer(Codec codec)
+{
+    start_library();
+    return std::make_unique<Writer>(codec);
 }
 
 } // namespace hfvdb

@@ -15,11 +15,6 @@ struct Grid::Parts {
     openvdb::GridBase::ConstPtr grid;
 };
 
-struct Frame::Parts {
-    openvdb::GridCPtrVec grids;
-    openvdb::MetaMap metadata;
-};
-
 // Registers OpenVDB's types; cheap after the first call.
 void start_library();
 

@@ -3,14 +3,18 @@
 #include "grids.h"
 
 #include <openvdb/io/File.h>
+#include <openvdb/tree/LeafManager.h>
 
 #include <fcntl.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cstring>
 #include <ctime>
+#include <sstream>
 #include <stdexcept>
+#include <string>
 #include <thread>
 #include <vector>
 
@@ -38,23 +42,67 @@ double processor_seconds()
     return double(std::clock()) / CLOCKS_PER_SEC;
 }
 
+// Has OpenVDB encode a tree's leaves, in runs of as many as a cache holds; returns the bytes they take.
+std::size_t encode_tree(const Tree& tree, std::size_t threads, std::uint32_t compression)
+{
+    constexpr std::size_t LEAVES_A_RUN = 256;
+    const openvdb::tree::LeafManager<const Tree> leaves(tree);
+    std::vector<std::string> runs((leaves.leafCount() + LEAVES_A_RUN - 1) / LEAVES_A_RUN);
+    share(runs.size(), threads, [&](std::size_t, std::size_t first, std::size_t end) {
+        for (std::size_t run = first; run < end; ++run) {
+            std::ostringstream out;
+            openvdb::io::setDataCompression(out, compression | openvdb::io::COMPRESS_ACTIVE_MASK);
+            openvdb::io::setGridBackgroundValuePtr(out, &tree.background());
+            const std::size_t end_leaf = std::min(leaves.leafCount(), (run + 1) * LEAVES_A_RUN);
+            for (std::size_t leaf = run * LEAVES_A_RUN; leaf < end_leaf; ++leaf) {
+                leaves.leaf(leaf).writeBuffers(out, /*toHalf=*/false);
+            }
+            runs[run] = out.str();
+        }
+    });
+    std::size_t bytes = 0;
+    for (const std::string& run : runs) bytes += run.size();
+    return bytes;
+}
+
 } // namespace
 
-void write_with_library(const Frame& frame, rust::Str path)
+struct LibraryFrame::Parts {
+    openvdb::GridPtrVecPtr grids;
+    openvdb::MetaMap::Ptr metadata;
+};
+
+LibraryFrame::LibraryFrame(rust::Str path)
+    : mParts(std::make_unique<Parts>())
+{
+    start_library();
+    openvdb::io::File file{std::string(path)};
+    file.open(/*delayLoad=*/false);
+    mParts->grids = file.getGrids();
+    mParts->metadata = file.getMetadata();
+}
+LibraryFrame::~LibraryFrame() = default;
+
+void LibraryFrame::write(rust::Str path) const
 {
     const std::string name(path);
     openvdb::io::File file(name);
     file.setCompression(openvdb::io::COMPRESS_BLOSC | openvdb::io::COMPRESS_ACTIVE_MASK);
-    file.write(frame.parts().grids, frame.parts().metadata);
+    file.write(*mParts->grids, *mParts->metadata);
     file.close();
     const int descriptor = open(name.c_str(), O_RDONLY);
     if (descriptor < 0 || fsync(descriptor) != 0) throw std::runtime_error("cannot sync " + name);
     close(descriptor);
 }
 
+std::unique_ptr<LibraryFrame> read_with_library(rust::Str path)
+{
+    return std::make_unique<LibraryFrame>(path);
+}
+
 // What an experienced C++ programmer writes: each thread copies its share of leaves and links them into a tree of its
-// own, and the trees, which share no leaf, are merged by moving nodes.
-std::uint64_t link_in_cpp(rust::Slice<const std::int32_t> origins, rust::Slice<const std::uint64_t> masks,
+// own, and the trees, which share no leaf, are merged by moving nodes. Then each thread has OpenVDB encode its share.
+std::size_t encode_in_cpp(rust::Slice<const std::int32_t> origins, rust::Slice<const std::uint64_t> masks,
     rust::Slice<const float> values, float background, std::size_t threads,
     std::array<double, 2>& seconds)
 {
@@ -76,9 +124,10 @@ std::uint64_t link_in_cpp(rust::Slice<const std::int32_t> origins, rust::Slice<c
         }
     });
     for (std::size_t thread = 1; thread < threads; ++thread) trees[0]->merge(*trees[thread]);
+    const std::size_t bytes = encode_tree(*trees[0], threads, openvdb::io::COMPRESS_BLOSC);
     seconds[0] = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     seconds[1] = processor_seconds() - processor_start;
-    return trees[0]->activeVoxelCount();
+    return bytes;
 }
 
 struct VoxelTree::Parts {
@@ -103,9 +152,9 @@ void VoxelTree::set(std::int32_t x, std::int32_t y, std::int32_t z, float value)
     mParts->accessor.setValueOn(openvdb::Coord(x, y, z), value);
 }
 
-std::uint64_t VoxelTree::active_voxels() const
+std::size_t VoxelTree::encode() const
 {
-    return mParts->tree.activeVoxelCount();
+    return encode_tree(mParts->tree, 1, openvdb::io::COMPRESS_NONE);
 }
 
 std::unique_ptr<VoxelTree> new_voxel_tree(float background)

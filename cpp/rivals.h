@@ -10,16 +10,26 @@
 
 namespace hfvdb {
 
-class Frame;
-
-// Leaves made from blocks and linked by hand-written C++ on so many threads of its own, no border crossed: returns the
-// active voxels of the tree, which is gone afterwards. `seconds` gets the time to make it, not to destroy it: by the
-// clock, and of the processor.
-std::uint64_t link_in_cpp(rust::Slice<const std::int32_t> origins, rust::Slice<const std::uint64_t> masks,
+// Leaves made from blocks, linked and encoded by hand-written C++ on so many threads of its own, no border crossed:
+// returns the bytes they take, which are gone afterwards. `seconds` gets the time to make them, not to destroy them: by
+// the clock, and of the processor.
+std::size_t encode_in_cpp(rust::Slice<const std::int32_t> origins, rust::Slice<const std::uint64_t> masks,
     rust::Slice<const float> values, float background, std::size_t threads, std::array<double, 2>& seconds);
 
-// A frame written by OpenVDB's own writer, and synced.
-void write_with_library(const Frame& frame, rust::Str path);
+// A file's grids and metadata as OpenVDB has them, values and all.
+class LibraryFrame {
+public:
+    explicit LibraryFrame(rust::Str path);
+    ~LibraryFrame();
+    // Writes them by OpenVDB's own writer, and syncs the file.
+    void write(rust::Str path) const;
+
+private:
+    struct Parts;
+    std::unique_ptr<Parts> mParts;
+};
+
+std::unique_ptr<LibraryFrame> read_with_library(rust::Str path);
 
 // A tree that is filled by one call a voxel.
 class VoxelTree {
@@ -27,7 +37,8 @@ public:
     explicit VoxelTree(float background);
     ~VoxelTree();
     void set(std::int32_t x, std::int32_t y, std::int32_t z, float value);
-    std::uint64_t active_voxels() const;
+    // The bytes that its leaves take, encoded by OpenVDB on one thread, not compressed.
+    std::size_t encode() const;
 
 private:
     struct Parts;

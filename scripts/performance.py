@@ -26,8 +26,8 @@ GOALS = {
     "8": ("peak memory less 30 MB, in bytes of the leaves of one float grid", "band", ""),
     "9": ("distances, rate against `levelSetRebuild`", "redistance", "200"),
     "10": ("distances, rate against `sdfToSdf`", "redistance", "700"),
-    "11": ("blocks across the bridge, rate against C++ alone", "handover", "1"),
-    "11-voxels": ("the same against a call a voxel", "handover", ""),
+    "11": ("blocks across the bridge and encoded, rate against C++ alone, which links leaves and encodes them", "handover", "1"),
+    "11-voxels": ("the same, not compressed, against a call a voxel", "handover", ""),
     "12": ("a frame with colour, computed and on the disk, share of the time of `io::File`", "frames", "0.95"),
     "13": ("a frame of a sequence of them, the same", "frames", "0.6"),
     "14": ("a frame of a morph in memory, rate against `LevelSetMorphing`", "morphing", "100"),
@@ -35,10 +35,10 @@ GOALS = {
     "14-whole": ("the same with its share of making the morph ready", "morphing", ""),
     "18": ("two threads against one, computing", "band", "1.9–2.0"),
     "18-machine": ("two threads against one, arithmetic in registers in turns with row 18", "band", "2"),
-    "18-handover": ("two threads against one, handing over", "handover", ""),
+    "18-handover": ("two threads against one, handing over and encoding", "handover", ""),
     "written": ("a ready frame with colour on the disk, rate against `io::File`", "handover", ""),
 }
-STAGES = ["find", "fill", "distances", "colour", "hand_over", "encode", "disk"]
+STAGES = ["find", "fill", "distances", "colour", "encode", "check", "disk"]
 MISSING = "Not in the logs that this page was made from."
 PROGRAM = {
     "cubism-256": ("`hfvdb bake cubism -o out/m.####.vdb`: 48 frames at 256 with colour", "90 s; 2 GiB"),
@@ -142,7 +142,7 @@ def stages(lines):
 
 
 def growth(lines, exponents):
-    head = ["scene, voxels", "active voxels", "made ready", "compute", "hand over and write", "memory", "file"]
+    head = ["scene, voxels", "active voxels", "made ready", "compute", "write", "memory", "file"]
     rows = []
     for scene, resolution, voxels, ready, compute, write, memory, size in lines:
         megabytes = [f"{float(value) / 1e6:.1f} MB" for value in (memory, size)]

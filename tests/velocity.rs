@@ -55,7 +55,7 @@ fn band(computed: &Computed) -> Vec<Voxel> {
         let centres = Points::of_block(*origin, &band.lattice);
         for at in (0..distances.len()).filter(|&at| is_active(mask, at)) {
             assert!(is_active(&velocities.active[block], at), "a voxel of the band has no velocity");
-            let velocity = Vec3::from(velocities.channel.values[block][at]).as_dvec3();
+            let velocity = Vec3::from(velocities.channel.at(block, &velocities.active[block], at)).as_dvec3();
             voxels.push(Voxel { centre: centres.position(at), distance: f64::from(distances[at]), velocity });
         }
     }
@@ -234,8 +234,8 @@ fn velocities_reach_as_far_outside_as_the_surface_moves() {
     let velocity = |position: DVec3| {
         let voxel = computed.band.lattice.nearest(position);
         let block = velocities.origins.iter().position(|origin| *origin == block_origin(voxel))?;
-        is_active(&velocities.active[block], voxel_offset(voxel))
-            .then(|| Vec3::from(velocities.channel.values[block][voxel_offset(voxel)]))
+        let (active, at) = (&velocities.active[block], voxel_offset(voxel));
+        is_active(active, at).then(|| Vec3::from(velocities.channel.at(block, active, at)))
     };
     for beyond in [1.0, 4.0, 8.5] {
         for direction in [DVec3::X, DVec3::NEG_Y, DVec3::ONE.normalize()] {

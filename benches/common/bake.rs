@@ -6,7 +6,7 @@ use hfvdb::bake::{
     self, Bytes, Computed, Existing, FramePattern, Identity, Interrupt, Output, Record, Sampling, Sequence,
 };
 use hfvdb::scene::Prepared;
-use hfvdb::vdb::{self, Compression, Frame, Grid};
+use hfvdb::vdb::{Compression, Frame, Grid};
 
 /// Computes one frame with its colour.
 pub fn compute(prepared: &Prepared, frame: i64) -> Computed {
@@ -14,12 +14,12 @@ pub fn compute(prepared: &Prepared, frame: i64) -> Computed {
         .unwrap_or_else(|error| panic!("{error}"))
 }
 
-/// The frame's grids in OpenVDB's hands.
-pub fn hand_over(computed: &Computed) -> vdb::Prepared {
+/// The frame's grids.
+pub fn grids(computed: &Computed) -> Frame<'_> {
     let mut grids = vec![Grid::level_set("surface", &computed.band)];
     grids.extend(computed.colour.iter().map(|colour| Grid::colour(&computed.band, colour)));
     grids.extend(computed.scalars.iter().map(|scalar| Grid::scalar(&computed.band, scalar)));
-    vdb::prepare(&Frame { grids, ..Default::default() }).expect("a sound frame")
+    Frame { grids, ..Default::default() }
 }
 
 /// Computes and writes frames into a folder, in flight as `hfvdb bake` has them.

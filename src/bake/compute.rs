@@ -3,14 +3,12 @@
 use std::fmt;
 use std::sync::Arc;
 
-use rayon::prelude::*;
-
 use super::velocity::{self, BlockVelocities, Velocities};
 use crate::attribute::{Attribute, Colour, LinearRgb, Sampler, Scalar};
 use crate::distance::band::{self, MeasuredBlock, Report, Settings};
 use crate::distance::without::{Keep, measure_kept};
 use crate::field::{Aabb, BATCH, Field, Points};
-use crate::grid::{BLOCK_VOXELS, Band, BlockMask, Channel, mask};
+use crate::grid::{Band, Channel, mask};
 use crate::morph::Movement;
 
 /// A frame's grids, and what to tell about them.
@@ -139,14 +137,16 @@ pub fn compute(
         if let Some((position, value)) = colours.iter().find_map(|block| block.wrong) {
             return Err(ComputeError::Colour { position, value });
         }
-        colour = Some(channel(name, colours, &band, |colour| colour));
+        colour = Some(channel(name, colours, &band));
     }
     let mut channels = Vec::with_capacity(scalars.len());
     for ((name, _), blocks) in attributes.scalars.iter().zip(scalars) {
         if let Some((position, [value])) = blocks.iter().find_map(|block| block.wrong) {
             return Err(ComputeError::Scalar { name: name.clone(), position, value });
         }
-        channels.push(channel(name, blocks, &band, |[value]| value));
+        let Channel { name, values, background: [background] } = channel(name, blocks, &band);
+        let values = values.into_iter().map(|block| block.into_vec().into_flattened().into()).collect();
+        channels.push(Channel { name, values, background });
     }
     let velocities = attributes.movement.map(|movement| velocity::grid(&band, velocities, movement));
     Ok(Computed { band, colour, scalars: channels, velocities, report: measured.report, bright_voxels })
@@ -154,22 +154,9 @@ pub fn compute(
 
 /// An attribute's channel over a band: its values on the active voxels, their mean everywhere else, so that samples
 /// across the band's border are not drawn to any other value.
-fn channel<const N: usize, T: Copy + Send + Sync>(
-    name: &str,
-    blocks: Vec<Sampled<N>>,
-    band: &Band,
-    one: impl Fn([f32; N]) -> T + Sync,
-) -> Channel<T> {
-    let background = one(mean(&blocks, band.active_voxels()));
-    let spread = |(block, active): (Sampled<N>, &BlockMask)| {
-        let mut values = [background; BLOCK_VOXELS];
-        for (at, value) in mask::places(active).zip(&block.active) {
-            values[at] = one(*value);
-        }
-        values
-    };
-    let values = blocks.into_par_iter().zip(&band.active).map(spread).collect();
-    Channel { name: name.into(), values, background }
+fn channel<const N: usize>(name: &str, blocks: Vec<Sampled<N>>, band: &Band) -> Channel<[f32; N]> {
+    let background = mean(&blocks, band.active_voxels());
+    Channel { name: name.into(), values: blocks.into_iter().map(|block| block.active).collect(), background }
 }
 
 /// The feet of a block's active voxels alone, one after the other: there is no foot at others, and they are most of a

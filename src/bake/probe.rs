@@ -59,8 +59,8 @@ pub fn probe(
     let computed = compute_frame(prepared, frame, output.max_memory, interrupt, progress)?;
     let compute_seconds = start.elapsed().as_secs_f64();
     let start = Instant::now();
-    let prepared_file = vdb::prepare(&vdb_frame(prepared, frame, &computed, output)).map_err(Error::Write)?;
-    let bytes = prepared_file.encoded_bytes(output.compression).map_err(Error::Write)?;
+    let encoded = vdb::encode(&vdb_frame(prepared, frame, &computed, output), output.compression);
+    let bytes = encoded.map_err(Error::Write)?.bytes();
     let encode_seconds = start.elapsed().as_secs_f64();
     let area = coarser * coarser;
     Ok(Probe {

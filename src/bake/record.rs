@@ -2,12 +2,13 @@
 
 use std::time::Duration;
 
+use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use super::compute::Computed;
 use super::identity::Identity;
 use super::velocity::Velocities;
-use crate::grid::{is_active, measure};
+use crate::grid::{BLOCK_VOXELS, BlockMask, is_active, measure};
 use crate::scene::MorphReport;
 
 /// A frame that was written.
@@ -97,37 +98,65 @@ impl Record {
 
 fn grids(computed: &Computed) -> Vec<GridRecord> {
     let band = &computed.band;
+    let active_voxels = band.active_voxels();
     // Positive inside here, negative inside in the file.
-    let distances = band.distances.iter().map(|block| block.iter().map(|distance| [-distance]));
-    let mut grids = vec![grid("surface", &band.active, distances)];
+    let distances = band.distances.par_iter().zip(&band.active);
+    let distances = distances.map(|(block, active)| Range::of_active(block, active)).reduce(Range::none, Range::joined);
+    let flipped =
+        Range { least: distances.greatest.map(|value| -value), greatest: distances.least.map(|value| -value) };
+    let mut grids = vec![flipped.record("surface", active_voxels)];
     if let Some(colour) = &computed.colour {
-        grids.push(grid(&colour.name, &band.active, colour.values.iter().map(|block| block.iter().copied())));
+        grids.push(Range::of_blocks(&colour.values).record(&colour.name, active_voxels));
     }
     for scalar in &computed.scalars {
-        let values = scalar.values.iter().map(|block| block.iter().map(|value| [*value]));
-        grids.push(grid(&scalar.name, &band.active, values));
+        let blocks: Vec<_> = scalar.values.iter().map(|block| block.as_chunks::<1>().0).collect();
+        grids.push(Range::of_blocks(&blocks).record(&scalar.name, active_voxels));
     }
-    if let Some(Velocities { active, channel, .. }) = &computed.velocities {
-        grids.push(grid(&channel.name, active, channel.values.iter().map(|block| block.iter().copied())));
+    if let Some(Velocities { channel, .. }) = &computed.velocities {
+        let active_voxels = channel.values.iter().map(|block| block.len() as u64).sum();
+        grids.push(Range::of_blocks(&channel.values).record(&channel.name, active_voxels));
     }
     grids
 }
 
-fn grid<const N: usize>(
-    name: &str,
-    masks: &[crate::grid::BlockMask],
-    blocks: impl Iterator<Item = impl Iterator<Item = [f32; N]>>,
-) -> GridRecord {
-    let (mut least, mut greatest, mut active_voxels) = ([f32::INFINITY; N], [f32::NEG_INFINITY; N], 0);
-    for (mask, values) in masks.iter().zip(blocks) {
-        for (_, value) in values.enumerate().filter(|(at, _)| is_active(mask, *at)) {
-            active_voxels += 1;
-            for axis in 0..N {
-                least[axis] = least[axis].min(value[axis]);
-                greatest[axis] = greatest[axis].max(value[axis]);
-            }
+/// The least and the greatest of values, each component for itself.
+#[derive(Clone, Copy)]
+struct Range<const N: usize> {
+    least: [f32; N],
+    greatest: [f32; N],
+}
+
+impl<const N: usize> Range<N> {
+    fn none() -> Self {
+        Self { least: [f32::INFINITY; N], greatest: [f32::NEG_INFINITY; N] }
+    }
+
+    fn joined(self, other: Self) -> Self {
+        Self {
+            least: std::array::from_fn(|part| self.least[part].min(other.least[part])),
+            greatest: std::array::from_fn(|part| self.greatest[part].max(other.greatest[part])),
         }
     }
-    let some = |values: [f32; N]| if active_voxels > 0 { values.to_vec() } else { Vec::new() };
-    GridRecord { name: name.into(), active_voxels, least: some(least), greatest: some(greatest) }
+
+    fn of_blocks(blocks: &[impl AsRef<[[f32; N]]> + Sync]) -> Self {
+        let of_block =
+            |block: &[[f32; N]]| block.iter().fold(Self::none(), |range, value| range.joined(Self::of(*value)));
+        blocks.par_iter().map(|block| of_block(block.as_ref())).reduce(Self::none, Self::joined)
+    }
+
+    fn of(value: [f32; N]) -> Self {
+        Self { least: value, greatest: value }
+    }
+
+    fn record(self, name: &str, active_voxels: u64) -> GridRecord {
+        let some = |values: [f32; N]| if active_voxels > 0 { values.to_vec() } else { Vec::new() };
+        GridRecord { name: name.into(), active_voxels, least: some(self.least), greatest: some(self.greatest) }
+    }
+}
+
+impl Range<1> {
+    fn of_active(block: &[f32; BLOCK_VOXELS], active: &BlockMask) -> Self {
+        let places = (0..BLOCK_VOXELS).filter(|&at| is_active(active, at));
+        places.fold(Self::none(), |range, at| range.joined(Self::of([block[at]])))
+    }
 }

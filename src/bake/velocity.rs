@@ -126,9 +126,8 @@ pub(super) fn grid(band: &Band, blocks: Vec<BlockVelocities>, movement: &Movemen
     let mut sorted: Vec<(IVec3, Block)> = all.into_iter().collect();
     sorted.par_sort_unstable_by_key(|(origin, _)| block_order(*origin));
     let origins = sorted.iter().map(|(origin, _)| *origin).collect();
-    let active = sorted.iter().map(|(_, (active, _))| *active).collect();
-    let values = sorted.into_iter().map(|(_, (_, values))| *values).collect();
-    let channel = Channel { name: "vel".into(), values, background: [0.0; 3] };
+    let active: Vec<BlockMask> = sorted.iter().map(|(_, (active, _))| *active).collect();
+    let channel = Channel::of_blocks("vel", &active, sorted.into_iter().map(|(_, (_, values))| *values), [0.0; 3]);
     Velocities { origins, active, channel, held_voxels, max_speed: movement.max_speed }
 }
 

@@ -167,9 +167,8 @@ pub struct Estimate {
     pub bytes: f64,
 }
 
-/// Bytes of a block of one number a voxel, and of a block's mask.
-const NUMBER_BYTES: f64 = BLOCK_VOXELS as f64 * 4.0;
-const MASK_BYTES: f64 = 64.0;
+/// What the allocator takes for lists of active voxels' values, in parts of what they hold.
+const LIST_OVERHEAD: f64 = 1.2;
 
 impl Estimate {
     /// Bytes of the file before compression: a level set, and so many numbers a voxel in other grids (a colour: 3).
@@ -179,11 +178,9 @@ impl Estimate {
 
     /// Bytes that frames take at a job's peak: one that is computed, one that is written.
     pub fn memory(&self, numbers: usize) -> f64 {
-        // In our memory and as much again in OpenVDB's tree.
-        let others = if numbers > 0 { self.blocks * (numbers as f64 * NUMBER_BYTES + MASK_BYTES) } else { 0.0 };
-        let frame = 2.0 * (self.bytes + others);
-        // The encoded file is held whole before it is written; hardly ever larger than the voxels.
-        1.5 * frame + self.file(numbers)
+        let others = self.voxels * 4.0 * numbers as f64 * LIST_OVERHEAD;
+        // The encoded file is held whole, and once more as it is read back; hardly ever larger than the voxels.
+        2.0 * (self.bytes + others) + 2.0 * self.file(numbers)
     }
 }
 

@@ -2,7 +2,7 @@
 
 use glam::IVec3;
 
-use super::{BLOCK_VOXELS, BlockMask, Lattice};
+use super::{BLOCK_VOXELS, BlockMask, Lattice, is_active, mask};
 
 /// A cube of voxels that lies wholly inside the solid and holds no leaf blocks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -42,13 +42,33 @@ impl Band {
     }
 }
 
-/// A named attribute over the same blocks (and, for level-set bands, the same active voxels) as a [`Band`].
+/// A named attribute on the active voxels of blocks: those of a [`Band`], or others.
 #[derive(Clone, Debug)]
 pub struct Channel<T> {
     /// The grid's name in the file, such as `Cd`.
     pub name: String,
-    /// One array a block, in the band's order of blocks.
-    pub values: Vec<[T; BLOCK_VOXELS]>,
-    /// The value away from all blocks.
+    /// One list a block, in their order: the values of its active voxels, in the order of their places.
+    pub values: Vec<Box<[T]>>,
+    /// The value everywhere else.
     pub background: T,
+}
+
+impl<T: Copy> Channel<T> {
+    /// A channel from whole blocks, of which the active voxels are taken.
+    pub fn of_blocks(
+        name: impl Into<String>,
+        active: &[BlockMask],
+        blocks: impl IntoIterator<Item = [T; BLOCK_VOXELS]>,
+        background: T,
+    ) -> Self {
+        let of_block =
+            |(mask, block): (&BlockMask, [T; BLOCK_VOXELS])| mask::places(mask).map(|at| block[at]).collect();
+        Self { name: name.into(), values: active.iter().zip(blocks).map(of_block).collect(), background }
+    }
+
+    /// The value at a place of a block with these active voxels.
+    pub fn at(&self, block: usize, active: &BlockMask, place: usize) -> T {
+        let known = || self.values.get(block)?.get(mask::rank(active, place)).copied();
+        if is_active(active, place) { known().unwrap_or(self.background) } else { self.background }
+    }
 }

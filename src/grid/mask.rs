@@ -43,6 +43,18 @@ pub fn places(mask: &BlockMask) -> impl Iterator<Item = usize> + use<> {
     })
 }
 
+/// How many voxels are flagged.
+pub fn count(mask: &BlockMask) -> usize {
+    mask.iter().map(|word| word.count_ones() as usize).sum()
+}
+
+/// How many flagged voxels come before a place.
+pub fn rank(mask: &BlockMask, place: usize) -> usize {
+    let (word, bit) = (place >> 6, place & 63);
+    let before: u32 = mask[..word].iter().map(|word| word.count_ones()).sum();
+    (before + (mask[word] & !(u64::MAX << bit)).count_ones()) as usize
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -63,6 +75,10 @@ mod tests {
             let expected: Vec<usize> = (0..BLOCK_VOXELS).filter(|&i| flags[i] == 1).collect();
             assert!(expected.iter().all(|&i| super::super::is_active(&mask, i)));
             assert_eq!(places(&mask).collect::<Vec<_>>(), expected);
+            assert_eq!(count(&mask), expected.len());
+            for place in 0..BLOCK_VOXELS {
+                assert_eq!(rank(&mask, place), expected.iter().filter(|&&flagged| flagged < place).count());
+            }
         }
     }
 

@@ -8,7 +8,7 @@ use std::collections::HashMap;
 use glam::{DVec3, IVec3};
 use rayon::prelude::*;
 
-use crate::grid::{BLOCK_EDGE, BLOCK_VOXELS, Band, Channel, block_origin, voxel_offset};
+use crate::grid::{BLOCK_EDGE, BLOCK_VOXELS, Band, Channel, block_origin, is_active, voxel_offset};
 
 /// A root table spans this many voxels each way.
 pub(super) const ROOT_EDGE: i32 = 4096;
@@ -262,9 +262,9 @@ impl<'a> Volume<'a> {
             let voxel = least.saturating_add(corner_step(corner));
             let Content::Block(index) = self.cell(voxel).content else { continue };
             let offset = voxel_offset(voxel);
-            let active = self.band.active.get(index).is_some_and(|mask| mask[offset / 64] >> (offset % 64) & 1 == 1);
-            let Some(values) = channel.values.get(index).filter(|_| active) else { continue };
-            for (sum, value) in sum.iter_mut().zip(values[offset]) {
+            let active = self.band.active.get(index).filter(|active| is_active(active, offset));
+            let Some(active) = active.filter(|_| index < channel.values.len()) else { continue };
+            for (sum, value) in sum.iter_mut().zip(channel.at(index, active, offset)) {
                 *sum += weight * f64::from(value);
             }
             total += weight;

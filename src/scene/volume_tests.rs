@@ -33,17 +33,12 @@ fn cube() -> (Band, Channel<[f32; 3]>) {
             colour_at((*origin + IVec3::new(i as i32 >> 6, i as i32 >> 3 & 7, i as i32 & 7)).as_dvec3() * VOXEL)
         })
     };
-    let values = origins.iter().map(colour).collect();
     let blocks = origins.len();
-    let band = Band {
-        lattice,
-        half_width: 3.0,
-        origins,
-        distances: vec![[0.0; 512]; blocks],
-        active: vec![[u64::MAX; 8]; blocks],
-        inside_tiles: vec![],
-    };
-    (band, Channel { name: "Cd".into(), background: [0.0; 3], values })
+    let active = vec![[u64::MAX; 8]; blocks];
+    let colours = Channel::of_blocks("Cd", &active, origins.iter().map(colour), [0.0; 3]);
+    let band =
+        Band { lattice, half_width: 3.0, origins, distances: vec![[0.0; 512]; blocks], active, inside_tiles: vec![] };
+    (band, colours)
 }
 
 fn colour_at(at: DVec3) -> [f32; 3] {
@@ -135,8 +130,7 @@ fn a_grid_of_numbers_is_a_scalar() {
     let number = |at: DVec3| (at.x * 0.1 + at.z * 0.05) as f32;
     let place = |i: usize| IVec3::new(i as i32 >> 6, i as i32 >> 3 & 7, i as i32 & 7);
     let block = |origin: &IVec3| std::array::from_fn(|i| number((*origin + place(i)).as_dvec3() * VOXEL));
-    let values = band.origins.iter().map(block).collect();
-    let channel = Channel { name: "bump".into(), background: 0.0, values };
+    let channel = Channel::of_blocks("bump", &band.active, band.origins.iter().map(block), 0.0);
     let values = Values::over(&band, &channel);
     let grids = vec![Grid::new("bump", Content::Floats { values, class: Class::Unknown })];
     let path = folder.path().join("a.vdb");
@@ -240,7 +234,7 @@ fn what_is_wrong_has_its_place() {
 
     let (band, colour) = cube();
     let write = |name: &str, band: &Band, colour: &Channel<[f32; 3]>| {
-        let number = Channel { name: "heat".into(), background: 0.0, values: vec![[0.0; 512]; band.origins.len()] };
+        let number = Channel::of_blocks("heat", &band.active, band.origins.iter().map(|_| [0.0; 512]), 0.0);
         let values = Values::over(band, &number);
         let mut grids = vec![Grid::new("heat", Content::Floats { values, class: Class::Unknown })];
         if name != "numbers.vdb" {

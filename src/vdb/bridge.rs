@@ -51,6 +51,28 @@ pub(super) mod ffi {
         tiles_active: bool,
     }
 
+    /// A run of leaves to be encoded.
+    struct Leaves<'a> {
+        /// What each leaf has before its values, one after the other.
+        heads: &'a [u8],
+        /// Where each leaf's part of `heads` ends.
+        head_ends: &'a [usize],
+        /// The values to be compressed.
+        values: &'a [f32],
+        /// Where each leaf's values end.
+        value_ends: &'a [usize],
+    }
+
+    /// What a grid's head says of its leaves.
+    struct LeafSizes<'a> {
+        /// How each leaf keeps its inactive values.
+        masks: &'a [i8],
+        /// The bytes of each leaf's compressed values.
+        sizes: &'a [i64],
+        /// The bytes of all leaves.
+        bytes: i64,
+    }
+
     /// What a grid holds.
     #[derive(Clone, Copy, Debug)]
     struct Counts {
@@ -93,35 +115,27 @@ pub(super) mod ffi {
         /// At most so many threads work inside OpenVDB from now on, in this process.
         fn set_thread_limit(threads: usize) -> Result<()>;
 
-        /// A finished grid: immutable once it is made.
+        /// A grid: immutable once it is made.
         type Grid;
-        /// A level set from distances positive inside: the one place where the sign flips on the way out.
-        fn level_set(head: &Head, blocks: &Blocks, distances: &[f32], background: f32) -> Result<SharedPtr<Grid>>;
-        fn float_grid(
-            head: &Head,
-            blocks: &Blocks,
-            values: &[f32],
-            background: f32,
-            tile_value: f32,
-        ) -> Result<SharedPtr<Grid>>;
+        /// The nodes, leaves without values and tiles of a grid of numbers.
+        fn float_grid(head: &Head, blocks: &Blocks, background: f32, tile_value: f32) -> Result<SharedPtr<Grid>>;
         fn vector_grid(
             head: &Head,
             blocks: &Blocks,
-            values: &[f32],
             background: [f32; 3],
             tile_value: [f32; 3],
         ) -> Result<SharedPtr<Grid>>;
 
-        /// Grids and metadata of one file.
-        type Frame;
-        fn new_frame(metadata: &[Meta]) -> Result<UniquePtr<Frame>>;
-        fn add(self: Pin<&mut Frame>, grid: SharedPtr<Grid>) -> Result<()>;
-
-        /// A file's bytes, in pieces.
-        type Encoded;
-        fn encode(frame: &Frame, codec: Codec) -> Result<UniquePtr<Encoded>>;
-        fn pieces(self: &Encoded) -> usize;
-        fn piece(self: &Encoded, index: usize) -> &[u8];
+        /// Makes the parts of a file.
+        type Writer;
+        fn new_writer(codec: Codec) -> Result<UniquePtr<Writer>>;
+        /// What stands before the first of so many grids: each time with another identifier.
+        fn file_head(self: Pin<&mut Writer>, metadata: &[Meta], grids: i32) -> Result<UniquePtr<CxxString>>;
+        /// Compresses leaves into `target`; returns the bytes they take there. `sizes` are those of each leaf's
+        /// compressed values.
+        fn leaves(self: &Writer, grid: &Grid, leaves: &Leaves, sizes: &mut [i64], target: &mut [u8]) -> Result<usize>;
+        /// What stands before the first leaf of a grid that starts at that byte of the file.
+        fn grid_head(self: &Writer, grid: &Grid, leaves: &LeafSizes, position: i64) -> Result<UniquePtr<CxxString>>;
 
         /// One grid of a file that lies in memory and was walked; `descriptor` is where its descriptor stands.
         fn decode(bytes: &[u8], descriptor: usize) -> Result<SharedPtr<Grid>>;
@@ -138,9 +152,6 @@ pub(super) mod ffi {
 // is loaded late: files are read whole.
 unsafe impl Send for ffi::Grid {}
 unsafe impl Sync for ffi::Grid {}
-// SAFETY: a `Frame` owns its list of such grids, and changes only through a unique reference.
-unsafe impl Send for ffi::Frame {}
-unsafe impl Sync for ffi::Frame {}
-// SAFETY: owns its bytes, and only hands out shared views of them.
-unsafe impl Send for ffi::Encoded {}
-unsafe impl Sync for ffi::Encoded {}
+// SAFETY: a `Writer` changes only through a unique reference; its other functions have streams of their own.
+unsafe impl Send for ffi::Writer {}
+unsafe impl Sync for ffi::Writer {}

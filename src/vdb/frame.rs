@@ -5,7 +5,7 @@ use glam::IVec3;
 use super::Error;
 use super::bridge::ffi;
 use super::metadata::{Metadata, to_bridge};
-use crate::grid::{BLOCK_EDGE, Band, BlockMask, Channel, InsideTile, Lattice, block_order};
+use crate::grid::{BLOCK_EDGE, Band, BlockMask, Channel, InsideTile, Lattice, block_order, mask};
 
 /// The least voxel size OpenVDB takes: it holds transforms of a smaller determinant for singular.
 const LEAST_VOXEL_SIZE: f64 = 1.45e-5;
@@ -40,7 +40,7 @@ pub struct Grid<'a> {
 #[derive(Clone, Debug)]
 pub enum Content<'a> {
     /// A level set: the band's distances, sign flipped on the way and limited to ± the background, which is what
-    /// inactive voxels hold. Tiles become − the background.
+    /// inactive voxels get by their sign. Tiles become − the background.
     LevelSet(&'a Band),
     /// One number a voxel.
     Floats {
@@ -58,7 +58,7 @@ pub enum Content<'a> {
     },
 }
 
-/// A channel and where it stands. Inactive voxels of its blocks become its background.
+/// A channel and where it stands. Inactive voxels of its blocks have its background.
 #[derive(Clone, Debug)]
 pub struct Values<'a, T> {
     /// The blocks, as many as the channel has.
@@ -136,7 +136,7 @@ impl<'a> Grid<'a> {
         Self { name, content, half: false, metadata: Metadata::new() }
     }
 
-    fn blocks(&self) -> Blocks<'a> {
+    pub(super) fn blocks(&self) -> Blocks<'a> {
         match &self.content {
             Content::LevelSet(band) => (*band).into(),
             Content::Floats { values, .. } => values.blocks,
@@ -161,6 +161,15 @@ impl<'a> Grid<'a> {
         }
     }
 
+    /// How many values a channel has in a block; a level set has one for each voxel.
+    fn values_of(&self, block: usize) -> Option<usize> {
+        match &self.content {
+            Content::LevelSet(_) => None,
+            Content::Floats { values, .. } => Some(values.channel.values[block].len()),
+            Content::Vectors { values, .. } => Some(values.channel.values[block].len()),
+        }
+    }
+
     /// What a caller can get wrong, before the bridge relies on it.
     fn check(&self) -> Result<(), Error> {
         let blocks = self.blocks();
@@ -175,6 +184,12 @@ impl<'a> Grid<'a> {
                 blocks.active.len(),
                 self.value_blocks()
             ));
+        }
+        for (block, (origin, active)) in blocks.origins.iter().zip(blocks.active).enumerate() {
+            let voxels = mask::count(active);
+            if let Some(values) = self.values_of(block).filter(|values| *values != voxels) {
+                return refuse(format!("block {origin} has {voxels} active voxels and {values} values"));
+            }
         }
         let size = blocks.lattice.voxel_size.get();
         if size < LEAST_VOXEL_SIZE {
@@ -211,36 +226,14 @@ impl<'a> Grid<'a> {
         };
         match numbers.iter().find(|number| !number.is_finite()) {
             Some(number) => Err(format!("its background or a tile is {number}, not a finite number")),
+            None if self.half => numbers.iter().try_for_each(|number| check_half(*number)),
             None => Ok(()),
         }
     }
 
-    /// Half precision turns large values into infinity.
-    fn check_half(&self) -> Result<(), Error> {
-        let largest = |values: &[f32]| values.iter().fold(0.0_f32, |largest, value| largest.max(value.abs()));
-        let (largest, fallback) = match &self.content {
-            Content::LevelSet(band) => (largest(band.distances.as_flattened()), band.background()),
-            Content::Floats { values, .. } => {
-                (largest(values.channel.values.as_flattened()), values.channel.background.abs())
-            }
-            Content::Vectors { values, .. } => {
-                (largest(values.channel.values.as_flattened().as_flattened()), largest(&values.channel.background))
-            }
-        };
-        let largest = largest.max(fallback);
-        if largest > LARGEST_HALF {
-            let problem = format!("{largest} is more than 16 bits can hold ({LARGEST_HALF}): keep it in 32 bits");
-            return Err(Error::grid(self.name, problem));
-        }
-        Ok(())
-    }
-
-    /// The grid in OpenVDB's hands: a copy.
-    pub(super) fn prepare(&self) -> Result<cxx::SharedPtr<ffi::Grid>, Error> {
+    /// The nodes, leaves and tiles of the grid in OpenVDB's hands; the values stay here.
+    pub(super) fn topology(&self) -> Result<cxx::SharedPtr<ffi::Grid>, Error> {
         self.check()?;
-        if self.half {
-            self.check_half()?;
-        }
         let blocks = self.blocks();
         let metadata = to_bridge(&self.metadata);
         let origins: Vec<i32> = blocks.origins.iter().flat_map(IVec3::to_array).collect();
@@ -262,18 +255,15 @@ impl<'a> Grid<'a> {
             metadata: &metadata,
         };
         let made = match &self.content {
-            Content::LevelSet(band) => {
-                ffi::level_set(&head, &bridge_blocks, band.distances.as_flattened(), band.background())
-            }
+            // Tiles lie inside, where the file's distances are negative.
+            Content::LevelSet(band) => ffi::float_grid(&head, &bridge_blocks, band.background(), -band.background()),
             Content::Floats { values, .. } => {
                 let tile_value = values.tiles.map_or(0.0, |(_, value)| value);
-                let numbers = values.channel.values.as_flattened();
-                ffi::float_grid(&head, &bridge_blocks, numbers, values.channel.background, tile_value)
+                ffi::float_grid(&head, &bridge_blocks, values.channel.background, tile_value)
             }
             Content::Vectors { values, .. } => {
                 let tile_value = values.tiles.map_or([0.0; 3], |(_, value)| value);
-                let numbers = values.channel.values.as_flattened().as_flattened();
-                ffi::vector_grid(&head, &bridge_blocks, numbers, values.channel.background, tile_value)
+                ffi::vector_grid(&head, &bridge_blocks, values.channel.background, tile_value)
             }
         };
         made.map_err(|error| Error::grid(self.name, error.what()))
@@ -293,13 +283,21 @@ impl<'a> Grid<'a> {
     }
 }
 
+/// Half precision turns large values into infinity.
+pub(super) fn check_half(number: f32) -> Result<(), String> {
+    if number.abs() <= LARGEST_HALF {
+        return Ok(());
+    }
+    Err(format!("{number} is more than 16 bits can hold ({LARGEST_HALF}): keep it in 32 bits"))
+}
+
 fn misaligned(origin: IVec3, edge: i32) -> bool {
     origin & IVec3::splat(edge - 1) != IVec3::ZERO
 }
 
 impl Frame<'_> {
-    /// The frame in OpenVDB's hands.
-    pub(super) fn prepare(&self) -> Result<cxx::UniquePtr<ffi::Frame>, Error> {
+    /// What grids of one file must have in common, and what not.
+    pub(super) fn check(&self) -> Result<(), Error> {
         for (index, grid) in self.grids.iter().enumerate() {
             let earlier = &self.grids[..index];
             if earlier.iter().any(|other| other.name == grid.name) {
@@ -309,11 +307,6 @@ impl Frame<'_> {
                 return Err(Error::grid(grid.name, "its voxels stand elsewhere than those of the file's other grids"));
             }
         }
-        let library = |error: cxx::Exception| Error::Library { message: error.what().into() };
-        let mut frame = ffi::new_frame(&to_bridge(&self.metadata)).map_err(library)?;
-        for grid in &self.grids {
-            frame.pin_mut().add(grid.prepare()?).map_err(library)?;
-        }
-        Ok(frame)
+        Ok(())
     }
 }

@@ -3,9 +3,9 @@
 //! Everywhere else a field is positive inside; a level set in a file is negative inside. Grids made here from a
 //! [`crate::grid::Band`] are flipped on their way out, and level sets that are read are flipped on their way in.
 //!
-//! * [`write()`] makes one file of a [`Frame`]: built and encoded on all threads, written under a temporary name,
-//!   checked, synced to the disk and renamed, so that a file with a final name is always whole.
-//! * [`prepare`] and [`Prepared::write`] are its two halves, for whoever computes the next frame meanwhile.
+//! * [`write()`] makes one file of a [`Frame`]: encoded on all threads, written under a temporary name, checked, synced
+//!   to the disk and renamed, so that a file with a final name is always whole.
+//! * [`encode()`] and [`Encoded::write`] are its two halves.
 //! * [`walk::walk`] parses a whole file in safe Rust and checks every length in it; it stands before every reading.
 //! * [`inspect()`] says what is in a file, [`lint()`] what is wrong with it, [`read()`] gives its blocks.
 //!
@@ -16,6 +16,7 @@
 
 mod bridge;
 mod clients;
+mod encode;
 mod error;
 mod frame;
 mod inspect;
@@ -28,13 +29,14 @@ pub mod walk;
 mod write;
 
 pub use clients::Client;
+pub use encode::{Encoded, encode};
 pub use error::Error;
 pub use frame::{Blocks, Class, Content, Frame, Grid, Values, VectorType};
 pub use inspect::{FileInfo, GridInfo, Range, active_box, inspect};
 pub use lint::{Finding, Lint, Severity, lint};
 pub use metadata::{Metadata, MetadataValue};
 pub use read::{Contents, Opened, SparseBlocks, StoredClass, StoredGrid, Tile, Voxels, read};
-pub use write::{Compression, Prepared, WriteOptions, Written, prepare, write};
+pub use write::{Compression, WriteOptions, Written, write};
 
 /// The version of the OpenVDB library in use, such as `10.0.1`.
 pub fn library_version() -> String {

@@ -7,23 +7,24 @@ mod ffi {
     unsafe extern "C++" {
         include!("rivals.h");
 
-        /// Makes and links leaves in C++ alone; returns the tree's active voxels.
-        fn link_in_cpp(
+        /// Makes, links and encodes leaves in C++ alone; returns the bytes.
+        fn encode_in_cpp(
             origins: &[i32],
             masks: &[u64],
             values: &[f32],
             background: f32,
             threads: usize,
             seconds: &mut [f64; 2],
-        ) -> Result<u64>;
+        ) -> Result<usize>;
 
-        type Frame = crate::vdb::bridge::ffi::Frame;
-        fn write_with_library(frame: &Frame, path: &str) -> Result<()>;
+        type LibraryFrame;
+        fn read_with_library(path: &str) -> Result<UniquePtr<LibraryFrame>>;
+        fn write(self: &LibraryFrame, path: &str) -> Result<()>;
 
         type VoxelTree;
         fn new_voxel_tree(background: f32) -> Result<UniquePtr<VoxelTree>>;
         fn set(self: Pin<&mut VoxelTree>, x: i32, y: i32, z: i32, value: f32) -> Result<()>;
-        fn active_voxels(self: &VoxelTree) -> u64;
+        fn encode(self: &VoxelTree) -> Result<usize>;
 
         type RivalGrid;
         fn active_voxels(self: &RivalGrid) -> u64;
@@ -46,8 +47,8 @@ use glam::IVec3;
 use crate::grid::{BLOCK_VOXELS, Band, BlockMask, Lattice};
 
 pub use ffi::{
-    RivalGrid, VoxelTree, accessor_loop, cube_level_set, dense_grid, link_in_cpp, morph, new_voxel_tree, rebuild,
-    sphere_level_set, spheres_by_csg, sweep,
+    LibraryFrame, RivalGrid, VoxelTree, accessor_loop, cube_level_set, dense_grid, encode_in_cpp, morph,
+    new_voxel_tree, read_with_library, rebuild, sphere_level_set, spheres_by_csg, sweep,
 };
 
 /// A rival's level set as a band, positive inside: active where it is within `half_width` voxels, and limited there.
@@ -67,12 +68,4 @@ pub fn band_of(grid: &RivalGrid, lattice: Lattice, half_width: f32) -> Band {
     }
     let origins = origins.chunks_exact(3).map(IVec3::from_slice).collect();
     Band { lattice, half_width, origins, distances, active, inside_tiles: Vec::new() }
-}
-
-/// Writes a frame by OpenVDB's own writer, compressed by Blosc, and syncs the file.
-///
-/// # Errors
-/// OpenVDB's.
-pub fn write_with_library(frame: &super::Prepared, path: &str) -> Result<(), cxx::Exception> {
-    ffi::write_with_library(&frame.frame, path)
 }

@@ -182,8 +182,8 @@ fn read(path: &str) -> Result<Shown, Failure> {
     let shift = (origin / colours.voxel_size).round().as_ivec3();
     let none = [colours.blocks.background; crate::grid::BLOCK_VOXELS];
     let of_block = |place: &IVec3| colours.places.get(&(*place - shift)).map_or(none, |&at| colours.blocks.values[at]);
-    let values = band.origins.iter().map(of_block).collect();
-    let colour = Channel { name: grid.name, values, background: colours.blocks.background };
+    let of_blocks = band.origins.iter().map(of_block);
+    let colour = Channel::of_blocks(grid.name, &band.active, of_blocks, colours.blocks.background);
     Ok(Shown { band, colour: Some(colour), inside: Inside::Voxels(Box::new(colours)), fps })
 }
 

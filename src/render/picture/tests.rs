@@ -17,7 +17,7 @@ fn painted(band: &Band, colour: impl Fn(DVec3) -> [f32; 3]) -> Channel<[f32; 3]>
     let block = |&origin: &IVec3| {
         std::array::from_fn::<_, BLOCK_VOXELS, _>(|at| colour(band.lattice.centre(voxel_of(origin, at))))
     };
-    Channel { name: "Cd".into(), values: band.origins.iter().map(block).collect(), background: [0.0; 3] }
+    Channel::of_blocks("Cd", &band.active, band.origins.iter().map(block), [0.0; 3])
 }
 
 fn flat<'a>(band: &'a Band, colour: Option<&'a Channel<[f32; 3]>>, camera: Camera) -> Scene<'a> {

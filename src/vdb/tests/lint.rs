@@ -82,8 +82,8 @@ fn distances_that_are_none() {
 #[test]
 fn a_level_set_of_no_class() {
     let band = ball();
-    let values = band.distances.iter().map(|block| block.map(|value| -value)).collect();
-    let channel = Channel { name: "surface".into(), values, background: band.background() };
+    let blocks = band.distances.iter().map(|block| block.map(|value| -value));
+    let channel = Channel::of_blocks("surface", &band.active, blocks, band.background());
     let content = Content::Floats { values: Values::over(&band, &channel), class: Class::Unknown };
     only(
         vec![Grid::new("surface", content)],
@@ -100,18 +100,17 @@ fn colours_that_go_wrong() {
         change(&mut colour);
         colour
     };
-    let place = (0..BLOCK_VOXELS).find(|&place| is_active(&band.active[0], place)).unwrap();
     let file = |colour: &Channel<[f32; 3]>, wanted: &str| {
         only(vec![Grid::level_set("surface", &band), Grid::colour(&band, colour)], wanted);
     };
-    file(&with(&|colour| colour.values[0][place] = [-0.1, 0.0, 0.0]), "error Cd: 1 colours have a negative channel");
-    file(&with(&|colour| colour.values[0][place] = [0.1, 0.0, 9.0]), "warning Cd: 1 colours have a channel above 1");
+    file(&with(&|colour| colour.values[0][0] = [-0.1, 0.0, 0.0]), "error Cd: 1 colours have a negative channel");
+    file(&with(&|colour| colour.values[0][0] = [0.1, 0.0, 9.0]), "warning Cd: 1 colours have a channel above 1");
     file(&with(&|colour| colour.background = [0.0; 3]), "warning Cd: its background is black");
     let mut fewer = band.clone();
     fewer.active[0] = [0; 8];
     let missing: u32 = band.active[0].iter().map(|word| word.count_ones()).sum();
     only(
-        vec![Grid::level_set("surface", &band), Grid::colour(&fewer, &sound)],
+        vec![Grid::level_set("surface", &band), Grid::colour(&fewer, &with(&|colour| colour.values[0] = [].into()))],
         &format!("error Cd: {missing} active voxels of 'surface' have no active value here"),
     );
     let spaced = ball_colour(&band, "C d");
@@ -144,12 +143,7 @@ fn fog<'a>(band: &'a Band, channel: &'a Channel<f32>, tiles: &'a [InsideTile]) -
 #[test]
 fn smoke_in_blender() {
     let band = ball();
-    let smoke = |name: &str| Channel {
-        name: name.into(),
-        values: vec![[0.5; BLOCK_VOXELS]; band.origins.len()],
-        background: 0.0,
-    };
-    let (density, haze) = (smoke("density"), smoke("haze"));
+    let (density, haze) = (even(&band, "density", 0.5), even(&band, "haze", 0.5));
     let colour = ball_colour(&band, "Cd");
     let for_blender = |grids| findings_for(grids, "m.1.vdb", &[Client::Blender]);
     assert!(!band.inside_tiles.is_empty(), "the ball is large enough for a tile");
@@ -159,13 +153,13 @@ fn smoke_in_blender() {
     let found = for_blender(vec![fog(&band, &density, &band.inside_tiles), Grid::colour(&band, &colour)]);
     assert!(found.len() == 1 && found[0].starts_with("error blender Cd: "), "{found:#?}");
     let mut resting = ball_colour(&band, "vel");
-    resting.values.iter_mut().flatten().for_each(|velocity| *velocity = [0.0, -0.0009, 0.0]);
+    resting.values.iter_mut().flat_map(|block| block.iter_mut()).for_each(|velocity| *velocity = [0.0, -0.0009, 0.0]);
     let vector_type = VectorType::ContravariantRelative;
     let vel = || Grid::new("vel", Content::Vectors { values: Values::over(&band, &resting), vector_type });
     let found = for_blender(vec![fog(&band, &density, &[]), vel()]);
     assert!(found.len() == 1 && found[0].contains("render.clipping = 0"), "{found:#?}");
     let mut dark = colour.clone();
-    dark.values.iter_mut().flatten().for_each(|colour| colour[2] = 0.0);
+    dark.values.iter_mut().flat_map(|block| block.iter_mut()).for_each(|colour| colour[2] = 0.0);
     let found = for_blender(vec![fog(&band, &density, &[]), Grid::colour(&band, &dark)]);
     assert!(found.len() == 1 && found[0].contains("volume_biased"), "{found:#?}");
 }
@@ -184,7 +178,9 @@ fn velocities_names_and_channels() {
     assert!(found.len() == 1 && found[0].contains("found by the names velocity, vel, v"), "{found:#?}");
     let mut fewer = band.clone();
     fewer.active[0] = [0; 8];
-    let short = Content::Vectors { values: Values::over(&fewer, &motion), vector_type: moving };
+    let mut short_motion = motion.clone();
+    short_motion.values[0] = [].into();
+    let short = Content::Vectors { values: Values::over(&fewer, &short_motion), vector_type: moving };
     let found = findings_for(vec![surface(), Grid::new("vel", short)], "m.1.vdb", &[Client::Blender]);
     assert!(found.len() == 1 && found[0].contains("ends before 'surface' does"), "{found:#?}");
     let turned = Content::Vectors { values: Values::over(&band, &motion), vector_type: VectorType::Invariant };
@@ -205,11 +201,7 @@ fn velocities_names_and_channels() {
     let found = findings_for(many, "m.1.vdb", &[Client::Blender, Client::Unreal]);
     assert!(found[0].starts_with("error blender : it has no grid of numbers"), "{found:#?}");
     assert!(found[1].contains("9 channels"), "{found:#?}");
-    let parts = ["Cd.x", "Cd.y", "Cd.z"].map(|name| Channel {
-        name: name.into(),
-        values: vec![[0.5; BLOCK_VOXELS]; band.origins.len()],
-        background: 0.0,
-    });
+    let parts = ["Cd.x", "Cd.y", "Cd.z"].map(|name| even(&band, name, 0.5));
     let split = parts.iter().map(|part| {
         Grid::new(&part.name, Content::Floats { values: Values::over(&band, part), class: Class::Unknown })
     });

@@ -41,9 +41,7 @@ fn a_band_comes_back_as_it_was() {
     assert_eq!(vectors.background, colour.background);
     for (block, (values, mask)) in vectors.values.iter().zip(&vectors.active).enumerate() {
         for place in 0..512 {
-            let active = mask[place / 64] >> (place % 64) & 1 == 1;
-            let expected = if active { colour.values[block][place] } else { colour.background };
-            assert_eq!(values[place], expected);
+            assert_eq!(values[place], colour.at(block, mask, place));
         }
     }
 }

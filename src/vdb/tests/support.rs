@@ -58,7 +58,12 @@ pub fn ball() -> Band {
     band
 }
 
-/// Colours over the ball's blocks; garbage in inactive voxels, which must not reach the file.
+/// A channel of one value.
+pub fn even(band: &Band, name: &str, value: f32) -> Channel<f32> {
+    Channel::of_blocks(name, &band.active, band.origins.iter().map(|_| [value; BLOCK_VOXELS]), 0.0)
+}
+
+/// Colours over the ball's blocks.
 pub fn ball_colour(band: &Band, name: &str) -> Channel<[f32; 3]> {
     let block = |(origin, mask): (&IVec3, &BlockMask)| {
         let mut values = [[7.0; 3]; BLOCK_VOXELS];
@@ -69,8 +74,8 @@ pub fn ball_colour(band: &Band, name: &str) -> Channel<[f32; 3]> {
         }
         values
     };
-    let values = band.origins.iter().zip(&band.active).map(block).collect();
-    Channel { name: name.into(), values, background: [0.25, 0.5, 0.75] }
+    let blocks = band.origins.iter().zip(&band.active).map(block);
+    Channel::of_blocks(name, &band.active, blocks, [0.25, 0.5, 0.75])
 }
 
 /// What Debian's Python OpenVDB says of a file; its voxels go to `folder`.

@@ -108,7 +108,7 @@ fn floats_and_velocities_with_active_tiles() {
     let folder = tempfile::tempdir().unwrap();
     let (path, band) = (folder.path().join("ball.vdb"), ball());
     let channel = ball_colour(&band, "vel");
-    let density = Channel { name: "density".into(), values: vec![[0.5; 512]; band.origins.len()], background: 0.0 };
+    let density = even(&band, "density", 0.5);
     let mut fog = Values::over(&band, &density);
     fog.tiles = Some((&band.inside_tiles, 1.0));
     let motion =
@@ -193,6 +193,11 @@ fn what_makes_no_grid_is_refused_by_name() {
         band.distances[2][place * 64 + band.active[2][place].trailing_zeros() as usize] = f32::NAN;
     });
     assert!(nan.contains("not a finite number at voxel ("), "{nan}");
+    let mut short = ball_colour(&band, "surface");
+    short.values[2] = short.values[2][1..].into();
+    let grids = vec![Grid::colour(&band, &short)];
+    let text = write(&path, &Frame { grids, ..Default::default() }, &WriteOptions::default()).expect_err("refused");
+    assert!(text.to_string().contains("active voxels and "), "{text}");
     assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0, "something was left behind");
 }
 
@@ -200,11 +205,11 @@ fn what_makes_no_grid_is_refused_by_name() {
 fn half_precision_refuses_what_it_cannot_hold() {
     let band = ball();
     let mut channel = ball_colour(&band, "Cd");
-    channel.values[1][3] = [1e5, 0.0, 0.0];
+    channel.values[1][0] = [1e5, 0.0, 0.0];
     let mut grid = Grid::colour(&band, &channel);
     grid.half = true;
     let frame = Frame { grids: vec![grid], ..Default::default() };
-    assert!(prepare(&frame).err().expect("refused").to_string().contains("32 bits"));
+    assert!(encode(&frame, Compression::Blosc).expect_err("refused").to_string().contains("32 bits"));
 }
 
 #[test]

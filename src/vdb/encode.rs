@@ -1,0 +1,256 @@
+//! A file's bytes: values go from their blocks straight into OpenVDB's compressor, on all threads, and no tree holds
+//! them in between. The bytes are those of OpenVDB's own writer.
+//!
+//! A leaf in a file is the mask of its active voxels, a byte that says how inactive ones are kept, for some a second
+//! mask, and the active values, compressed (`io/Compression.h` of OpenVDB).
+
+use rayon::prelude::*;
+
+use super::bridge::ffi;
+use super::frame::check_half;
+use super::metadata::to_bridge;
+use super::{Compression, Content, Error, Frame, Grid};
+use crate::grid::{BLOCK_VOXELS, Band, BlockMask, mask};
+
+/// Leaves encoded in one go: so few that their values stay in the cache until they are compressed.
+const LEAVES_A_PIECE: usize = 32;
+/// The most a leaf takes besides its values: two masks, the byte between them, and what compressors put before and
+/// after.
+const LEAF_OVERHEAD: usize = 64 + 1 + 64 + 64;
+
+/// How a leaf keeps its inactive values: they are all the background,
+const BACKGROUND: i8 = 0;
+/// all its negative,
+const MINUS_BACKGROUND: i8 = 1;
+/// or both, with a mask of those that are the background.
+const BOTH: i8 = 3;
+
+/// A frame as the bytes of a file, in pieces.
+#[derive(Debug)]
+pub struct Encoded {
+    pub(super) pieces: Vec<Vec<u8>>,
+}
+
+impl Encoded {
+    /// The size of the file.
+    pub fn bytes(&self) -> u64 {
+        self.pieces.iter().map(|piece| piece.len() as u64).sum()
+    }
+}
+
+/// Encodes a frame, on all threads.
+///
+/// # Errors
+/// [`Error::Grid`] for blocks, tiles or values that make no grid, also a value that is not finite; [`Error::Library`]
+/// when OpenVDB fails.
+pub fn encode(frame: &Frame<'_>, compression: Compression) -> Result<Encoded, Error> {
+    frame.check()?;
+    let library = |error: cxx::Exception| Error::Library { message: error.what().into() };
+    let mut writer = ffi::new_writer(compression.codec()).map_err(library)?;
+    let grids = i32::try_from(frame.grids.len()).unwrap_or(i32::MAX);
+    let head = writer.pin_mut().file_head(&to_bridge(&frame.metadata), grids).map_err(library)?;
+    let mut pieces = vec![head.as_bytes().to_vec()];
+    let mut position = pieces[0].len();
+    for grid in &frame.grids {
+        let topology = grid.topology()?;
+        let leaves = encode_leaves(grid, &topology, &writer)?;
+        let bytes: usize = leaves.pieces.iter().map(Vec::len).sum();
+        let sizes = ffi::LeafSizes { masks: &leaves.masks, sizes: &leaves.sizes, bytes: bytes as i64 };
+        let head = writer.grid_head(&topology, &sizes, position as i64).map_err(library)?;
+        position += head.len() + bytes;
+        pieces.push(head.as_bytes().to_vec());
+        pieces.extend(leaves.pieces);
+    }
+    Ok(Encoded { pieces })
+}
+
+/// Leaves of a grid, encoded.
+#[derive(Default)]
+struct EncodedLeaves {
+    pieces: Vec<Vec<u8>>,
+    /// How each leaf keeps its inactive values.
+    masks: Vec<i8>,
+    /// The bytes of each leaf's compressed values.
+    sizes: Vec<i64>,
+}
+
+fn encode_leaves(grid: &Grid<'_>, topology: &ffi::Grid, writer: &ffi::Writer) -> Result<EncodedLeaves, Error> {
+    let blocks = grid.blocks().origins.len();
+    let starts: Vec<usize> = (0..blocks).step_by(LEAVES_A_PIECE).collect();
+    let encoded: Vec<EncodedLeaves> = starts
+        .into_par_iter()
+        .map_init(Run::default, |run, start| {
+            run.clear();
+            (start..blocks.min(start + LEAVES_A_PIECE)).try_for_each(|block| run.push(grid, block))?;
+            run.encode(topology, writer).map_err(|error| Error::grid(grid.name, error.what()))
+        })
+        .collect::<Result<_, Error>>()?;
+    let mut all = EncodedLeaves::default();
+    for run in encoded {
+        all.pieces.extend(run.pieces);
+        all.masks.extend(run.masks);
+        all.sizes.extend(run.sizes);
+    }
+    Ok(all)
+}
+
+/// A run of leaves on its way into the compressor.
+#[derive(Default)]
+struct Run {
+    masks: Vec<i8>,
+    heads: Vec<u8>,
+    head_ends: Vec<usize>,
+    values: Vec<f32>,
+    value_ends: Vec<usize>,
+    target: Vec<u8>,
+}
+
+impl Run {
+    fn clear(&mut self) {
+        self.masks.clear();
+        self.heads.clear();
+        self.head_ends.clear();
+        self.values.clear();
+        self.value_ends.clear();
+    }
+
+    /// Takes a block in, and checks its values.
+    fn push(&mut self, grid: &Grid<'_>, block: usize) -> Result<(), Error> {
+        let active = &grid.blocks().active[block];
+        self.heads.extend(active.iter().flat_map(|word| word.to_le_bytes()));
+        let start = self.values.len();
+        let (components, flag) = match &grid.content {
+            Content::LevelSet(band) => (1, self.push_distances(band, block)),
+            Content::Floats { values, .. } => {
+                self.values.extend_from_slice(&values.channel.values[block]);
+                (1, BACKGROUND)
+            }
+            Content::Vectors { values, .. } => {
+                self.values.extend_from_slice(values.channel.values[block].as_flattened());
+                (3, BACKGROUND)
+            }
+        };
+        self.masks.push(flag);
+        if flag != BOTH {
+            self.heads.push(flag as u8);
+        }
+        self.head_ends.push(self.heads.len());
+        self.value_ends.push(self.values.len());
+        check_values(grid, block, &self.values[start..], components)
+    }
+
+    /// A level set's values, negative inside: **the one place where the sign flips on the way out**.
+    fn push_distances(&mut self, band: &Band, block: usize) -> i8 {
+        let (active, distances) = (&band.active[block], &band.distances[block]);
+        let (values, inside) = flipped(distances, band.background());
+        push_active(&values, active, &mut self.values);
+        let outside: BlockMask = std::array::from_fn(|word| !inside[word] & !active[word]);
+        let any_inside = (0..8).any(|word| inside[word] & !active[word] != 0);
+        match (outside != [0; 8], any_inside) {
+            (_, false) => BACKGROUND,
+            (false, true) => MINUS_BACKGROUND,
+            (true, true) => {
+                self.heads.push(BOTH as u8);
+                self.heads.extend(outside.iter().flat_map(|word| word.to_le_bytes()));
+                BOTH
+            }
+        }
+    }
+
+    /// The leaves of the run, in one piece.
+    fn encode(&mut self, grid: &ffi::Grid, writer: &ffi::Writer) -> Result<EncodedLeaves, cxx::Exception> {
+        let room = self.masks.len() * LEAF_OVERHEAD + size_of_val(self.values.as_slice());
+        if self.target.len() < room {
+            self.target.resize(room, 0);
+        }
+        let leaves = ffi::Leaves {
+            heads: &self.heads,
+            head_ends: &self.head_ends,
+            values: &self.values,
+            value_ends: &self.value_ends,
+        };
+        let mut sizes = vec![0; self.masks.len()];
+        let bytes = writer.leaves(grid, &leaves, &mut sizes, &mut self.target)?;
+        Ok(EncodedLeaves { pieces: vec![self.target[..bytes].to_vec()], masks: self.masks.clone(), sizes })
+    }
+}
+
+/// A block's distances as the file has them, limited to ± the background, and which voxels lie inside. A zero becomes
+/// +0.
+#[multiversion::multiversion(targets = "simd")]
+fn flipped(distances: &[f32; BLOCK_VOXELS], background: f32) -> ([f32; BLOCK_VOXELS], BlockMask) {
+    let (mut values, mut inside) = ([0.0; BLOCK_VOXELS], [0; BLOCK_VOXELS]);
+    for at in 0..BLOCK_VOXELS {
+        values[at] = (0.0 - distances[at]).clamp(-background, background);
+        inside[at] = u8::from(distances[at] >= 0.0);
+    }
+    (values, mask::pack(&inside))
+}
+
+/// The active ones of a block's values.
+fn push_active(values: &[f32; BLOCK_VOXELS], active: &BlockMask, out: &mut Vec<f32>) {
+    let rows = active.iter().flat_map(|word| word.to_le_bytes());
+    for (row, flags) in values.as_chunks::<8>().0.iter().zip(rows) {
+        match flags {
+            0 => {}
+            u8::MAX => out.extend_from_slice(row),
+            _ => out.extend((0..8).filter(|z| flags >> z & 1 == 1).map(|z| row[z])),
+        }
+    }
+}
+
+/// Refuses a number that is not finite, or that 16 bits do not hold where the grid has them.
+fn check_values(grid: &Grid<'_>, block: usize, values: &[f32], components: usize) -> Result<(), Error> {
+    let largest = largest(values);
+    if largest.is_finite() && (!grid.half || check_half(largest).is_ok()) {
+        return Ok(());
+    }
+    let is_bad = |value: &f32| !value.is_finite() || grid.half && check_half(*value).is_err();
+    let Some(bad) = values.iter().position(is_bad) else { return Ok(()) };
+    if values[bad].is_finite() {
+        return check_half(values[bad]).map_err(|problem| Error::grid(grid.name, problem));
+    }
+    let blocks = grid.blocks();
+    let place = mask::places(&blocks.active[block]).nth(bad / components).unwrap_or(0) as i32;
+    let voxel = blocks.origins[block] + glam::IVec3::new(place >> 6, place >> 3 & 7, place & 7);
+    let [x, y, z] = voxel.to_array();
+    Err(Error::grid(grid.name, format!("it has a value that is not a finite number at voxel ({x}, {y}, {z})")))
+}
+
+/// The largest size of a number; not a number or infinite where one is.
+#[multiversion::multiversion(targets = "simd")]
+fn largest(values: &[f32]) -> f32 {
+    // Sizes are ordered as the bits of their floats are, and what is no number comes last.
+    let bits = values.iter().map(|value| value.to_bits() & (u32::MAX >> 1));
+    f32::from_bits(bits.fold(0, u32::max))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_largest_size_is_that_of_any_number() {
+        assert_eq!(largest(&[]), 0.0);
+        assert_eq!(largest(&[-3.0, 2.0]), 3.0);
+        for odd in [f32::NAN, -f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
+            for at in 0..20 {
+                let mut values = [1.0; 20];
+                values[at] = odd;
+                assert!(!largest(&values).is_finite());
+            }
+        }
+    }
+
+    #[test]
+    fn active_values_keep_their_order() {
+        let values = std::array::from_fn(|at| at as f32);
+        for step in [1, 2, 3, 7, 64, 511] {
+            let flags = std::array::from_fn(|at| u8::from(at % step == 0 || at / 9 % step == 1));
+            let active = mask::pack(&flags);
+            let mut out = Vec::new();
+            push_active(&values, &active, &mut out);
+            assert!(out.iter().map(|value| *value as usize).eq(mask::places(&active)));
+        }
+    }
+}
