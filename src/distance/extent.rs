@@ -179,8 +179,8 @@ impl Estimate {
     /// Bytes that frames take at a job's peak: one that is computed, one that is written.
     pub fn memory(&self, numbers: usize) -> f64 {
         let others = self.voxels * 4.0 * numbers as f64 * LIST_OVERHEAD;
-        // The encoded file is held whole, and once more as it is read back; hardly ever larger than the voxels.
-        2.0 * (self.bytes + others) + 2.0 * self.file(numbers)
+        // The encoded file is held whole; hardly ever larger than the voxels.
+        2.0 * (self.bytes + others) + self.file(numbers)
     }
 }
 

@@ -6,7 +6,7 @@ use std::path::Path;
 use sha2::{Digest, Sha256};
 
 use super::bridge::ffi;
-use super::walk::walk_bytes;
+use super::walk::walk_pieces;
 use super::{Encoded, Error, Frame, encode};
 use crate::disk::{self, Temporary, folder_of};
 
@@ -75,9 +75,10 @@ impl Encoded {
         let path = path.as_ref();
         check_target(path, overwrite)?;
         let mut temporary = Temporary::beside(path)?;
-        // What is hashed is what was meant to be written; that it is what arrived is checked byte by byte.
+        // What is hashed and walked is what was meant to be written; that it arrived is checked byte by byte.
         let (arrived, sha256) = rayon::join(|| self.arrive(&mut temporary, path), || self.sha256());
         arrived?;
+        walk_pieces(&self.pieces, path)?;
         let bytes = self.bytes();
         drop(self);
         temporary.file_mut().sync_all().map_err(|error| Error::system(path, "sync it to the disk", error))?;
@@ -85,31 +86,30 @@ impl Encoded {
         Ok(Written { bytes, sha256 })
     }
 
-    /// Writes all pieces, reads them back, compares them and walks the file. Messages name `path`, the final name.
+    /// Writes all pieces, and compares what is then read back. Messages name `path`, the final name.
     fn arrive(&self, temporary: &mut Temporary, path: &Path) -> Result<(), Error> {
         let file = temporary.file_mut();
         for piece in &self.pieces {
             file.write_all(piece).map_err(|error| Error::system(path, "write it", error))?;
         }
-        let mut arrived = Vec::with_capacity(self.bytes() as usize + 1);
-        file.rewind()
-            .and_then(|()| file.read_to_end(&mut arrived))
-            .map_err(|error| Error::system(path, "read it back", error))?;
-        let mut rest = arrived.as_slice();
+        let reading = |error| Error::system(path, "read it back", error);
+        file.rewind().map_err(reading)?;
+        let (mut arrived, mut offset) = (Vec::new(), 0);
         for piece in &self.pieces {
-            let Some(after) = rest.strip_prefix(piece.as_slice()) else {
-                let same = rest.iter().zip(piece).take_while(|(a, b)| a == b).count();
-                let offset = (arrived.len() - rest.len() + same) as u64;
-                let problem = "the disk does not hold what was written".into();
-                return Err(Error::Damaged { path: path.into(), offset, problem });
-            };
-            rest = after;
+            arrived.clear();
+            file.take(piece.len() as u64).read_to_end(&mut arrived).map_err(reading)?;
+            if arrived != *piece {
+                let same = arrived.iter().zip(piece).take_while(|(a, b)| a == b).count();
+                let problem = format!("the disk does not hold what was written, {} bytes", self.bytes());
+                return Err(Error::Damaged { path: path.into(), offset: (offset + same) as u64, problem });
+            }
+            offset += piece.len();
         }
-        if !rest.is_empty() {
-            let problem = format!("{} bytes more than were written arrived", rest.len());
+        if file.read(&mut [0]).map_err(reading)? > 0 {
+            let problem = "the disk holds more than was written".into();
             return Err(Error::Damaged { path: path.into(), offset: self.bytes(), problem });
         }
-        walk_bytes(&arrived, path).map(|_| ())
+        Ok(())
     }
 
     fn sha256(&self) -> [u8; 32] {

@@ -14,34 +14,58 @@ pub fn damage<T>(offset: usize, problem: impl Into<String>) -> Result<T, Failure
     Err(Failure::Damage { offset, problem: problem.into() })
 }
 
-/// A place in the bytes.
+/// A place in the bytes, which may lie in pieces: then nothing that is read as one runs from one piece into the next.
 pub struct Cursor<'a> {
-    bytes: &'a [u8],
-    at: usize,
+    /// The piece that it is in, and where.
+    piece: &'a [u8],
+    place: usize,
+    /// The bytes before that piece.
+    before: usize,
+    later: &'a [Vec<u8>],
+    total: usize,
 }
 
 impl<'a> Cursor<'a> {
     pub fn new(bytes: &'a [u8]) -> Self {
-        Self { bytes, at: 0 }
+        Self { piece: bytes, place: 0, before: 0, later: &[], total: bytes.len() }
+    }
+
+    pub fn of_pieces(pieces: &'a [Vec<u8>]) -> Self {
+        let total = pieces.iter().map(Vec::len).sum();
+        Self { piece: &[], place: 0, before: 0, later: pieces, total }
     }
 
     /// The offset of the next byte.
     pub fn at(&self) -> usize {
-        self.at
+        self.before + self.place
     }
 
     pub fn remaining(&self) -> usize {
-        self.bytes.len() - self.at
+        self.total - self.at()
+    }
+
+    /// Goes into the next piece at a piece's end.
+    fn enter_piece(&mut self) {
+        while let ([next, later @ ..], true) = (self.later, self.place == self.piece.len()) {
+            self.before += self.piece.len();
+            (self.piece, self.place, self.later) = (next, 0, later);
+        }
     }
 
     /// The next `count` bytes.
     pub fn take(&mut self, count: usize) -> Result<&'a [u8], Failure> {
         if count > self.remaining() {
             let problem = format!("it ends here: {count} bytes are needed, {} are there", self.remaining());
-            return damage(self.at, problem);
+            return damage(self.at(), problem);
         }
-        let taken = &self.bytes[self.at..self.at + count];
-        self.at += count;
+        if count == 0 {
+            return Ok(&[]);
+        }
+        self.enter_piece();
+        let Some(taken) = self.piece.get(self.place..self.place + count) else {
+            return damage(self.at(), format!("{count} bytes are needed where a piece of the file ends"));
+        };
+        self.place += count;
         Ok(taken)
     }
 
@@ -79,14 +103,42 @@ impl<'a> Cursor<'a> {
     /// Goes on at an absolute offset, not before this one.
     pub fn skip_to(&mut self, offset: i64, what: &str) -> Result<(), Failure> {
         match usize::try_from(offset) {
-            Ok(target) if (self.at..=self.bytes.len()).contains(&target) => {
-                self.at = target;
+            Ok(target) if (self.at()..=self.total).contains(&target) => {
+                while target > self.before + self.piece.len() {
+                    self.place = self.piece.len();
+                    self.enter_piece();
+                }
+                self.place = target - self.before;
                 Ok(())
             }
             _ => {
-                let problem = format!("{what} is said to be at byte {offset}, of {}", self.bytes.len());
-                damage(self.at, problem)
+                let problem = format!("{what} is said to be at byte {offset}, of {}", self.total);
+                damage(self.at(), problem)
             }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pieces_are_read_as_one() {
+        let pieces = [vec![], vec![1, 2, 3], vec![], vec![4, 5], vec![6]];
+        let mut cursor = Cursor::of_pieces(&pieces);
+        assert_eq!(cursor.remaining(), 6);
+        assert_eq!((cursor.take(2).unwrap(), cursor.at()), (&[1, 2][..], 2));
+        assert!(cursor.take(2).is_err());
+        assert_eq!(cursor.take(1).unwrap(), [3]);
+        assert_eq!((cursor.u8().unwrap(), cursor.at(), cursor.remaining()), (4, 4, 2));
+        cursor.skip_to(6, "the end").unwrap();
+        assert!(cursor.take(0).unwrap().is_empty() && cursor.u8().is_err());
+        for target in 0..=6 {
+            let mut cursor = Cursor::of_pieces(&pieces);
+            cursor.skip_to(target, "a place").unwrap();
+            assert_eq!((cursor.at(), cursor.u8().ok()), (target as usize, (1..=6).nth(target as usize)));
+        }
+        assert!(Cursor::of_pieces(&pieces).skip_to(7, "a place").is_err());
     }
 }

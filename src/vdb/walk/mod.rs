@@ -112,14 +112,22 @@ pub fn walk(path: impl AsRef<Path>) -> Result<Layout, Error> {
 
 /// Walks the bytes of a file; `path` is for messages.
 pub(super) fn walk_bytes(bytes: &[u8], path: &Path) -> Result<Layout, Error> {
-    parse(bytes).map_err(|failure| match failure {
+    walk_from(Cursor::new(bytes), path)
+}
+
+/// Walks the bytes of a file that lie in pieces, none of which ends within a leaf.
+pub(super) fn walk_pieces(pieces: &[Vec<u8>], path: &Path) -> Result<Layout, Error> {
+    walk_from(Cursor::of_pieces(pieces), path)
+}
+
+fn walk_from(cursor: Cursor, path: &Path) -> Result<Layout, Error> {
+    parse(cursor).map_err(|failure| match failure {
         Failure::Damage { offset, problem } => Error::Damaged { path: path.into(), offset: offset as u64, problem },
         Failure::Unsupported(problem) => Error::Unsupported { path: path.into(), problem },
     })
 }
 
-fn parse(bytes: &[u8]) -> Result<Layout, Failure> {
-    let mut cursor = Cursor::new(bytes);
+fn parse(mut cursor: Cursor) -> Result<Layout, Failure> {
     let header = header::read(&mut cursor)?;
     let mut delayed_load = Vec::new();
     let metadata = header::read_metadata(&mut cursor, &mut delayed_load)?;
