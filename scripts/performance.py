@@ -35,6 +35,7 @@ GOALS = {
     "14-whole": ("the same with its share of making the morph ready", "morphing", ""),
     "18": ("two threads against one, computing", "band", "1.9–2.0"),
     "18-machine": ("two threads against one, arithmetic in registers in turns with row 18", "band", "2"),
+    "18-memory": ("the same, reading and writing memory beyond a core's cache", "band", ""),
     "18-handover": ("two threads against one, handing over and encoding", "handover", ""),
     "written": ("a ready frame with colour on the disk, rate against `io::File`", "handover", ""),
 }
