@@ -2,7 +2,7 @@
 
 use super::{Bytes, Error};
 use crate::distance::descent::Scope;
-use crate::distance::extent;
+use crate::distance::extent::{self, Effort};
 use crate::scene::{FrameContent, Prepared};
 
 /// What a frame will take, estimated before anything is allocated.
@@ -23,8 +23,12 @@ const BASE_BYTES: f64 = 120e6;
 
 /// Estimates one frame.
 pub fn estimate(prepared: &Prepared, content: &FrameContent) -> Estimate {
+    estimate_by(prepared, content, Effort::Careful)
+}
+
+fn estimate_by(prepared: &Prepared, content: &FrameContent, effort: Effort) -> Estimate {
     let scope = Scope { lattice: prepared.lattice, half_width: prepared.half_width, region: content.region };
-    let found = extent::estimate(&*content.field, &scope);
+    let found = extent::estimate(&*content.field, &scope, effort);
     // Velocities reach further than the band, by as much as the surface moves.
     let velocity = if content.movement.is_some() { 6 } else { 0 };
     let numbers = if content.colour.is_some() { 3 } else { 0 } + content.scalars.len() + velocity;
@@ -33,11 +37,14 @@ pub fn estimate(prepared: &Prepared, content: &FrameContent) -> Estimate {
     Estimate { voxels: found.voxels, blocks: found.blocks, memory: bytes(memory), file: bytes(found.file(numbers)) }
 }
 
-/// Refuses frames whose estimate is over the limit.
-pub fn check_memory(prepared: &Prepared, content: &FrameContent, limit: Bytes) -> Result<Estimate, Error> {
+/// Refuses frames whose estimate is over the limit. Of a frame that is far from it a quick one says enough.
+pub fn check_memory(prepared: &Prepared, content: &FrameContent, limit: Bytes) -> Result<(), Error> {
+    if estimate_by(prepared, content, Effort::Quick).memory.0 <= limit.0 / 2 {
+        return Ok(());
+    }
     let estimate = estimate(prepared, content);
     if estimate.memory > limit {
         return Err(Error::Memory { needed: estimate.memory, limit, voxels: estimate.voxels });
     }
-    Ok(estimate)
+    Ok(())
 }

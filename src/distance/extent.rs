@@ -187,15 +187,30 @@ impl Estimate {
 /// Boxes bounded at most for an estimate; more is more exact, and slower.
 const ESTIMATE_BUDGET: usize = 60_000;
 
-/// Boxes found on the surface that make an estimate good to some per cent.
-const ENOUGH: usize = 4_000;
+/// How much work goes into an estimate: the boxes found on the surface that are enough for it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Effort {
+    /// Good to some tens of per cent, rather too much than too little.
+    Quick,
+    /// Good to some per cent.
+    Careful,
+}
+
+impl Effort {
+    fn enough(self) -> usize {
+        match self {
+            Self::Quick => 400,
+            Self::Careful => 4_000,
+        }
+    }
+}
 
 /// Estimates a band before anything is allocated, in well under a second for any voxel size: a descent of the region
 /// to boxes that are few, scaled by area to blocks.
 ///
 /// A plane meets, in the mean over its directions, A·1.5·(e − 1 + 2w)/e³ nodes of e³ voxels grown by w, with its
 /// area A in voxel faces; that gives A from the boxes found and the blocks from A.
-pub fn estimate(field: &dyn Field, scope: &Scope) -> Estimate {
+pub fn estimate(field: &dyn Field, scope: &Scope, effort: Effort) -> Estimate {
     let voxel = scope.lattice.voxel_size.get();
     let longest = scope.region.size().max_element().max(voxel);
     let (width, block) = (2.0 * f64::from(scope.half_width), f64::from(BLOCK_EDGE));
@@ -209,7 +224,7 @@ pub fn estimate(field: &dyn Field, scope: &Scope) -> Estimate {
     };
     let (mut edge, mut maybe) = (longest, 1);
     let mut depth = 1;
-    while maybe < ENOUGH && longest / f64::from(1u32 << depth) >= block * voxel / 2.0 && depth < 30 {
+    while maybe < effort.enough() && longest / f64::from(1u32 << depth) >= block * voxel / 2.0 && depth < 30 {
         count.maybe = 0;
         count.visit(scope.region.min, longest, depth);
         if count.budget == 0 {
@@ -327,9 +342,10 @@ mod tests {
                 let region = field.bounds.grown(4.0 * size);
                 let scope = Scope { lattice, half_width: 3.0, region };
                 let opened = descend(&field, &scope, &AtomicBool::new(false)).unwrap().blocks.len() as f64;
-                let estimate = estimate(&field, &scope);
-                let ratio = estimate.blocks / opened;
-                assert!((0.95..3.0).contains(&ratio), "{ratio} at {size} of {field:?}");
+                for (effort, most) in [(Effort::Careful, 3.0), (Effort::Quick, 3.0)] {
+                    let ratio = estimate(&field, &scope, effort).blocks / opened;
+                    assert!((0.95..most).contains(&ratio), "{ratio} at {size} of {field:?}, {effort:?}");
+                }
             }
         }
     }
@@ -339,7 +355,7 @@ mod tests {
         let field = Joined::one(Leaf::Sphere(DVec3::ZERO, 1.0));
         let lattice = Lattice { voxel_size: VoxelSize::new(1e-9).unwrap() };
         let scope = Scope { lattice, half_width: 3.0, region: field.bounds };
-        let voxels = estimate(&field, &scope).voxels;
+        let voxels = estimate(&field, &scope, Effort::Careful).voxels;
         let truth = 4.0 * std::f64::consts::PI * 6.0 * 1e18;
         assert!((0.9..1.5).contains(&(voxels / truth)), "{}", voxels / truth);
     }

@@ -8,7 +8,7 @@ use glam::DVec3;
 use crate::attribute::Scalar;
 use crate::distance::band;
 use crate::distance::descent::Scope;
-use crate::distance::extent::{Estimate, estimate};
+use crate::distance::extent::{Effort, Estimate, estimate};
 use crate::distance::nearest::{FieldFeet, Watch};
 use crate::distance::octree::{self, BuildError, DistanceObject};
 use crate::field::{Aabb, Field};
@@ -71,7 +71,7 @@ impl Pair {
             let Some(voxel_size) = VoxelSize::new(edge) else { return Estimate::default() };
             let region = side.solid.grown((f64::from(half_width) + 2.0) * edge);
             let scope = Scope { lattice: Lattice { voxel_size }, half_width, region };
-            estimate(side.field.as_ref(), &scope)
+            estimate(side.field.as_ref(), &scope, Effort::Careful)
         })
     }
 }
