@@ -2,6 +2,7 @@
 
 use glam::{DVec3, Vec3};
 
+use super::Aabb;
 use crate::grid::{BLOCK_EDGE, BLOCK_VOXELS};
 
 /// The most points evaluated in one call.
@@ -57,6 +58,17 @@ impl Points {
         self.y[self.len] = offset.y;
         self.z[self.len] = offset.z;
         self.len += 1;
+    }
+
+    /// The box of all points; `None` of none.
+    pub fn bounding_box(&self) -> Option<Aabb> {
+        let side = |values: &[f32; BATCH], choose: fn(f32, f32) -> f32| {
+            values[..self.len].iter().copied().reduce(choose).map(f64::from)
+        };
+        let corner = |choose| {
+            Some(DVec3::new(side(&self.x, choose)?, side(&self.y, choose)?, side(&self.z, choose)?) + self.origin)
+        };
+        Some(Aabb::new(corner(f32::min)?, corner(f32::max)?))
     }
 
     /// The offset of a point from the origin.

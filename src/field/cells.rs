@@ -241,14 +241,86 @@ impl Cells {
 
     /// The same, found sooner where `near` is a leaf on the surface not far away.
     pub fn surface_leaf_from(&self, position: DVec3, near: CellId) -> CellId {
-        let leaf = self.leaf_at(position);
-        if self.cell(leaf).place == Place::Surface && self.cell(leaf).bounds.contains(position) {
+        if let Some(leaf) = self.surface_leaf_around(position) {
             return leaf;
         }
         let bounds = self.cell(near).bounds;
         let mut best = (position.distance_squared(position.clamp(bounds.min, bounds.max)), near);
         self.nearest_surface(self.nodes[0], self.root, position, &mut best);
         best.1
+    }
+
+    /// The leaves on the surface among which the nearest one of any position in a region is, in the order of
+    /// [`Cells::cells`].
+    pub fn surface_leaves_near(&self, region: &Aabb) -> Vec<CellId> {
+        // No position of the region is farther than this from some leaf, so that leaves beyond are nearest to none.
+        let mut within = f64::INFINITY;
+        self.nearest_to_all(self.nodes[0], self.root, region, &mut within);
+        let mut near = Vec::new();
+        self.collect_surface(self.nodes[0], self.root, region, within, &mut near);
+        near.sort_unstable();
+        near
+    }
+
+    /// The least, over the leaves on the surface, of the squared distance that no position of a region exceeds.
+    fn nearest_to_all(&self, node: Node, bounds: Aabb, region: &Aabb, within: &mut f64) {
+        if least_distance_squared(region, &bounds) > *within {
+            return;
+        }
+        match node {
+            Node::Leaf(id) if self.cell(id).place == Place::Surface => {
+                let bounds = self.cell(id).bounds;
+                let away = (bounds.min - region.min).max(region.max - bounds.max).max(DVec3::ZERO);
+                *within = within.min(away.length_squared());
+            }
+            Node::Split { first, has_surface: true } => {
+                let near = octant_of(region.centre(), bounds.centre());
+                for octant in (0..8).map(|i| i ^ near) {
+                    let child = self.nodes[first as usize + octant];
+                    self.nearest_to_all(child, octant_bounds(bounds, octant), region, within);
+                }
+            }
+            _ => {}
+        }
+    }
+
+    fn collect_surface(&self, node: Node, bounds: Aabb, region: &Aabb, within: f64, near: &mut Vec<CellId>) {
+        if least_distance_squared(region, &bounds) > within {
+            return;
+        }
+        match node {
+            Node::Leaf(id) if self.cell(id).place == Place::Surface => near.push(id),
+            Node::Split { first, has_surface: true } => {
+                for octant in 0..8 {
+                    let child = self.nodes[first as usize + octant];
+                    self.collect_surface(child, octant_bounds(bounds, octant), region, within, near);
+                }
+            }
+            _ => {}
+        }
+    }
+
+    /// [`Cells::surface_leaf_at`] for a position in a region that has these leaves near.
+    pub fn surface_leaf_among(&self, position: DVec3, near: &[CellId]) -> CellId {
+        if let Some(leaf) = self.surface_leaf_around(position) {
+            return leaf;
+        }
+        let mut best = (f64::INFINITY, self.surface[0]);
+        for &id in near {
+            let bounds = self.cell(id).bounds;
+            let distance = position.distance_squared(position.clamp(bounds.min, bounds.max));
+            if distance < best.0 {
+                best = (distance, id);
+            }
+        }
+        best.1
+    }
+
+    /// The leaf that holds a position, where that is on the surface.
+    fn surface_leaf_around(&self, position: DVec3) -> Option<CellId> {
+        let leaf = self.leaf_at(position);
+        let cell = self.cell(leaf);
+        (cell.place == Place::Surface && cell.bounds.contains(position)).then_some(leaf)
     }
 
     /// A fraction of the leaves on the surface, chosen at random but the same each time: those picked for a smaller
@@ -288,6 +360,11 @@ impl Cells {
             _ => {}
         }
     }
+}
+
+/// The squared distance between two boxes.
+fn least_distance_squared(a: &Aabb, b: &Aabb) -> f64 {
+    (b.min - a.max).max(a.min - b.max).max(DVec3::ZERO).length_squared()
 }
 
 struct Builder<'a> {
@@ -458,6 +535,23 @@ mod tests {
             let least = cells.surface().iter().map(|&id| distance(id)).fold(f64::INFINITY, f64::min);
             assert_eq!(distance(cells.surface_leaf_at(p)), least);
             assert_eq!(cells.cell(cells.surface_leaf_at(p)).place, Place::Surface);
+        }
+    }
+
+    #[test]
+    fn few_leaves_are_near_a_region_and_the_nearest_is_among_them() {
+        let cells = Cells::build(&Ball(DVec3::ZERO), &OPTIONS).unwrap();
+        let mut random = Random::new(2, 1, Purpose::Facet);
+        for _ in 0..200 {
+            let middle = random.direction() * random.range(0.0, 2.0);
+            let region = Aabb::new(middle, middle).grown(random.range(0.0, 0.2));
+            let near = cells.surface_leaves_near(&region);
+            assert!(near.is_sorted() && !near.is_empty() && near.len() < cells.surface().len());
+            for _ in 0..20 {
+                let [x, y, z] = std::array::from_fn(|axis| random.range(region.min[axis], region.max[axis]));
+                let p = DVec3::new(x, y, z);
+                assert_eq!(cells.surface_leaf_among(p, &near), cells.surface_leaf_at(p));
+            }
         }
     }
 

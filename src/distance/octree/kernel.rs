@@ -151,7 +151,7 @@ pub fn values(leaves: &[[u32; 8]], numbers: &[Numbers], located: &Located, out: 
 }
 
 /// Values and gradients at points in any cells: F, ∂x, ∂y, ∂z at the first `len`.
-#[multiversion(targets("x86_64+avx+avx2", "x86_64+sse4.1"))]
+#[multiversion(targets("x86_64+avx512f+avx512vl", "x86_64+avx+avx2", "x86_64+sse4.1"))]
 pub fn gradients(leaves: &[[u32; 8]], numbers: &[Numbers], located: &Located, out: [&mut [f32; BATCH]; 4], len: usize) {
     let [value, dx, dy, dz] = out;
     for i in 0..len.min(BATCH) {

@@ -4,6 +4,9 @@ use super::super::cells::{CellId, Cells};
 use super::super::{Aabb, BATCH, Expression, Field, Points};
 use super::cut::{OVERLAP, Piece};
 
+/// Looking at so many cells one after the other takes less time than a search of their tree.
+const MOST_IN_TURN: usize = 48;
+
 /// The pieces of a faceted shape.
 ///
 /// A piece reaches a little over the border of its cell ([`OVERLAP`]), so the wall of a step lies in the cell in front
@@ -29,9 +32,13 @@ impl Pieces {
     pub fn cells_at(&self, cells: &Cells, points: &Points, out: &mut [u32; BATCH]) {
         let mut values = None;
         let mut own = cells.surface()[0];
+        let near = points.bounding_box().map_or_else(Vec::new, |region| cells.surface_leaves_near(&region));
         for i in 0..points.len {
             let position = points.position(i);
-            own = cells.surface_leaf_from(position, own);
+            own = match near.len() {
+                ..=MOST_IN_TURN => cells.surface_leaf_among(position, &near),
+                _ => cells.surface_leaf_from(position, own),
+            };
             out[i] = own.0;
             // No piece but its own reaches as far as this, or none at all.
             let bounds = cells.cell(own).bounds;
@@ -39,7 +46,8 @@ impl Pieces {
                 continue;
             }
             let corners = Aabb::new(position, position).grown(self.reach).corners();
-            let beside = corners.map(|corner| cells.surface_leaf_at(corner.clamp(cells.root().min, cells.root().max)));
+            let root = cells.root();
+            let beside = corners.map(|corner| cells.surface_leaf_from(corner.clamp(root.min, root.max), own));
             if beside.iter().all(|&cell| cell == own) {
                 continue;
             }
