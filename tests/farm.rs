@@ -308,7 +308,7 @@ fn a_folder_that_goes_away_ends_the_bake_with_a_message() {
     }
     fs::rename(place.path("out"), place.path("elsewhere")).unwrap();
     let run = end(child);
-    run.fails(1, &["out/", "cannot", "of 400 frames are done"]);
+    run.fails(1, &["error: out", "cannot", "of 400 frames are done"]);
     assert!(!place.path("out").exists());
     for name in place.frames("elsewhere") {
         place.hfvdb(&format!("info elsewhere/{name}")).ok();

@@ -94,22 +94,46 @@ pub(super) fn warnings(computed: &Computed) -> Vec<String> {
     warnings
 }
 
-/// Writes one frame, and its record once it stands.
+/// A frame's file that has arrived, on its way to its name.
+pub(super) struct Arriving {
+    file: vdb::Arrived,
+    record: Record,
+    start: Instant,
+}
+
+impl Arriving {
+    pub fn frame(&self) -> i64 {
+        self.record.frame
+    }
+}
+
+/// Writes one frame, but for syncing and renaming it.
 pub(super) fn write_frame(
     prepared: &Prepared,
     frame: i64,
     computed: &Computed,
     output: &Output,
     compute: Duration,
-) -> Result<Record, Error> {
+) -> Result<Arriving, Error> {
     let start = Instant::now();
     let sequence = &output.sequence;
     let vdb_frame = vdb_frame(prepared, frame, computed, output);
     let options = vdb::WriteOptions { compression: output.compression, overwrite: output.existing.replaces() };
-    let written = vdb::write(sequence.pattern.file(frame), &vdb_frame, &options).map_err(Error::Write)?;
-    let file = sequence.file_name(frame);
+    let file = vdb::arrive(sequence.pattern.file(frame), &vdb_frame, &options).map_err(Error::Write)?;
+    let written = file.written();
     let content = (written.bytes, hexadecimal(&written.sha256));
-    let record = Record::new(frame, file, content, computed, prepared.report(frame), [compute, start.elapsed()]);
+    let durations = [compute, start.elapsed()];
+    let record = Record::new(frame, sequence.file_name(frame), content, computed, prepared.report(frame), durations);
+    Ok(Arriving { file, record, start })
+}
+
+/// Gives a frame's file its name, and writes its record once it stands.
+pub(super) fn settle_frame(arriving: Arriving, output: &Output) -> Result<Record, Error> {
+    let Arriving { file, mut record, start } = arriving;
+    file.settle().map_err(Error::Write)?;
+    record.write_seconds = start.elapsed().as_secs_f64();
+    let sequence = &output.sequence;
+    let frame = record.frame;
     let record =
         RecordFile { hfvdb_record: 1, pattern: sequence.pattern.text(), identity: output.identity.clone(), record };
     sealed::write(&sequence.record(frame), &record)?;

@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 
 use super::compute::Computed;
 use super::done::{State, judge};
-use super::frame::{compute_frame, empty, warnings, write_frame};
+use super::frame::{Arriving, compute_frame, empty, settle_frame, warnings, write_frame};
 use super::identity::Identity;
 use super::record::{Record, RecordFile};
 use super::sealed;
@@ -115,20 +115,31 @@ pub fn bake(
     interrupt: &Interrupt,
     events: &(dyn Fn(Event<'_>) + Sync),
 ) -> Baked {
-    // A rendezvous: one frame is computed while one is written, never more.
+    // Rendezvous: one frame is computed while one is written, never more; one that has arrived waits for the disk, and
+    // takes no memory.
     let (send, receive) = mpsc::sync_channel::<Computing>(0);
+    let (send_arrived, receive_arrived) = mpsc::sync_channel::<Settling>(0);
     thread::scope(|scope| {
-        let writer = scope.spawn(move || write_all(prepared, receive, output, events));
-        let mut computed = compute_all(prepared, frames, output, interrupt, events, &send);
+        let writer = scope.spawn(move || write_all(prepared, receive, output, events, &send_arrived));
+        let settler = scope.spawn(move || settle_all(receive_arrived, output, events));
+        let mut baked = compute_all(prepared, frames, output, interrupt, events, &send);
         drop(send);
-        let written = writer.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic));
-        computed.written = written.written;
-        computed.failed.extend(written.failed);
-        computed.failed.sort_by_key(|(frame, _)| *frame);
-        // A failed write is why the computing stopped, if both failed.
-        computed.stopped = written.stopped.or(computed.stopped);
-        computed
+        for later in [writer, settler] {
+            let later = later.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic));
+            baked.written.extend(later.written);
+            baked.failed.extend(later.failed);
+            // What fails later on a frame's way is why what comes before has stopped.
+            baked.stopped = later.stopped.or(baked.stopped);
+        }
+        baked.failed.sort_by_key(|(frame, _)| *frame);
+        baked
     })
+}
+
+/// A frame that has arrived, with its lock.
+struct Settling {
+    arriving: Arriving,
+    lock: FileLock,
 }
 
 /// Writes what comes, until the disk takes no more.
@@ -137,10 +148,33 @@ fn write_all(
     receive: mpsc::Receiver<Computing>,
     output: &Output,
     events: &(dyn Fn(Event<'_>) + Sync),
+    send: &mpsc::SyncSender<Settling>,
 ) -> Baked {
     let mut baked = Baked::default();
     for Computing { frame, computed, duration, lock } in receive {
-        let result = write_frame(prepared, frame, &computed, output, duration);
+        match write_frame(prepared, frame, &computed, output, duration) {
+            Ok(arriving) => {
+                drop(computed);
+                if send.send(Settling { arriving, lock }).is_err() {
+                    break;
+                }
+            }
+            Err(error) if error.is_of_frame() => fail(&mut baked, frame, error, events),
+            Err(error) => {
+                baked.stopped = Some(error);
+                break;
+            }
+        }
+    }
+    baked
+}
+
+/// Gives what has arrived its name, until the disk takes no more.
+fn settle_all(receive: mpsc::Receiver<Settling>, output: &Output, events: &(dyn Fn(Event<'_>) + Sync)) -> Baked {
+    let mut baked = Baked::default();
+    for Settling { arriving, lock } in receive {
+        let frame = arriving.frame();
+        let result = settle_frame(arriving, output);
         drop(lock);
         match result {
             Ok(record) => {

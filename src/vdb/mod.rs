@@ -5,7 +5,7 @@
 //!
 //! * [`write()`] makes one file of a [`Frame`]: encoded on all threads, written under a temporary name, checked, synced
 //!   to the disk and renamed, so that a file with a final name is always whole.
-//! * [`encode()`] and [`Encoded::write`] are its two halves.
+//! * [`arrive()`] and [`Arrived::settle`] are its two halves: the second waits for the disk and holds no memory.
 //! * [`walk::walk`] parses a whole file in safe Rust and checks every length in it; it stands before every reading.
 //! * [`inspect()`] says what is in a file, [`lint()`] what is wrong with it, [`read()`] gives its blocks.
 //!
@@ -36,7 +36,7 @@ pub use inspect::{FileInfo, GridInfo, Range, active_box, inspect};
 pub use lint::{Finding, Lint, Severity, lint};
 pub use metadata::{Metadata, MetadataValue};
 pub use read::{Contents, Opened, SparseBlocks, StoredClass, StoredGrid, Tile, Voxels, read};
-pub use write::{Compression, WriteOptions, Written, write};
+pub use write::{Arrived, Compression, WriteOptions, Written, arrive, write};
 
 /// The version of the OpenVDB library in use, such as `10.0.1`.
 pub fn library_version() -> String {

@@ -1,7 +1,7 @@
 //! From a frame to a file that is whole.
 
 use std::io::{Read, Seek, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use sha2::{Digest, Sha256};
 
@@ -55,13 +55,48 @@ pub struct Written {
 /// # Errors
 /// Those of [`encode`] and [`Encoded::write`].
 pub fn write(path: impl AsRef<Path>, frame: &Frame<'_>, options: &WriteOptions) -> Result<Written, Error> {
+    arrive(path, frame, options)?.settle()
+}
+
+/// The first half of [`write()`]: all but syncing and renaming.
+///
+/// # Errors
+/// Those of [`encode`] and [`Encoded::arrive`].
+pub fn arrive(path: impl AsRef<Path>, frame: &Frame<'_>, options: &WriteOptions) -> Result<Arrived, Error> {
     let path = path.as_ref();
     check_target(path, options.overwrite)?;
     let encoded = encode(frame, options.compression).map_err(|error| match error {
         Error::Library { message } => Error::File { path: path.into(), message },
         error => error,
     })?;
-    encoded.write(path, options.overwrite)
+    encoded.arrive(path, options.overwrite)
+}
+
+/// A file that has arrived whole under a temporary name, not yet for certain on the disk. Where it is dropped, it goes.
+pub struct Arrived {
+    temporary: Temporary,
+    path: PathBuf,
+    overwrite: bool,
+    written: Written,
+}
+
+impl Arrived {
+    /// What was written.
+    pub fn written(&self) -> Written {
+        self.written
+    }
+
+    /// Syncs the file to the disk and gives it its name.
+    ///
+    /// # Errors
+    /// [`Error::Disk`] when there is a file of that name by now unless overwriting is allowed, and when the system
+    /// refuses.
+    pub fn settle(self) -> Result<Written, Error> {
+        let Self { mut temporary, path, overwrite, written } = self;
+        temporary.file_mut().sync_all().map_err(|error| Error::system(&path, "sync it to the disk", error))?;
+        temporary.persist(&path, overwrite)?;
+        Ok(written)
+    }
 }
 
 impl Encoded {
@@ -69,25 +104,30 @@ impl Encoded {
     /// it. Whatever fails, nothing is left behind and a file of that name is as it was.
     ///
     /// # Errors
+    /// Those of [`Encoded::arrive`] and [`Arrived::settle`].
+    pub fn write(self, path: impl AsRef<Path>, overwrite: bool) -> Result<Written, Error> {
+        self.arrive(path, overwrite)?.settle()
+    }
+
+    /// The first half of [`Encoded::write`]: all but syncing and renaming.
+    ///
+    /// # Errors
     /// [`Error::Disk`] when there is a file of that name unless overwriting is allowed, and when the system refuses, such
     /// as on a full disk; [`Error::Damaged`] when the disk does not hold what was written.
-    pub fn write(self, path: impl AsRef<Path>, overwrite: bool) -> Result<Written, Error> {
+    pub fn arrive(self, path: impl AsRef<Path>, overwrite: bool) -> Result<Arrived, Error> {
         let path = path.as_ref();
         check_target(path, overwrite)?;
         let mut temporary = Temporary::beside(path)?;
         // What is hashed and walked is what was meant to be written; that it arrived is checked byte by byte.
-        let (arrived, sha256) = rayon::join(|| self.arrive(&mut temporary, path), || self.sha256());
-        arrived?;
+        let (sent, sha256) = rayon::join(|| self.send(&mut temporary, path), || self.sha256());
+        sent?;
         walk_pieces(&self.pieces, path)?;
-        let bytes = self.bytes();
-        drop(self);
-        temporary.file_mut().sync_all().map_err(|error| Error::system(path, "sync it to the disk", error))?;
-        temporary.persist(path, overwrite)?;
-        Ok(Written { bytes, sha256 })
+        let written = Written { bytes: self.bytes(), sha256 };
+        Ok(Arrived { temporary, path: path.into(), overwrite, written })
     }
 
     /// Writes all pieces, and compares what is then read back. Messages name `path`, the final name.
-    fn arrive(&self, temporary: &mut Temporary, path: &Path) -> Result<(), Error> {
+    fn send(&self, temporary: &mut Temporary, path: &Path) -> Result<(), Error> {
         let file = temporary.file_mut();
         for piece in &self.pieces {
             file.write_all(piece).map_err(|error| Error::system(path, "write it", error))?;
