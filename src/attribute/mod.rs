@@ -29,7 +29,7 @@ pub use mesh_colour::VertexColours;
 pub use mix::{Mix, Mixer, Straight, Turn};
 pub use parts::{Overlap, Part, Parts, Rule};
 pub use scalar_field::ScalarField;
-pub use voxels::{Outside, POWERS, RELATIVE_ERROR, ValueBlocks, VoxelValues};
+pub use voxels::{Outside, POWERS, Power, RELATIVE_ERROR, ValueBlocks, VoxelValues};
 
 use crate::field::{Aabb, BATCH, Interval, Points};
 

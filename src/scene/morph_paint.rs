@@ -18,7 +18,7 @@ impl Prepared {
     /// The attributes of a morph's frame, as far as they are to be written.
     pub(super) fn morph_attributes(&self, planned: &Planned, frame: f64) -> Result<Attributes, Problem> {
         let of_one = |planned| Ok((self.morph_colour(planned, frame)?, self.morph_scalars(planned, frame)?));
-        let Some(correspondence) = self.correspondence() else { return of_one(planned) };
+        let Some(correspondence) = self.correspondence(frame) else { return of_one(planned) };
         let of_parts: Vec<Attributes> = planned.parts.iter().map(of_one).collect::<Result<_, Problem>>()?;
         // All have the same grids.
         let (colour, scalars) = &of_parts[0];
@@ -35,9 +35,9 @@ impl Prepared {
         Ok((colour, scalars.iter().enumerate().map(scalar).collect()))
     }
 
-    fn correspondence(&self) -> Option<&Correspondence> {
+    fn correspondence(&self, frame: f64) -> Option<&Correspondence> {
         let Content::Morph(morphs) = &self.model.content else { return None };
-        morphs[0].correspondence.as_ref()
+        morphs[self.shown(frame)].correspondence.as_ref()
     }
 
     /// Each part's attribute where the part is.
@@ -95,7 +95,7 @@ impl Prepared {
             let Some((_, known)) = planned.scalars.iter().find(|(there, _)| there == name) else { return Ok(None) };
             Ok(Some(self.mixed_scalar(planned, name, known, frame)?))
         };
-        let Some(correspondence) = self.correspondence() else { return of_one(planned) };
+        let Some(correspondence) = self.correspondence(frame) else { return of_one(planned) };
         let scalars: Option<Vec<_>> = planned.parts.iter().map(of_one).collect::<Result<_, Problem>>()?;
         Ok(scalars.map(|scalars| self.joined(&self.fields_of_parts(planned, frame), scalars, correspondence)))
     }

@@ -234,7 +234,6 @@ pub(super) fn plan(
         let part = ready(model, solids, [from, to], measuring, |from, to| Ok(whole.of_parts(from, to)))?;
         planned.parts.push(part);
     }
-    alike(&mut planned.parts);
     planned.bytes = measuring.done[before..].iter().map(|(_, _, side)| side.distance.report().bytes as u64).sum();
     Ok(planned)
 }
@@ -284,9 +283,14 @@ fn ready(
     Ok(Planned { morph, has_colour, scalars, from, to, parts: Vec::new(), bytes: 0 })
 }
 
-/// Gives all morphs of a chain, or of corresponding parts, the same grids: where none of a morph's objects has an
+/// Gives all morphs of a chain the same grids, and so all of corresponding parts: where none of a morph's objects has an
 /// attribute, it is what shapes without it count as.
-pub(super) fn alike(morphs: &mut [Planned]) {
+pub(super) fn alike(chain: &mut [Planned]) {
+    make_alike(chain.iter_mut().flat_map(|planned| &mut planned.parts).collect());
+    make_alike(chain.iter_mut().collect());
+}
+
+fn make_alike(morphs: Vec<&mut Planned>) {
     let has_colour = morphs.iter().any(|planned| planned.has_colour);
     let names: BTreeSet<String> =
         morphs.iter().flat_map(|planned| planned.scalars.iter().map(|(name, _)| name.clone())).collect();

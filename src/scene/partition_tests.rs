@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use super::prepared::Ready;
-use super::scalar_tests::{prepared, sampled, scalar, wrong};
+use super::scalar_tests::{prepared, prepared_in_voxels, sampled, scalar, wrong};
 use super::*;
 
 /// Two pairs of balls that cross one another on their way, with plain fields: frame 4 is at t = 1/2.
@@ -225,8 +225,46 @@ fn wrong_pairs_are_named_with_their_place() {
     let painted = CROSSING.replace("union = ['c', 'd']", "union = ['c', 'd']\nattribute.wear = 2");
     wrong(&painted, "4:8 `two` has its own `attribute.wear`, which hides those of its parts from `pairs`");
     wrong(&with("[['a', 'd'], ['b', 'c']]").replace("pairs", "overlap = 'mix' #"), "31:1 `overlap` goes with `pairs`");
-    let chain = CROSSING.replace("from = 'one'\nto = 'two'", "through = ['one', 'two', 'one']");
-    wrong(&chain, "30:1 `pairs` does not go with `through`");
+    let chain = |pairs: &str| with(pairs).replace("from = 'one'\nto = 'two'", "through = ['one', 'two', 'one']");
+    for (pairs, problem) in [
+        ("[['a', 'd'], ['b', 'c']]", "30:10 `morph.pairs` takes lists of 3: a part of each shape of `through`"),
+        ("[['a', 'd', 'a'], ['b', 'c', 'a']]", "30:39 `a` is in two pairs"),
+        ("[['a', 'd', 'c'], ['b', 'c', 'b']]", "30:22 `c` is no part of `one`, which is in `morph.through`"),
+    ] {
+        wrong(&chain(pairs), problem);
+    }
+    let doubly = chain("[['a', 'd', 'a'], ['b', 'c', 'b']]").replace("union = ['a', 'b']", "sphere = 1");
+    wrong(&doubly, "27:11 `one` is no union, so it has no parts for `pairs`");
+}
+
+/// Each link of a chain has its pairs: its frames are those of the morph of two alone.
+#[test]
+fn parts_correspond_along_a_chain() {
+    let third = "[shape.three]\nunion = ['e', 'f']\n[shape.e]\nsphere = 0.8\nmove = [0, -1, 0]\nattribute.wear = 7
+[shape.f]\nsphere = 0.8\nmove = [0.9, -1, 0]\nattribute.heat = 9\ncolor = '#123456'\n[morph]";
+    let text = CROSSING.replace("[morph]", third);
+    let morph = |ends: &str, pairs: &str| {
+        let text = text.replace("from = 'one'\nto = 'two'", ends).replace("[['a', 'd'], ['b', 'c']]", pairs);
+        prepared_in_voxels(0.05, &text)
+    };
+    let chain = morph("through = ['one', 'two', 'three']\nat = [1, 3, 7]", "[['a', 'd', 'e'], ['b', 'c', 'f']]");
+    let links = [
+        (2, morph("from = 'one'\nto = 'two'\nover = '1-3'", "[['a', 'd'], ['b', 'c']]")),
+        (4, morph("from = 'two'\nto = 'three'\nover = '3-7'", "[['d', 'e'], ['c', 'f']]")),
+        (6, morph("from = 'two'\nto = 'three'\nover = '3-7'", "[['d', 'e'], ['c', 'f']]")),
+    ];
+    let points: Vec<DVec3> =
+        (0..60).map(|i| DVec3::new(f64::from(i % 12) * 0.2 - 1.1, f64::from(i / 12) * 0.5 - 1.3, 0.1)).collect();
+    for (frame, link) in links {
+        let (whole, alone) = (chain.frame(frame).unwrap(), link.frame(frame).unwrap());
+        let names = |content: &FrameContent| content.scalars.iter().map(|(name, _)| name.clone()).collect::<Vec<_>>();
+        assert_eq!(names(&whole), ["heat", "wear"]);
+        for at in &points {
+            assert_eq!(whole.field.reference(*at), alone.field.reference(*at), "frame {frame} at {at}");
+            let wear = |content: &FrameContent| scalar(content, "wear", at.to_array());
+            assert_eq!(wear(&whole), wear(&alone), "frame {frame} at {at}");
+        }
+    }
 }
 
 #[test]

@@ -17,20 +17,35 @@ fn loaded(text: &str) -> Result<Model, Diagnostics> {
 }
 
 pub(super) fn prepared(text: &str) -> Prepared {
-    prepared_at(64, text).unwrap_or_else(|error| panic!("{error}"))
+    prepared_at(Sampling::Resolution(64), text).unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// The same with voxels of an edge that does not depend on the objects.
+#[track_caller]
+pub(super) fn prepared_in_voxels(edge: f64, text: &str) -> Prepared {
+    prepared_at(Sampling::VoxelSize(edge), text).unwrap_or_else(|error| panic!("{error}"))
 }
 
 /// What is wrong with a scene that can be read.
 #[track_caller]
 pub(super) fn refused(text: &str) -> String {
-    prepared_at(32, text).err().expect("the scene is wrong").to_string()
+    prepared_at(Sampling::Resolution(32), text).err().expect("the scene is wrong").to_string()
 }
 
-fn prepared_at(resolution: u32, text: &str) -> Result<Prepared, Error> {
+enum Sampling {
+    Resolution(u32),
+    VoxelSize(f64),
+}
+
+fn prepared_at(sampling: Sampling, text: &str) -> Result<Prepared, Error> {
     let model = loaded(text).unwrap_or_else(|problems| panic!("{problems}"));
+    let (voxel_size, resolution) = match sampling {
+        Sampling::Resolution(resolution) => (None, Some(resolution)),
+        Sampling::VoxelSize(edge) => (Some(edge), None),
+    };
     let options = PrepareOptions {
-        voxel_size: None,
-        resolution: Some(resolution),
+        voxel_size,
+        resolution,
         half_width: None,
         memory_limit: None,
         cancel: &AtomicBool::new(false),

@@ -30,9 +30,19 @@ use tree::Tree;
 pub enum Outside {
     /// With the value of the nearest point of the volume.
     Foot,
-    /// With the mean of all voxels, weighted by 1/dᵖ, d the distance to a voxel's centre (STB, eq. 4): p, one of
-    /// [`POWERS`].
-    Potential(u32),
+    /// With the mean of all voxels, weighted by 1/dᵖ, d the distance to a voxel's centre (STB, eq. 4).
+    Potential(Power),
+}
+
+/// The power p of a distance: one of [`POWERS`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Power(u32);
+
+impl Power {
+    /// `None` for a number that is none of [`POWERS`].
+    pub fn new(power: u32) -> Option<Self> {
+        POWERS.contains(&power).then_some(Self(power))
+    }
 }
 
 /// Voxels with `N` numbers each, 3 at most: blocks, and where they stand.
@@ -64,7 +74,7 @@ pub struct VoxelValues<const N: usize> {
 /// What is needed outside of the volume.
 enum Beyond {
     Foot,
-    Potential(u32, Clusters),
+    Potential(Power, Clusters),
 }
 
 impl<const N: usize> VoxelValues<N> {
@@ -153,7 +163,7 @@ impl<const N: usize> Attribute<N> for VoxelValues<N> {
         let VoxelValues { volume, tree, .. } = self;
         let finder = match &self.beyond {
             Beyond::Foot => Finder::Foot(Nearest::new(volume, tree)),
-            Beyond::Potential(power, clusters) => Finder::Potential(Potential::new(volume, tree, clusters, *power)),
+            Beyond::Potential(power, clusters) => Finder::Potential(Potential::new(volume, tree, clusters, power.0)),
         };
         Box::new(VoxelSampler { values: self, finder, far: Vec::with_capacity(BATCH) })
     }

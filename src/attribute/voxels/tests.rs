@@ -75,6 +75,10 @@ fn is_inside(voxels: &[(IVec3, LinearRgb)], at: DVec3) -> bool {
     voxels.iter().any(|(voxel, _)| *voxel == at.round().as_ivec3())
 }
 
+fn potential(power: u32) -> Outside {
+    Outside::Potential(Power::new(power).expect("one of POWERS"))
+}
+
 /// Eq. 4, term by term.
 fn direct(voxels: &[(IVec3, LinearRgb)], at: DVec3, power: i32) -> DVec3 {
     let weight = |voxel: IVec3| at.distance(voxel.as_dvec3()).powi(-power);
@@ -93,7 +97,7 @@ fn the_potential_is_within_its_bound_of_the_direct_sum() {
     let mut greatest = 0.0_f64;
     for voxels in [ball(12), shell(16), coloured(2, |voxel| voxel == IVec3::ONE)] {
         for power in POWERS {
-            let colours = VoxelValues::new(blocks(voxels.iter().copied()), Outside::Potential(power)).unwrap();
+            let colours = VoxelValues::new(blocks(voxels.iter().copied()), potential(power)).unwrap();
             let bound = range(&voxels) * (RELATIVE_ERROR / (1.0 - RELATIVE_ERROR)) + 1e-5;
             let mut positions = positions(300, 20.0);
             positions.extend(self::positions(40, 300.0));
@@ -119,7 +123,7 @@ fn the_potential_far_away_is_the_mean() {
     let voxels = ball(12);
     let mean = voxels.iter().map(|(_, colour)| Vec3::from(*colour).as_dvec3()).sum::<DVec3>() / voxels.len() as f64;
     for power in POWERS {
-        let colours = VoxelValues::new(blocks(voxels.iter().copied()), Outside::Potential(power)).unwrap();
+        let colours = VoxelValues::new(blocks(voxels.iter().copied()), potential(power)).unwrap();
         for colour in sampled(&colours, &[DVec3::new(1e7, 0.0, 0.0), DVec3::new(-4e7, 3e7, 1e6)]) {
             assert!(Vec3::from(colour).as_dvec3().distance(mean) < 1e-4, "power {power}: {colour:?}, not {mean}");
         }
@@ -132,7 +136,7 @@ fn the_potential_far_away_is_the_mean() {
 fn inside_a_linear_colour_is_itself() {
     let linear = |at: DVec3| (DVec3::new(0.5, 0.1, 0.2) + at * 0.02).as_vec3();
     let voxels = ball(9).into_iter().map(|(voxel, _)| (voxel, linear(voxel.as_dvec3()).to_array()));
-    for outside in [Outside::Foot, Outside::Potential(4)] {
+    for outside in [Outside::Foot, potential(4)] {
         let colours = VoxelValues::new(blocks(voxels.clone()), outside).unwrap();
         let positions = positions(700, 4.0);
         for (at, found) in positions.iter().zip(sampled(&colours, &positions)) {
@@ -169,7 +173,7 @@ fn the_order_of_blocks_does_not_count() {
     sorted.active = order.iter().map(|block| sorted.active[*block]).collect();
     sorted.origins = order.iter().map(|block| sorted.origins[*block]).collect();
     let positions = positions(600, 24.0);
-    for outside in [Outside::Foot, Outside::Potential(4)] {
+    for outside in [Outside::Foot, potential(4)] {
         let found = [blocks(shell(16)), sorted.clone()]
             .map(|blocks| sampled(&VoxelValues::new(blocks, outside).unwrap(), &positions));
         assert_eq!(found[0], found[1]);

@@ -60,7 +60,7 @@ pub const MORPH: &[Key] = &[
         "pairs",
         Kind::ShapePairs,
         Nothing,
-        "Which part becomes which: `[[\"head\", \"lid\"], [\"body\", \"bowl\"]]`, operands of the unions `from` and `to`, each in one pair. Each pair is morphed by itself, and the whole has the colours and attributes of a pair where that pair is (STTI, section 4.2.2).",
+        "Which part becomes which: `[[\"head\", \"lid\"], [\"body\", \"bowl\"]]`, operands of the unions `from` and `to`, each in one pair; with `through` lists with a part of each of its shapes. Each pair is morphed by itself, and the whole has the colours and attributes of a pair where that pair is (STTI, section 4.2.2).",
     ),
     Key::new(
         "overlap",

@@ -1,6 +1,6 @@
 //! Colours, palettes and names of both.
 
-use crate::attribute::{Choice, ColourSpace, Components, LinearRgb, Mixer, Outside};
+use crate::attribute::{Choice, ColourSpace, Components, LinearRgb, Mixer, Outside, Power};
 
 use super::super::colour::{constant, css, limits, not_a_colour};
 use super::super::diagnostic::{Diagnostic, clip, listed};
@@ -202,7 +202,7 @@ impl<'r, 'a> Building<'r, 'a> {
         let outside = fields.choice("outside");
         let power = fields.whole("power");
         let outside = match (outside?, fields.entry("power")) {
-            ("potential", _) => Outside::Potential(u32::try_from(power?).ok()?),
+            ("potential", _) => Outside::Potential(Power::new(u32::try_from(power?).ok()?)?),
             (_, None) => Outside::Foot,
             (_, Some(entry)) => {
                 let problem = "`power` is for `outside = \"potential\"` only";

@@ -28,7 +28,7 @@ impl<'r, 'a> Building<'r, 'a> {
         let ease = self.ease(&fields);
         let chain = self.chain(&fields, &ease, shot);
         let fill = fields.value("fill").and_then(|value| self.fill(value));
-        let correspondence = self.correspondence(&fields, chain.as_deref());
+        let correspondences = self.correspondence(&fields, chain.as_deref());
         if shot.still {
             let problem = Diagnostic::error(entry.key_span, "a morph needs the scene's `frames`");
             self.reader.say(problem.help("such as frames = \"1-48\""));
@@ -49,21 +49,22 @@ impl<'r, 'a> Building<'r, 'a> {
             beta: fields.required_number("beta"),
             over: chain[0].over,
             colour_over: chain[0].colour_over,
-            correspondence,
+            correspondence: None,
             displace: self.scalar_name(&fields, "displace"),
             fill,
             span: entry.key_span,
             from: chain[0].from,
             to: chain[0].to,
         };
-        let link = |link: Link| Morph {
+        let link = |(place, link): (usize, Link)| Morph {
+            correspondence: correspondences.as_ref().map(|all| all[place].clone()),
             from: link.from,
             to: link.to,
             over: link.over,
             colour_over: link.colour_over,
             ..morph.clone()
         };
-        let morphs: Vec<Morph> = chain.into_iter().map(link).collect();
+        let morphs: Vec<Morph> = chain.into_iter().enumerate().map(link).collect();
         self.check_morph_scalars(&morphs);
         Some(morphs)
     }

@@ -1,4 +1,4 @@
-//! Which part of a morph's first object becomes which of the second.
+//! Which part of a morph's first object becomes which of the second, and so on along a chain.
 
 use super::super::diagnostic::{Diagnostic, clip, listed};
 use super::super::model::{Correspondence, Maker, Modifiers, ShapeId};
@@ -10,39 +10,65 @@ use super::Building;
 use super::chain::Link;
 use crate::attribute::Overlap;
 
-/// One of the two objects: its key in `[morph]`, its name, its parts.
+/// One of the objects: where it stands in `[morph]`, its name, its parts.
+#[derive(Clone)]
 struct Whole<'s> {
     key: &'static str,
     name: String,
     parts: &'s [ShapeId],
 }
 
+impl Whole<'_> {
+    /// Its place in words.
+    fn place(&self) -> String {
+        match self.key {
+            "through" => "in `morph.through`".into(),
+            key => format!("`morph.{key}`"),
+        }
+    }
+}
+
 impl<'r, 'a> Building<'r, 'a> {
-    /// `None` where there is none, or where an error was said.
-    pub(super) fn correspondence(&self, fields: &Fields<'r, 'a>, chain: Option<&[Link]>) -> Option<Correspondence> {
-        let Some(entry) = fields.entry("pairs") else {
+    /// One for each link of the chain; `None` where there is none, or where an error was said.
+    pub(super) fn correspondence(
+        &self,
+        fields: &Fields<'r, 'a>,
+        chain: Option<&[Link]>,
+    ) -> Option<Vec<Correspondence>> {
+        if fields.entry("pairs").is_none() {
             for entry in ["overlap", "master"].into_iter().filter_map(|name| fields.entry(name)) {
                 self.reader.say(Diagnostic::error(entry.key_span, format!("`{}` goes with `pairs`", entry.key)));
             }
             return None;
-        };
-        let value = fields.value("pairs")?;
-        let mix = fields.choice("overlap") == Some("mix");
-        let master = fields.value("master");
-        if fields.entry("through").is_some() {
-            let problem = Diagnostic::error(entry.key_span, "`pairs` does not go with `through`");
-            self.reader.say(problem.help("it is for a morph of two objects, `from` and `to`"));
-            return None;
         }
-        let [link] = chain? else { return None };
-        let (from, to) = (self.whole(fields, "from", link.from), self.whole(fields, "to", link.to));
-        let wholes = [from?, to?];
-        let pairs = self.pairs(value, &wholes)?;
+        let value = fields.value("pairs")?;
+        let overlap = if fields.choice("overlap") == Some("mix") { Overlap::Mix } else { Overlap::Priority };
+        let master = fields.value("master");
+        let chain = chain?;
+        let rows = self.rows(value, &self.wholes(fields, chain)?)?;
         let master = match master {
-            Some(value) => Some(self.master(value, &pairs)?),
+            Some(value) => Some(self.master(value, &rows)?),
             None => None,
         };
-        Some(Correspondence { pairs, overlap: if mix { Overlap::Mix } else { Overlap::Priority }, master })
+        let of_link = |link| Correspondence {
+            pairs: rows.iter().map(|row| [row[link], row[link + 1]]).collect(),
+            overlap,
+            master,
+        };
+        Some((0..chain.len()).map(of_link).collect())
+    }
+
+    /// The objects of a chain in order of time.
+    fn wholes(&self, fields: &Fields<'r, 'a>, chain: &[Link]) -> Option<Vec<Whole<'_>>> {
+        let keys: &[&'static str] = if fields.entry("through").is_some() { &["through"] } else { &["from", "to"] };
+        let shapes = std::iter::once(chain[0].from).chain(chain.iter().map(|link| link.to));
+        let mut known: Vec<(ShapeId, Option<Whole<'_>>)> = Vec::new();
+        for (id, key) in shapes.zip(keys.iter().cycle()) {
+            // What is wrong with an object that a chain shows twice is said once.
+            let before = known.iter().find(|(other, _)| *other == id).map(|(_, whole)| whole.clone());
+            known.push((id, before.unwrap_or_else(|| self.whole(fields, key, id))));
+        }
+        known.into_iter().map(|(_, whole)| whole).collect()
     }
 
     /// An object whose parts can be told apart in every frame: a union that is not changed after it is made.
@@ -76,36 +102,41 @@ impl<'r, 'a> Building<'r, 'a> {
         Some(Whole { key, name: name.into(), parts: operands })
     }
 
-    fn pairs(&self, value: &Value, wholes: &[Whole<'_>; 2]) -> Option<Vec<[ShapeId; 2]>> {
+    /// Parts that become one another, each list with one of each object.
+    fn rows(&self, value: &Value, wholes: &[Whole<'_>]) -> Option<Vec<Vec<ShapeId>>> {
         let wanted = "a list of pairs, such as [[\"head\", \"lid\"], [\"body\", \"bowl\"]]";
         let Some(list) = value.list().filter(|list| !list.is_empty()) else {
             self.reader.wrong_kind("morph.pairs", wanted, value);
             return None;
         };
-        let mut pairs: Vec<[ShapeId; 2]> = Vec::new();
+        let mut rows: Vec<Vec<ShapeId>> = Vec::new();
         let mut whole = true;
         for item in list {
-            let Some([one, two]) = item.list() else {
-                let problem = "`morph.pairs` takes pairs: a part of the first object and one of the second";
+            let Some(parts) = item.list().filter(|parts| parts.len() == wholes.len()) else {
+                let problem = match wholes.len() {
+                    2 => "`morph.pairs` takes pairs: a part of the first object and one of the second".into(),
+                    count => format!("`morph.pairs` takes lists of {count}: a part of each shape of `through`"),
+                };
                 self.reader.say(Diagnostic::error(item.span, problem));
                 return None;
             };
-            let parts = [(one, 0), (two, 1)].map(|(value, side)| {
+            let part = |(side, value): (usize, &Value)| {
                 let part = self.part(value, &wholes[side])?;
-                if pairs.iter().any(|pair| pair[side] == part) {
+                if rows.iter().any(|row| row[side] == part) {
                     let problem = format!("`{}` is in two pairs", clip(self.part_name(part)));
                     self.reader.say(Diagnostic::error(value.span, problem));
                     return None;
                 }
                 Some(part)
-            });
-            match parts {
-                [Some(one), Some(two)] => pairs.push([one, two]),
-                _ => whole = false,
+            };
+            let row: Vec<Option<ShapeId>> = parts.iter().enumerate().map(part).collect();
+            match row.into_iter().collect() {
+                Some(row) => rows.push(row),
+                None => whole = false,
             }
         }
         // A name that is wrong is missing elsewhere too: once is enough.
-        (whole && self.all_are_paired(value.span, &pairs, wholes)).then_some(pairs)
+        (whole && self.all_are_paired(value.span, &rows, wholes)).then_some(rows)
     }
 
     fn part(&self, value: &Value, whole: &Whole<'_>) -> Option<ShapeId> {
@@ -115,15 +146,15 @@ impl<'r, 'a> Building<'r, 'a> {
         }
         let names: Vec<&str> = whole.parts.iter().map(|part| self.part_name(*part)).collect();
         let part = clip(self.part_name(part));
-        let problem = format!("`{part}` is no part of `{}`, which is `morph.{}`", whole.name, whole.key);
+        let problem = format!("`{part}` is no part of `{}`, which is {}", whole.name, whole.place());
         self.reader.say(Diagnostic::error(value.span, problem).help(format!("its parts are {}", listed(&names))));
         None
     }
 
-    fn all_are_paired(&self, span: Span, pairs: &[[ShapeId; 2]], wholes: &[Whole<'_>; 2]) -> bool {
+    fn all_are_paired(&self, span: Span, rows: &[Vec<ShapeId>], wholes: &[Whole<'_>]) -> bool {
         let mut all = true;
         for (side, whole) in wholes.iter().enumerate() {
-            for part in whole.parts.iter().filter(|part| !pairs.iter().any(|pair| pair[side] == **part)) {
+            for part in whole.parts.iter().filter(|part| !rows.iter().any(|row| row[side] == **part)) {
                 let problem = format!("`{}`, a part of `{}`, is in no pair", clip(self.part_name(*part)), whole.name);
                 let help = "each part of the one object needs one of the other: a union may join several into one";
                 self.reader.say(Diagnostic::error(span, problem).help(help));
@@ -134,11 +165,11 @@ impl<'r, 'a> Building<'r, 'a> {
     }
 
     /// The pair that a part names.
-    fn master(&self, value: &Value, pairs: &[[ShapeId; 2]]) -> Option<usize> {
+    fn master(&self, value: &Value, rows: &[Vec<ShapeId>]) -> Option<usize> {
         let part = self.resolve("shape", &self.shape_ids, value, "morph.master")?;
-        let found = pairs.iter().position(|pair| pair.contains(&part));
+        let found = rows.iter().position(|row| row.contains(&part));
         if found.is_none() {
-            let names: Vec<&str> = pairs.iter().map(|pair| self.part_name(pair[0])).collect();
+            let names: Vec<&str> = rows.iter().map(|row| self.part_name(row[0])).collect();
             let part = clip(self.part_name(part));
             let problem = format!("`morph.master` is `{part}`, which is in none of `pairs`");
             self.reader.say(Diagnostic::error(value.span, problem).help(format!("name one of {}", listed(&names))));
