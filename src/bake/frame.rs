@@ -122,8 +122,7 @@ pub(super) fn write_frame(
     let file = vdb::arrive(sequence.pattern.file(frame), &vdb_frame, &options).map_err(Error::Write)?;
     let written = file.written();
     let content = (written.bytes, hexadecimal(&written.sha256));
-    let durations = [compute, start.elapsed()];
-    let record = Record::new(frame, sequence.file_name(frame), content, computed, prepared.report(frame), durations);
+    let record = Record::new(frame, sequence.file_name(frame), content, computed, prepared.report(frame), compute);
     Ok(Arriving { file, record, start })
 }
 

@@ -69,16 +69,15 @@ pub struct RecordFile {
 }
 
 impl Record {
-    /// The record of a frame in a file of that name, size and content.
+    /// The record of a frame in a file of that name, size and content; how long writing it takes is known later.
     pub fn new(
         frame: i64,
         file: String,
         (bytes, sha256): (u64, String),
         computed: &Computed,
         morph: Option<MorphReport>,
-        durations: [Duration; 2],
+        compute: Duration,
     ) -> Self {
-        let [compute_seconds, write_seconds] = durations.map(|duration| duration.as_secs_f64());
         Self {
             frame,
             file,
@@ -90,8 +89,8 @@ impl Record {
             volume: measure::volume(&computed.band),
             morph,
             grids: grids(computed),
-            compute_seconds,
-            write_seconds,
+            compute_seconds: compute.as_secs_f64(),
+            write_seconds: 0.0,
         }
     }
 }

@@ -253,47 +253,32 @@ impl Cells {
     /// The leaves on the surface among which the nearest one of any position in a region is, in the order of
     /// [`Cells::cells`].
     pub fn surface_leaves_near(&self, region: &Aabb) -> Vec<CellId> {
-        // No position of the region is farther than this from some leaf, so that leaves beyond are nearest to none.
-        let mut within = f64::INFINITY;
-        self.nearest_to_all(self.nodes[0], self.root, region, &mut within);
-        let mut near = Vec::new();
-        self.collect_surface(self.nodes[0], self.root, region, within, &mut near);
+        let (mut within, mut near) = (f64::INFINITY, Vec::new());
+        self.collect_near(self.nodes[0], self.root, region, &mut within, &mut near);
+        let mut near: Vec<CellId> =
+            near.into_iter().filter(|(distance, _)| *distance <= within).map(|(_, id)| id).collect();
         near.sort_unstable();
         near
     }
 
-    /// The least, over the leaves on the surface, of the squared distance that no position of a region exceeds.
-    fn nearest_to_all(&self, node: Node, bounds: Aabb, region: &Aabb, within: &mut f64) {
-        if least_distance_squared(region, &bounds) > *within {
+    /// Collects leaves on the surface with their squared distances to a region. No position of the region is farther
+    /// than `within`, squared, from some leaf, so that leaves beyond are nearest to none; it shrinks on the way.
+    fn collect_near(&self, node: Node, bounds: Aabb, region: &Aabb, within: &mut f64, near: &mut Vec<(f64, CellId)>) {
+        let distance = distance_squared(region, &bounds);
+        if distance > *within {
             return;
         }
         match node {
             Node::Leaf(id) if self.cell(id).place == Place::Surface => {
-                let bounds = self.cell(id).bounds;
                 let away = (bounds.min - region.min).max(region.max - bounds.max).max(DVec3::ZERO);
                 *within = within.min(away.length_squared());
+                near.push((distance, id));
             }
             Node::Split { first, has_surface: true } => {
-                let near = octant_of(region.centre(), bounds.centre());
-                for octant in (0..8).map(|i| i ^ near) {
+                let nearest = octant_of(region.centre(), bounds.centre());
+                for octant in (0..8).map(|i| i ^ nearest) {
                     let child = self.nodes[first as usize + octant];
-                    self.nearest_to_all(child, octant_bounds(bounds, octant), region, within);
-                }
-            }
-            _ => {}
-        }
-    }
-
-    fn collect_surface(&self, node: Node, bounds: Aabb, region: &Aabb, within: f64, near: &mut Vec<CellId>) {
-        if least_distance_squared(region, &bounds) > within {
-            return;
-        }
-        match node {
-            Node::Leaf(id) if self.cell(id).place == Place::Surface => near.push(id),
-            Node::Split { first, has_surface: true } => {
-                for octant in 0..8 {
-                    let child = self.nodes[first as usize + octant];
-                    self.collect_surface(child, octant_bounds(bounds, octant), region, within, near);
+                    self.collect_near(child, octant_bounds(bounds, octant), region, within, near);
                 }
             }
             _ => {}
@@ -363,7 +348,7 @@ impl Cells {
 }
 
 /// The squared distance between two boxes.
-fn least_distance_squared(a: &Aabb, b: &Aabb) -> f64 {
+fn distance_squared(a: &Aabb, b: &Aabb) -> f64 {
     (b.min - a.max).max(a.min - b.max).max(DVec3::ZERO).length_squared()
 }
 

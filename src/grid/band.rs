@@ -38,7 +38,7 @@ impl Band {
 
     /// The number of active voxels.
     pub fn active_voxels(&self) -> u64 {
-        self.active.iter().flatten().map(|word| u64::from(word.count_ones())).sum()
+        self.active.iter().map(|mask| mask::count(mask) as u64).sum()
     }
 }
 
