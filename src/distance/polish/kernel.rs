@@ -1,6 +1,8 @@
 //! One Newton step of many lanes at once, compiled for several vector widths. Plain arithmetic without branches; the
 //! widths agree bit for bit.
 
+use std::hint::select_unpredictable;
+
 use multiversion::multiversion;
 
 use crate::{
@@ -181,16 +183,20 @@ fn judge_trials<const FIRST: bool>(lanes: &mut Lanes, gradients: &Gradients, uni
     let [least, greatest] = lanes.bounds;
     for first in (0..lanes.points.len).step_by(WIDTH) {
         let p = load_axes(&lanes.p, first);
-        let mut q = load_each([&lanes.points.x, &lanes.points.y, &lanes.points.z], first);
+        let q = load_each([&lanes.points.x, &lanes.points.y, &lanes.points.z], first);
         let value = load(&gradients.value, first);
         let slope = load_each([&gradients.dx, &gradients.dy, &gradients.dz], first);
-        let mut base = load_axes(&lanes.base, first);
-        let mut normal_step = load_axes(&lanes.normal_step, first);
-        let mut tangent_step = if FIRST { [[0.0; WIDTH]; 3] } else { load_axes(&lanes.tangent_step, first) };
-        let mut merit = load(&lanes.merit, first);
-        let mut residual = load(&lanes.residual, first);
-        let (mut along, mut across) =
+        let base = load_axes(&lanes.base, first);
+        let normal_step = load_axes(&lanes.normal_step, first);
+        let tangent_step = if FIRST { [[0.0; WIDTH]; 3] } else { load_axes(&lanes.tangent_step, first) };
+        let merit = load(&lanes.merit, first);
+        let residual = load(&lanes.residual, first);
+        let (along, across) =
             if FIRST { ([1.0; WIDTH], [1.0; WIDTH]) } else { (load(&lanes.along, first), load(&lanes.across, first)) };
+        // What comes out is kept apart from what went in: a compiler makes a masked store of a choice between a new
+        // value and the one that is there, and such stores cost some machines dozens of cycles.
+        let [mut new_q, mut new_base, mut new_normal_step, mut new_tangent_step] = [[[0.0; WIDTH]; 3]; 4];
+        let [mut new_merit, mut new_residual, mut new_along, mut new_across] = [[0.0; WIDTH]; 4];
         let mut landing = [[0.0; WIDTH]; 3];
         let mut height = [0.0; WIDTH];
         let mut verdicts = [0; WIDTH];
@@ -205,22 +211,22 @@ fn judge_trials<const FIRST: bool>(lanes: &mut Lanes, gradients: &Gradients, uni
             let tangent = [0, 1, 2].map(|axis| towards[axis] - n[axis] * up);
             // The distance to where the next step across the surface lands, and some doubt about landing there.
             let ahead = [0, 1, 2].map(|axis| towards[axis] + n[axis] * e);
-            let new_merit = dot(ahead, ahead).sqrt() + 0.3 * e.abs();
+            let trial_merit = dot(ahead, ahead).sqrt() + 0.3 * e.abs();
 
             // A step that left the surface far (the more so the longer it was) has a merit not to be trusted.
             let before = at(&tangent_step);
             let length = if FIRST { 0.0 } else { along[l] * dot(before, before).sqrt() };
             let strayed = e.abs() > 0.8 * residual[l] + 0.3 * length;
-            let improves = (new_merit <= merit[l] * 1.0001) & !strayed;
+            let improves = (trial_merit <= merit[l] * 1.0001) & !strayed;
             let approaches = (residual[l] > near) & (e.abs() < 0.8 * residual[l]);
-            let taken = (new_merit < f32::INFINITY) & (improves | approaches);
+            let taken = (trial_merit < f32::INFINITY) & (improves | approaches);
 
             // What a full step across the surface left of the residual tells how F bends along it, and so what the
             // next step will leave: e³ to the residual's square, which that step takes along.
             let straight = (merit[l] < f32::INFINITY) & (across[l] == 1.0) & (length <= slide);
             let share_left = e * e / (residual[l] * residual[l]);
             let bends_little = straight & (share_left <= MOST_LEFT);
-            let bend = if bends_little { share_left } else { 0.0 };
+            let bend = select_unpredictable(bends_little, share_left, 0.0);
             let last_stride = bends_little & (e.abs() * share_left <= LAST_STRIDE * unit);
             let at_last = (e.abs() <= near) | last_stride;
             let lands = taken & at_last & (dot(tangent, tangent) <= slide * slide);
@@ -233,9 +239,9 @@ fn judge_trials<const FIRST: bool>(lanes: &mut Lanes, gradients: &Gradients, uni
             let (gain, size) = (dot(before, change), dot(change, change));
             #[allow(clippy::manual_clamp, reason = "0 / 0 becomes 0.1 so; a clamp would keep it")]
             let secant = (along[l] * gain / size).max(0.1).min(GREATEST_SHARE);
-            let share = if gain <= 0.0 { GREATEST_SHARE } else { secant };
+            let share = select_unpredictable(gain <= 0.0, GREATEST_SHARE, secant);
             let first_of_all = (merit[l] == f32::INFINITY) | (dot(before, before) == 0.0) | (size == 0.0);
-            let share = if FIRST | first_of_all { 1.0 } else { share };
+            let share = select_unpredictable(FIRST | first_of_all, 1.0, share);
 
             // Already at a face of the region, and on its way out through it.
             let mut leaves = false;
@@ -247,41 +253,41 @@ fn judge_trials<const FIRST: bool>(lanes: &mut Lanes, gradients: &Gradients, uni
                     (trial > greatest[axis]) & (q[axis][l] == greatest[axis]) & (greatest[axis] - p[axis][l] >= reach);
                 leaves |= beyond_least | beyond_greatest;
                 let trial = trial.max(least[axis]).min(greatest[axis]);
-                base[axis][l] = if taken { q[axis][l] } else { base[axis][l] };
-                q[axis][l] = if taken { trial } else { q[axis][l] };
-                normal_step[axis][l] = if taken { -n[axis] * e } else { normal_step[axis][l] };
-                tangent_step[axis][l] = if taken { tangent[axis] } else { tangent_step[axis][l] };
+                new_base[axis][l] = select_unpredictable(taken, q[axis][l], base[axis][l]);
+                new_q[axis][l] = select_unpredictable(taken, trial, q[axis][l]);
+                new_normal_step[axis][l] = select_unpredictable(taken, -n[axis] * e, normal_step[axis][l]);
+                new_tangent_step[axis][l] = select_unpredictable(taken, tangent[axis], tangent_step[axis][l]);
                 landing[axis][l] = p[axis][l] - n[axis] * (e_ahead + up);
             }
-            merit[l] = if taken { new_merit } else { merit[l] };
-            residual[l] = if taken { e.abs() } else { residual[l] };
-            along[l] = if taken { share } else { along[l] };
-            across[l] = if taken { 1.0 } else { across[l] };
-            height[l] = (e_ahead + up).abs();
-            let not_landed = if taken { verdict::MOVES } else { verdict::FAILS };
-            verdicts[l] = if lands { verdict::LANDS } else { not_landed };
+            new_merit[l] = select_unpredictable(taken, trial_merit, merit[l]);
+            new_residual[l] = select_unpredictable(taken, e.abs(), residual[l]);
+            new_along[l] = select_unpredictable(taken, share, along[l]);
+            new_across[l] = select_unpredictable(taken, 1.0, across[l]);
+            let landing_height = (e_ahead + up).abs();
+            let not_landed = select_unpredictable(taken, verdict::MOVES, verdict::FAILS);
+            let judged = select_unpredictable(lands, verdict::LANDS, not_landed);
             if FIRST {
                 // The foot is where F leads from q, but for what was left across and along the surface, twice over.
                 let doubt = 2.0 * (e.abs() + tangent[0].abs() + tangent[1].abs() + tangent[2].abs());
                 let farthest = reach + doubt;
                 leaves |= dot(towards, towards) > farthest * farthest;
-                height[l] = if lands { height[l] } else { f32::INFINITY };
             }
-            verdicts[l] = if taken & !lands & leaves { verdict::IS_BEYOND } else { verdicts[l] };
+            height[l] = select_unpredictable(lands | !FIRST, landing_height, f32::INFINITY);
+            verdicts[l] = select_unpredictable(taken & !lands & leaves, verdict::IS_BEYOND, judged);
         }
         for axis in 0..3 {
-            store(base[axis], &mut lanes.base[axis], first);
-            store(normal_step[axis], &mut lanes.normal_step[axis], first);
-            store(tangent_step[axis], &mut lanes.tangent_step[axis], first);
+            store(new_base[axis], &mut lanes.base[axis], first);
+            store(new_normal_step[axis], &mut lanes.normal_step[axis], first);
+            store(new_tangent_step[axis], &mut lanes.tangent_step[axis], first);
             store(landing[axis], &mut lanes.landing[axis], first);
         }
-        store(q[0], &mut lanes.points.x, first);
-        store(q[1], &mut lanes.points.y, first);
-        store(q[2], &mut lanes.points.z, first);
-        store(merit, &mut lanes.merit, first);
-        store(residual, &mut lanes.residual, first);
-        store(along, &mut lanes.along, first);
-        store(across, &mut lanes.across, first);
+        store(new_q[0], &mut lanes.points.x, first);
+        store(new_q[1], &mut lanes.points.y, first);
+        store(new_q[2], &mut lanes.points.z, first);
+        store(new_merit, &mut lanes.merit, first);
+        store(new_residual, &mut lanes.residual, first);
+        store(new_along, &mut lanes.along, first);
+        store(new_across, &mut lanes.across, first);
         store(height, &mut lanes.height, first);
         lanes.verdict[first..first + WIDTH].copy_from_slice(&verdicts);
     }
