@@ -54,6 +54,17 @@ pub fn limit_of(voxel: f32, reach: f32, distance: f32) -> f32 {
     limit * limit
 }
 
+/// Whether a voxel's neighbour by one is in its row. Looked up, for short rows make short vectors.
+const HAS_NEXT: [bool; BLOCK_VOXELS] = {
+    let mut has_next = [true; BLOCK_VOXELS];
+    let mut last = 7;
+    while last < BLOCK_VOXELS {
+        has_next[last] = false;
+        last += 8;
+    }
+    has_next
+};
+
 /// Whether a sweep would find anything: the usual answer is no, and a plain loop finds that out fast.
 #[multiversion(targets = "simd")]
 fn any_nearer(limits: &[f32; BLOCK_VOXELS], points: &Points, feet: &Points, distances: &[f32; BLOCK_VOXELS]) -> bool {
@@ -61,16 +72,21 @@ fn any_nearer(limits: &[f32; BLOCK_VOXELS], points: &Points, feet: &Points, dist
         let (dx, dy, dz) = (feet.x[from] - points.x[to], feet.y[from] - points.y[to], feet.z[from] - points.z[to]);
         dx * dx + dy * dy + dz * dz
     };
+    let offers = |low: usize, high: usize| {
+        ((distances[low] < f32::INFINITY) & (square(low, high) < limits[high]))
+            | ((distances[high] < f32::INFINITY) & (square(high, low) < limits[low]))
+    };
     let mut any = false;
-    for stride in [64, 8, 1] {
+    for stride in [64, 8] {
         // Runs of voxels whose neighbours at `stride` are in the block.
         for start in (0..BLOCK_VOXELS).step_by(8 * stride) {
             for low in start..start + 7 * stride {
-                let high = low + stride;
-                any |= (distances[low] < f32::INFINITY) & (square(low, high) < limits[high]);
-                any |= (distances[high] < f32::INFINITY) & (square(high, low) < limits[low]);
+                any |= offers(low, low + stride);
             }
         }
+    }
+    for low in 0..BLOCK_VOXELS - 1 {
+        any |= HAS_NEXT[low] & offers(low, low + 1);
     }
     any
 }
@@ -112,12 +128,15 @@ pub fn miss_a_crossing(voxel: f32, here: f32, there: f32) -> bool {
 #[multiversion(targets = "simd")]
 pub fn any_crossing_missed(voxel: f32, signed: &[f32; BLOCK_VOXELS]) -> bool {
     let mut any = false;
-    for stride in [64, 8, 1] {
+    for stride in [64, 8] {
         for start in (0..BLOCK_VOXELS).step_by(8 * stride) {
             for low in start..start + 7 * stride {
                 any |= miss_a_crossing(voxel, signed[low], signed[low + stride]);
             }
         }
+    }
+    for low in 0..BLOCK_VOXELS - 1 {
+        any |= HAS_NEXT[low] & miss_a_crossing(voxel, signed[low], signed[low + 1]);
     }
     any
 }

@@ -5,9 +5,9 @@ use std::{
     sync::{Mutex, PoisonError},
 };
 
-/// Values that are costly to make; as many as were ever in use at once.
+/// Values that are costly to make, and to move; as many as were ever in use at once.
 pub struct Pool<T> {
-    free: Mutex<Vec<T>>,
+    free: Mutex<Vec<Box<T>>>,
 }
 
 impl<T> Pool<T> {
@@ -18,14 +18,14 @@ impl<T> Pool<T> {
     /// One that is free, or a new one. It comes back when dropped.
     pub fn take(&self, make: impl FnOnce() -> T) -> Taken<'_, T> {
         let free = self.free.lock().unwrap_or_else(PoisonError::into_inner).pop();
-        Taken { value: Some(free.unwrap_or_else(make)), pool: self }
+        Taken { value: Some(free.unwrap_or_else(|| Box::new(make()))), pool: self }
     }
 }
 
 /// A value in use.
 pub struct Taken<'a, T> {
     /// `None` only while it is dropped.
-    value: Option<T>,
+    value: Option<Box<T>>,
     pool: &'a Pool<T>,
 }
 
