@@ -4,6 +4,8 @@
 //! Against the same formulas in `f64`, colours of 0…1 come back within 2·10⁻⁶ (sRGB, HSV) and 10⁻⁵ (the CIE's spaces
 //! and Oklab): far below the 1/255 that a picture can tell.
 
+use std::hint::select_unpredictable;
+
 use super::LinearRgb;
 use crate::field::lane_math::{atan2, cbrt, clamp01, cos, short_pow, sin};
 
@@ -51,14 +53,14 @@ fn times([top, middle, bottom]: &Rows, [x, y, z]: [f32; 3]) -> [f32; 3] {
 #[inline(always)]
 fn of_srgb(value: f32) -> f32 {
     let power = short_pow((value + 0.055) * (1.0 / 1.055), 2.4);
-    if value <= 0.04045 { value * (1.0 / 12.92) } else { power }
+    select_unpredictable(value <= 0.04045, value * (1.0 / 12.92), power)
 }
 
 /// The sRGB-encoded value of a linear one.
 #[inline(always)]
 fn to_srgb(value: f32) -> f32 {
     let power = 1.055 * short_pow(value, 1.0 / 2.4) - 0.055;
-    if value <= 0.003_130_8 { value * 12.92 } else { power }
+    select_unpredictable(value <= 0.003_130_8, value * 12.92, power)
 }
 
 /// The colour of sRGB-encoded red, green and blue.
@@ -71,20 +73,17 @@ pub fn linear_of_srgb([red, green, blue]: [f32; 3]) -> LinearRgb {
 #[inline(always)]
 pub fn hsv_of_linear([red, green, blue]: LinearRgb) -> [f32; 3] {
     let (red, green, blue) = (to_srgb(red), to_srgb(green), to_srgb(blue));
-    let (least, most) = if red < green { (red, green) } else { (green, red) };
-    let least = if blue < least { blue } else { least };
-    let most = if blue > most { blue } else { most };
+    let least = select_unpredictable(red < green, red, green);
+    let most = select_unpredictable(red < green, green, red);
+    let least = select_unpredictable(blue < least, blue, least);
+    let most = select_unpredictable(blue > most, blue, most);
     let chroma = most - least;
-    let (offset, sixth) = if most == red {
-        (0.0, green - blue)
-    } else if most == green {
-        (2.0, blue - red)
-    } else {
-        (4.0, red - green)
-    };
+    let offset = select_unpredictable(most == red, 0.0, select_unpredictable(most == green, 2.0, 4.0));
+    let of_others = select_unpredictable(most == green, blue - red, red - green);
+    let sixth = select_unpredictable(most == red, green - blue, of_others);
     let hue = 60.0 * (offset + sixth / chroma);
     let saturation = chroma / most;
-    [if chroma > 0.0 { hue } else { 0.0 }, if most > 0.0 { saturation } else { 0.0 }, most]
+    [select_unpredictable(chroma > 0.0, hue, 0.0), select_unpredictable(most > 0.0, saturation, 0.0), most]
 }
 
 /// The colour of a hue of any number of degrees, saturation and value.
@@ -104,13 +103,13 @@ pub fn linear_of_hsv([hue, saturation, value]: [f32; 3]) -> LinearRgb {
 #[inline(always)]
 fn lab_root(part: f32) -> f32 {
     let root = cbrt(part);
-    if part > 216.0 / 24_389.0 { root } else { part * (841.0 / 108.0) + 4.0 / 29.0 }
+    select_unpredictable(part > 216.0 / 24_389.0, root, part * (841.0 / 108.0) + 4.0 / 29.0)
 }
 
 /// What [`lab_root`] is of.
 #[inline(always)]
 fn of_lab_root(root: f32) -> f32 {
-    if root > 6.0 / 29.0 { root * root * root } else { (root - 4.0 / 29.0) * (108.0 / 841.0) }
+    select_unpredictable(root > 6.0 / 29.0, root * root * root, (root - 4.0 / 29.0) * (108.0 / 841.0))
 }
 
 /// CIE L*a*b* under D65.

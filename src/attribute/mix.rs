@@ -1,5 +1,7 @@
 //! Two values mixed by weight; colours in a chosen space.
 
+use std::hint::select_unpredictable;
+
 use super::colour_space::{HueAxis, LANES, Lanes};
 use super::{ColourSpace, LinearRgb};
 use crate::field::lane_math::{clamp01, smooth};
@@ -111,11 +113,12 @@ impl Mixer {
         if mixing {
             self.mix_encoded(&self.encoded(from), &self.encoded(to), weights, &mut mixed);
         }
+        let before = *from;
         for i in 0..N {
             let (stays, goes) = ((weights[i] <= 0.0) | same(from[i], to[i]), weights[i] >= 1.0);
             for channel in 0..3 {
-                let moved = if goes { to[i][channel] } else { mixed[channel][i] };
-                from[i][channel] = if stays { from[i][channel] } else { moved };
+                let moved = select_unpredictable(goes, to[i][channel], mixed[channel][i]);
+                from[i][channel] = select_unpredictable(stays, before[i][channel], moved);
             }
         }
     }
@@ -157,18 +160,19 @@ impl Mixer {
             long[i] = clamp01((against - (NEARLY_OPPOSITE - MIXED_WAYS)) / MIXED_WAYS);
             let decided = hue_between(axis, ends, apart + self.turn.degrees(), weights[i]);
             let short = hue_between(axis, ends, apart, weights[i]);
-            mixed[axis.hue][i] = if long[i] >= 1.0 { decided } else { short };
+            mixed[axis.hue][i] = select_unpredictable(long[i] >= 1.0, decided, short);
             round[axis.hue][i] = decided;
             both |= (long[i] > 0.0) & (long[i] < 1.0);
         }
         self.space.decode_lanes(mixed);
         if both {
             self.space.decode_lanes(&mut round);
+            let short = *mixed;
             for part in 0..3 {
                 for i in 0..N {
-                    let between = mixed[part][i] + (round[part][i] - mixed[part][i]) * long[i];
+                    let between = short[part][i] + (round[part][i] - short[part][i]) * long[i];
                     let is_between = (long[i] > 0.0) & (long[i] < 1.0);
-                    mixed[part][i] = if is_between { between } else { mixed[part][i] };
+                    mixed[part][i] = select_unpredictable(is_between, between, short[part][i]);
                 }
             }
         }
@@ -218,8 +222,8 @@ fn hue_between(axis: HueAxis, [from, to]: [(f32, f32); 2], apart: f32, weight: f
 /// A difference of two hues, less than a whole turn, as the same angle in (−180, 180].
 #[inline(always)]
 fn half_turn(degrees: f32) -> f32 {
-    let down = if degrees > 180.0 { degrees - 360.0 } else { degrees };
-    if down <= -180.0 { down + 360.0 } else { down }
+    let down = select_unpredictable(degrees > 180.0, degrees - 360.0, degrees);
+    select_unpredictable(down <= -180.0, down + 360.0, down)
 }
 
 #[cfg(test)]

@@ -134,16 +134,19 @@ fn nearest(distances: &[[f32; BATCH]], weights: &mut [[f32; BATCH]], len: usize)
 #[multiversion(targets = "simd")]
 fn sharp_union(distances: &[[f32; BATCH]], weights: &mut [[f32; BATCH]], len: usize, tolerance: f32) {
     let len = len.min(BATCH);
-    let mut inside = [u32::MAX; BATCH];
-    for (part, distance) in (0u32..).zip(distances) {
+    // By maxima and products rather than choices between a new value and the old one, of which masked stores are made.
+    const NONE: i32 = -1;
+    let mut inside = [NONE; BATCH];
+    for (part, distance) in (0i32..).zip(distances) {
         for i in 0..len {
-            inside[i] = if distance[i] >= -tolerance { part } else { inside[i] };
+            inside[i] = inside[i].max(if distance[i] >= -tolerance { part } else { NONE });
         }
     }
-    for (part, weight) in (0u32..).zip(weights) {
+    for (part, weight) in (0i32..).zip(weights) {
         for i in 0..len {
+            let kept = if inside[i] == NONE { weight[i] } else { 0.0 };
             let own = if inside[i] == part { 1.0 } else { 0.0 };
-            weight[i] = if inside[i] == u32::MAX { weight[i] } else { own };
+            weight[i] = kept + own;
         }
     }
 }

@@ -4,6 +4,8 @@
 //! The transcendental ones work in `f64` inside: the range reduction is then a plain subtraction, and the Taylor
 //! polynomials below are accurate to far more than the `f32` that is returned.
 
+use std::hint::select_unpredictable;
+
 /// Adding and subtracting this rounds an `f64` under 2⁵¹ to the nearest whole number, and leaves that number in
 /// the low bits in between.
 const ROUND: f64 = 6_755_399_441_055_744.0;
@@ -60,8 +62,8 @@ pub(crate) fn smooth(value: f32) -> f32 {
 
 #[inline(always)]
 pub(crate) fn clamp01(value: f32) -> f32 {
-    let value = if value > 0.0 { value } else { 0.0 };
-    if value < 1.0 { value } else { 1.0 }
+    let value = select_unpredictable(value > 0.0, value, 0.0);
+    select_unpredictable(value < 1.0, value, 1.0)
 }
 
 #[inline(always)]
@@ -234,7 +236,7 @@ pub(crate) fn short_pow(base: f32, exponent: f32) -> f32 {
     let rest = (power - (shifted - ROUND)) * std::f32::consts::LN_2;
     let upper = ((1.0 / 5_040.0 * rest + 1.0 / 720.0) * rest + 1.0 / 120.0) * rest + 1.0 / 24.0;
     let fraction = (((upper * rest + 1.0 / 6.0) * rest + 0.5) * rest + 1.0) * rest + 1.0;
-    if (base > 0.0) & (base < f32::INFINITY) { fraction * scale } else { base }
+    select_unpredictable((base > 0.0) & (base < f32::INFINITY), fraction * scale, base)
 }
 
 /// The angle of (x, y), in −π..π.

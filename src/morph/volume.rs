@@ -4,6 +4,8 @@
 //! fraction of them that is inside: of the segment through the cell's middle, along the surface's normal, as long as
 //! a cell's edge. On it both distances are taken as linear, which they nearly are; F_b is not, so its zero is searched.
 
+use std::hint::select_unpredictable;
+
 use rayon::prelude::*;
 
 use super::coarse::{CoarseGrid, Measured};
@@ -302,12 +304,12 @@ fn fractions_inside(kernel: &Kernel<f32>, segments: &[Segments], fractions: &mut
                 let middle = zero_of_line(low[lane], high[lane], at_low[lane], at_high[lane]);
                 let at_middle = segment.value(kernel, lane, middle);
                 let high_moves = (at_middle >= 0.0) == (at_high[lane] >= 0.0);
-                let stays = if high_moves { -1.0 } else { 1.0 };
+                let stays = select_unpredictable(high_moves, -1.0, 1.0);
                 let halved = if stays == stayed[lane] { 0.5 } else { 1.0 };
-                low[lane] = if high_moves { low[lane] } else { middle };
-                high[lane] = if high_moves { middle } else { high[lane] };
-                at_low[lane] = if high_moves { at_low[lane] * halved } else { at_middle };
-                at_high[lane] = if high_moves { at_middle } else { at_high[lane] * halved };
+                low[lane] = select_unpredictable(high_moves, low[lane], middle);
+                high[lane] = select_unpredictable(high_moves, middle, high[lane]);
+                at_low[lane] = select_unpredictable(high_moves, at_low[lane] * halved, at_middle);
+                at_high[lane] = select_unpredictable(high_moves, at_middle, at_high[lane] * halved);
                 stayed[lane] = stays;
             }
         }
