@@ -34,7 +34,7 @@ fn prepared_as_it_is(text: String) -> Prepared {
 }
 
 fn computed(scene: &Prepared, frame: i64) -> Computed {
-    compute_frame(scene, frame, Bytes(u64::MAX), &Interrupt::default(), &|_| {})
+    compute_frame(scene, frame, 1, Bytes(u64::MAX), &Interrupt::default(), &|_| {})
         .unwrap_or_else(|error| panic!("{error}"))
 }
 

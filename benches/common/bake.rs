@@ -10,7 +10,7 @@ use hfvdb::vdb::{Compression, Frame, Grid};
 
 /// Computes one frame with its colour.
 pub fn compute(prepared: &Prepared, frame: i64) -> Computed {
-    bake::compute_frame(prepared, frame, Bytes(u64::MAX), &Interrupt::default(), &|_| {})
+    bake::compute_frame(prepared, frame, 1, Bytes(u64::MAX), &Interrupt::default(), &|_| {})
         .unwrap_or_else(|error| panic!("{error}"))
 }
 

@@ -12,7 +12,7 @@ pub struct Estimate {
     pub voxels: f64,
     /// Leaf blocks.
     pub blocks: f64,
-    /// Memory at the job's peak, two frames in flight.
+    /// Memory at the job's peak.
     pub memory: Bytes,
     /// Size of the file without compression.
     pub file: Bytes,
@@ -21,28 +21,38 @@ pub struct Estimate {
 /// What the program takes whatever it bakes: itself, OpenVDB, stacks, a chunk of blocks in flight.
 const BASE_BYTES: f64 = 120e6;
 
-/// Estimates one frame.
-pub fn estimate(prepared: &Prepared, content: &FrameContent) -> Estimate {
-    estimate_by(prepared, content, Effort::Careful)
+/// How many of so many frames are in memory at once while they are baked: one is computed while one is written.
+pub fn in_flight(frames: usize) -> usize {
+    frames.clamp(1, 2)
 }
 
-fn estimate_by(prepared: &Prepared, content: &FrameContent, effort: Effort) -> Estimate {
+/// Estimates one frame of a job that has so many in flight.
+pub fn estimate(prepared: &Prepared, content: &FrameContent, in_flight: usize) -> Estimate {
+    estimate_by(prepared, content, in_flight, Effort::Careful)
+}
+
+fn estimate_by(prepared: &Prepared, content: &FrameContent, in_flight: usize, effort: Effort) -> Estimate {
     let scope = Scope { lattice: prepared.lattice, half_width: prepared.half_width, region: content.region };
     let found = extent::estimate(&*content.field, &scope, effort);
     // Velocities reach further than the band, by as much as the surface moves.
     let velocity = if content.movement.is_some() { 6 } else { 0 };
     let numbers = if content.colour.is_some() { 3 } else { 0 } + content.scalars.len() + velocity;
-    let memory = BASE_BYTES + prepared.memory_estimate() as f64 + found.memory(numbers);
+    let memory = BASE_BYTES + prepared.memory_estimate() as f64 + found.memory(numbers, in_flight);
     let bytes = |value: f64| Bytes(value.min(u64::MAX as f64) as u64);
     Estimate { voxels: found.voxels, blocks: found.blocks, memory: bytes(memory), file: bytes(found.file(numbers)) }
 }
 
 /// Refuses frames whose estimate is over the limit. Of a frame that is far from it a quick one says enough.
-pub fn check_memory(prepared: &Prepared, content: &FrameContent, limit: Bytes) -> Result<(), Error> {
-    if estimate_by(prepared, content, Effort::Quick).memory.0 <= limit.0 / 2 {
+pub fn check_memory(
+    prepared: &Prepared,
+    content: &FrameContent,
+    in_flight: usize,
+    limit: Bytes,
+) -> Result<(), Error> {
+    if estimate_by(prepared, content, in_flight, Effort::Quick).memory.0 <= limit.0 / 2 {
         return Ok(());
     }
-    let estimate = estimate(prepared, content);
+    let estimate = estimate(prepared, content, in_flight);
     if estimate.memory > limit {
         return Err(Error::Memory { needed: estimate.memory, limit, voxels: estimate.voxels });
     }

@@ -12,10 +12,11 @@ use crate::grid::Band;
 use crate::scene::{self, Prepared};
 use crate::vdb;
 
-/// Computes one frame of a scene.
+/// Computes one frame of a scene, in a job that has so many in flight and no more memory than the limit.
 pub fn compute_frame(
     prepared: &Prepared,
     frame: i64,
+    in_flight: usize,
     limit: Bytes,
     interrupt: &Interrupt,
     progress: &(dyn Fn(f64) + Sync),
@@ -24,7 +25,7 @@ pub fn compute_frame(
         scene::Error::Cancelled => Error::Interrupted,
         error => Error::Scene(error),
     })?;
-    check_memory(prepared, &content, limit)?;
+    check_memory(prepared, &content, in_flight, limit)?;
     let settings = Settings {
         lattice: prepared.lattice,
         half_width: prepared.half_width,

@@ -31,7 +31,7 @@ pub use claim::{Claim, Wish};
 pub use compute::{Attributes, ComputeError, Computed, compute};
 pub use done::{State, judge_all};
 pub use error::Error;
-pub use estimate::{Estimate, check_memory, estimate};
+pub use estimate::{Estimate, check_memory, estimate, in_flight};
 pub use frame::{compute_frame, empty};
 pub use frames::{Frames, FramesError};
 pub use identity::{Identity, Sampling};

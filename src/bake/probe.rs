@@ -56,7 +56,7 @@ pub fn probe(
     progress: &(dyn Fn(f64) + Sync),
 ) -> Result<Probe, Error> {
     let start = Instant::now();
-    let computed = compute_frame(prepared, frame, output.max_memory, interrupt, progress)?;
+    let computed = compute_frame(prepared, frame, 1, output.max_memory, interrupt, progress)?;
     let compute_seconds = start.elapsed().as_secs_f64();
     let start = Instant::now();
     let encoded = vdb::encode(&vdb_frame(prepared, frame, &computed, output), output.compression);

@@ -7,6 +7,7 @@ use std::time::{Duration, Instant};
 
 use super::compute::Computed;
 use super::done::{State, judge};
+use super::estimate::in_flight as frames_in_flight;
 use super::frame::{Arriving, compute_frame, empty, settle_frame, warnings, write_frame};
 use super::identity::Identity;
 use super::record::{Record, RecordFile};
@@ -247,7 +248,7 @@ fn compute_all(
         }
         events(Event::Started { place, frame });
         let start = Instant::now();
-        match compute_one(prepared, place, frame, output, interrupt, events) {
+        match compute_one(prepared, place, frame, frames_in_flight(frames.len()), output, interrupt, events) {
             Ok(computed) => {
                 if send.send(Computing { frame, computed, duration: start.elapsed(), lock }).is_err() {
                     return baked;
@@ -282,12 +283,13 @@ fn compute_one(
     prepared: &Prepared,
     place: usize,
     frame: i64,
+    in_flight: usize,
     output: &Output,
     interrupt: &Interrupt,
     events: &(dyn Fn(Event<'_>) + Sync),
 ) -> Result<Computed, Error> {
     let progress = |share: f64| events(Event::Progress { place, frame, share });
-    let computed = match compute_frame(prepared, frame, output.max_memory, interrupt, &progress) {
+    let computed = match compute_frame(prepared, frame, in_flight, output.max_memory, interrupt, &progress) {
         Err(error) if output.allow_empty && error.is_empty_frame() => {
             events(Event::Warning(frame, "it is empty".into()));
             empty(prepared)

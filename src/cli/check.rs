@@ -83,12 +83,13 @@ fn of_scene(arguments: &Arguments, global: &Global) -> Result<(), Failure> {
     let progress = Progress::new(1, global);
     let prepared = job::prepare(&model, &arguments.sampling, None, &interrupt, &progress, global)?;
     let shot = model.shot.range;
+    let count = shot.last - shot.first + 1;
     // A shot's middle is where a morph is largest, its ends are where shapes are most intricate.
     let mut frames = vec![shot.first, shot.first + (shot.last - shot.first) / 2, shot.last];
     frames.dedup();
     let mut largest: Option<bake::Estimate> = None;
     for frame in frames {
-        let estimate = bake::estimate(&prepared, &prepared.frame(frame)?);
+        let estimate = bake::estimate(&prepared, &prepared.frame(frame)?, bake::in_flight(count as usize));
         if largest.is_none_or(|largest| estimate.memory > largest.memory) {
             largest = Some(estimate);
         }
@@ -100,7 +101,6 @@ fn of_scene(arguments: &Arguments, global: &Global) -> Result<(), Failure> {
         Vec::new()
     };
     drop(progress);
-    let count = shot.last - shot.first + 1;
     let voxel_size = prepared.lattice.voxel_size.get();
     let limit = job::limit(&arguments.sampling);
     let Some(estimate) = largest else { return Ok(()) };

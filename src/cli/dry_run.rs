@@ -40,7 +40,7 @@ pub fn run(
     let prepare_seconds = start.elapsed().as_secs_f64();
     let voxel_size = prepared.lattice.voxel_size.get();
     let frame = *to_do.get(to_do.len() / 2).unwrap_or(&wish.frames.numbers()[wish.frames.numbers().len() / 2]);
-    let estimate = bake::estimate(&prepared, &prepared.frame(frame)?);
+    let estimate = bake::estimate(&prepared, &prepared.frame(frame)?, bake::in_flight(to_do.len()));
     let coarser = Probe::scale(&estimate, output.max_memory);
     let prepared = if coarser > 1.0 {
         let sampling = Sampling { voxel_size: Some(voxel_size * coarser), resolution: None, ..sampling.clone() };

@@ -176,11 +176,11 @@ impl Estimate {
         self.voxels * 4.0 * (1 + numbers) as f64
     }
 
-    /// Bytes that frames take at a job's peak: one that is computed, one that is written.
-    pub fn memory(&self, numbers: usize) -> f64 {
+    /// Bytes that so many frames take at a job's peak: all are whole, one is being written.
+    pub fn memory(&self, numbers: usize, frames: usize) -> f64 {
         let others = self.voxels * 4.0 * numbers as f64 * LIST_OVERHEAD;
         // The encoded file is held whole; hardly ever larger than the voxels.
-        2.0 * (self.bytes + others) + self.file(numbers)
+        frames as f64 * (self.bytes + others) + self.file(numbers)
     }
 }
 

@@ -167,7 +167,7 @@ fn admit(model: &Model, morph: &Morph, pair: &Pair, about: &Lattice, options: &P
     let half_width = options.half_width.unwrap_or(model.output.half_width) as f32;
     let [from, to] = pair.bands(about.voxel_size.get(), half_width);
     let least = if from.voxels < to.voxels { from } else { to };
-    let mut needed = least.memory(0);
+    let mut needed = least.memory(0, 1);
     if morph.cut.is_some() {
         needed *= LEAST_LEFT;
     }

@@ -77,7 +77,7 @@ pub fn of_scene(
     let compute = |place: usize| {
         let frame = numbers[place];
         let failed = |error: bake::Error| job::failure_of(error, interrupt);
-        let computed = bake::compute_frame(&prepared, frame, limit, interrupt, &|share| progress.at(place, share));
+        let computed = bake::compute_frame(&prepared, frame, 1, limit, interrupt, &|share| progress.at(place, share));
         let computed = match computed {
             Err(error) if arguments.allow_empty && error.is_empty_frame() => bake::empty(&prepared),
             computed => computed.map_err(failed)?,
