@@ -43,12 +43,7 @@ fn estimate_by(prepared: &Prepared, content: &FrameContent, in_flight: usize, ef
 }
 
 /// Refuses frames whose estimate is over the limit. Of a frame that is far from it a quick one says enough.
-pub fn check_memory(
-    prepared: &Prepared,
-    content: &FrameContent,
-    in_flight: usize,
-    limit: Bytes,
-) -> Result<(), Error> {
+pub fn check_memory(prepared: &Prepared, content: &FrameContent, in_flight: usize, limit: Bytes) -> Result<(), Error> {
     if estimate_by(prepared, content, in_flight, Effort::Quick).memory.0 <= limit.0 / 2 {
         return Ok(());
     }
