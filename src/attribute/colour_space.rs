@@ -98,8 +98,7 @@ impl ColourSpace {
             Self::Lch => each!(lanes, conversion::linear_of_lch),
             Self::Oklab => each!(lanes, conversion::linear_of_oklab),
         }
-        // What is below 0 less itself: of a choice between 0 and what is there compilers make masked stores, which cost
-        // some machines dozens of cycles.
+        // What is below 0 less itself: a choice between 0 and what is there becomes a masked store (see `lane_math`).
         for value in lanes.as_flattened_mut() {
             *value -= if *value < 0.0 { *value } else { 0.0 };
         }

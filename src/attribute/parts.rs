@@ -134,7 +134,7 @@ fn nearest(distances: &[[f32; BATCH]], weights: &mut [[f32; BATCH]], len: usize)
 #[multiversion(targets = "simd")]
 fn sharp_union(distances: &[[f32; BATCH]], weights: &mut [[f32; BATCH]], len: usize, tolerance: f32) {
     let len = len.min(BATCH);
-    // By maxima and sums rather than choices between a new value and the old one, of which masked stores are made.
+    // By maxima and sums: a choice between a new value and the old one becomes a masked store (see `lane_math`).
     const NONE: i32 = -1;
     let mut inside = [NONE; BATCH];
     for (part, distance) in (0i32..).zip(distances) {

@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 
 use super::compute::Computed;
 use super::done::{State, judge};
-use super::estimate::in_flight as frames_in_flight;
+use super::estimate::in_flight;
 use super::frame::{Arriving, compute_frame, empty, settle_frame, warnings, write_frame};
 use super::identity::Identity;
 use super::record::{Record, RecordFile};
@@ -207,6 +207,7 @@ fn compute_all(
     send: &mpsc::SyncSender<Computing>,
 ) -> Baked {
     let mut baked = Baked::default();
+    let in_flight = in_flight(frames.len());
     let mut queue: VecDeque<usize> = (0..frames.len()).collect();
     let mut elsewhere = VecDeque::new();
     loop {
@@ -248,7 +249,7 @@ fn compute_all(
         }
         events(Event::Started { place, frame });
         let start = Instant::now();
-        match compute_one(prepared, place, frame, frames_in_flight(frames.len()), output, interrupt, events) {
+        match compute_one(prepared, place, frame, in_flight, output, interrupt, events) {
             Ok(computed) => {
                 if send.send(Computing { frame, computed, duration: start.elapsed(), lock }).is_err() {
                     return baked;

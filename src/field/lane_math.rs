@@ -3,6 +3,10 @@
 //!
 //! The transcendental ones work in `f64` inside: the range reduction is then a plain subtraction, and the Taylor
 //! polynomials below are accurate to far more than the `f32` that is returned.
+//!
+//! Where compilers make a branch of an `if`, and then a store under a mask of what follows, choices are spelt
+//! `select_unpredictable`, here and in the loops that use these: without AVX-512 such stores cost some machines dozens of
+//! cycles. A choice that may keep what stands there is written elsewhere, for that becomes one too.
 
 use std::hint::select_unpredictable;
 

@@ -193,8 +193,8 @@ fn judge_trials<const FIRST: bool>(lanes: &mut Lanes, gradients: &Gradients, uni
         let residual = load(&lanes.residual, first);
         let (along, across) =
             if FIRST { ([1.0; WIDTH], [1.0; WIDTH]) } else { (load(&lanes.along, first), load(&lanes.across, first)) };
-        // What comes out is kept apart from what went in: a compiler makes a masked store of a choice between a new
-        // value and the one that is there, and such stores cost some machines dozens of cycles.
+        // What comes out is kept apart from what went in, and chosen without branches: else they become masked stores
+        // (see `lane_math`).
         let [mut new_q, mut new_base, mut new_normal_step, mut new_tangent_step] = [[[0.0; WIDTH]; 3]; 4];
         let [mut new_merit, mut new_residual, mut new_along, mut new_across] = [[0.0; WIDTH]; 4];
         let mut landing = [[0.0; WIDTH]; 3];
