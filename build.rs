@@ -4,7 +4,7 @@ use std::env;
 use std::path::{Path, PathBuf};
 
 /// The C++ sources, and the headers among them.
-const SOURCES: [&str; 3] = ["cpp/build.cpp", "cpp/encode.cpp", "cpp/read.cpp"];
+const SOURCES: [&str; 4] = ["cpp/build.cpp", "cpp/encode.cpp", "cpp/morph.cpp", "cpp/read.cpp"];
 const HEADERS: [&str; 2] = ["cpp/border.h", "cpp/grids.h"];
 const BRIDGE: &str = "src/vdb/bridge.rs";
 /// What belongs to the feature `rivals`.

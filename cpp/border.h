@@ -85,4 +85,9 @@ Counts count(const Grid& grid);
 void copy_floats(const Grid& grid, bool flip, Target& target);
 void copy_vectors(const Grid& grid, Target& target);
 
+struct Cancel;
+
+std::shared_ptr<Grid> with_distances(const Grid& topology, rust::Slice<const float> distances);
+std::shared_ptr<Grid> morphed(const Grid& source, const Grid& target, double duration, const Cancel& cancel);
+
 } // namespace hfvdb

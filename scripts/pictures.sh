@@ -22,6 +22,7 @@ hfvdb preview cube-to-heart --pictures 12 --size 170 --output "$images/cube-to-h
 hfvdb preview cube-to-heart --variant rgb --pictures 12 --size 170 --output "$images/cube-to-heart-rgb.png"
 hfvdb preview cube-to-heart --variant linear --pictures 12 --size 170 --output "$images/cube-to-heart-linear.png"
 hfvdb preview cube-to-heart --variant paper --pictures 12 --size 170 --output "$images/cube-to-heart-paper.png"
+hfvdb preview cube-to-heart --variant openvdb --pictures 12 --size 170 --output "$images/cube-to-heart-openvdb.png"
 hfvdb preview three-ways --pictures 12 --size 170 --output "$images/three-ways.png"
 hfvdb preview displacement --pictures 8 --output "$images/displacement.png"
 hfvdb preview microstructure --pictures 8 --output "$images/microstructure.png"

@@ -33,5 +33,6 @@ step "format" cargo fmt --check
 # The benches too, and what they compare with.
 step "lint" cargo clippy --locked --all-targets --all-features -- -D warnings
 step "types of houdini_examples" .venv-houdini/bin/mypy --strict --cache-dir=.venv-houdini/cache houdini_examples/*.py
-step "tests" cargo test --locked
+# With the same features as above, so that the C++ side is compiled once.
+step "tests" cargo test --locked --all-features
 finish

@@ -12,7 +12,6 @@ use std::io::{self, Write};
 use std::path::Path;
 use std::process::Command;
 use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
 
 use glam::DVec3;
 use hfvdb::attribute::{LinearRgb, Sampler};
@@ -48,7 +47,7 @@ fn prepare(scene: &str) -> Prepared {
         resolution: Some(RESOLUTION),
         half_width: None,
         memory_limit: None,
-        cancel: &AtomicBool::new(false),
+        cancel: Arc::default(),
         progress: &|_| (),
     };
     Arc::new(model).prepare(&options).unwrap_or_else(|error| panic!("{error}"))

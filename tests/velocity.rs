@@ -3,7 +3,6 @@
 mod support;
 
 use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
 
 use glam::{DMat3, DVec3, Vec3};
 use hfvdb::bake::{Bytes, Computed, Interrupt, compute_frame};
@@ -27,7 +26,7 @@ fn prepared_as_it_is(text: String) -> Prepared {
         resolution: None,
         half_width: None,
         memory_limit: None,
-        cancel: &AtomicBool::new(false),
+        cancel: Arc::default(),
         progress: &|_| (),
     };
     Arc::new(model).prepare(&options).unwrap_or_else(|error| panic!("{error}"))

@@ -44,7 +44,7 @@ pub fn prepare(name: &str, sampling: Sampling) -> Prepared {
         resolution,
         half_width: Some(HALF_WIDTH),
         memory_limit: None,
-        cancel: &AtomicBool::new(false),
+        cancel: Arc::default(),
         progress: &|_| {},
     };
     Arc::new(model).prepare(&options).unwrap_or_else(|error| panic!("{error}"))

@@ -21,10 +21,7 @@ pub fn compute_frame(
     interrupt: &Interrupt,
     progress: &(dyn Fn(f64) + Sync),
 ) -> Result<Computed, Error> {
-    let content = prepared.frame(frame).map_err(|error| match error {
-        scene::Error::Cancelled => Error::Interrupted,
-        error => Error::Scene(error),
-    })?;
+    let content = prepared.frame(frame).map_err(of_scene)?;
     check_memory(prepared, &content, in_flight, limit)?;
     let settings = Settings {
         lattice: prepared.lattice,
@@ -49,6 +46,13 @@ pub fn compute_frame(
         ComputeError::Scalar { name: ref grid, .. } => of_grid(&grid.clone(), error),
         error => Error::Frame(frame, error),
     })
+}
+
+fn of_scene(error: scene::Error) -> Error {
+    match error {
+        scene::Error::Cancelled => Error::Interrupted,
+        error => Error::Scene(error),
+    }
 }
 
 /// A frame without a surface.
@@ -117,13 +121,14 @@ pub(super) fn write_frame(
     compute: Duration,
 ) -> Result<Arriving, Error> {
     let start = Instant::now();
+    let report = prepared.report(frame).map_err(of_scene)?;
     let sequence = &output.sequence;
     let vdb_frame = vdb_frame(prepared, frame, computed, output);
     let options = vdb::WriteOptions { compression: output.compression, overwrite: output.existing.replaces() };
     let file = vdb::arrive(sequence.pattern.file(frame), &vdb_frame, &options).map_err(Error::Write)?;
     let written = file.written();
     let content = (written.bytes, hexadecimal(&written.sha256));
-    let record = Record::new(frame, sequence.file_name(frame), content, computed, prepared.report(frame), compute);
+    let record = Record::new(frame, sequence.file_name(frame), content, computed, report, compute);
     Ok(Arriving { file, record, start })
 }
 

@@ -44,7 +44,7 @@ impl Interrupt {
     }
 
     /// The flag itself.
-    pub fn flag(&self) -> &AtomicBool {
+    pub fn flag(&self) -> &Arc<AtomicBool> {
         &self.flag
     }
 

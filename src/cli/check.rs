@@ -11,7 +11,7 @@ use super::job;
 use super::options::{Global, Sampling, SceneArguments, SceneChanges};
 use super::progress::Progress;
 use crate::bake;
-use crate::scene::{Model, MorphReport, Origin};
+use crate::scene::{self, Model, MorphReport, Origin};
 use crate::vdb::{self, Client, Lint, Severity};
 
 /// Arguments of `hfvdb check`.
@@ -87,6 +87,7 @@ fn of_scene(arguments: &Arguments, global: &Global) -> Result<(), Failure> {
     // A shot's middle is where a morph is largest, its ends are where shapes are most intricate.
     let mut frames = vec![shot.first, shot.first + (shot.last - shot.first) / 2, shot.last];
     frames.dedup();
+    frames.retain(|frame| prepared.is_made_alone(*frame));
     let mut largest: Option<bake::Estimate> = None;
     for frame in frames {
         let estimate = bake::estimate(&prepared, &prepared.frame(frame)?, bake::in_flight(count as usize));
@@ -96,7 +97,8 @@ fn of_scene(arguments: &Arguments, global: &Global) -> Result<(), Failure> {
     }
     // Measured only where it is asked for: it takes about as long as a preview.
     let numbers: Vec<(i64, MorphReport)> = if global.verbose {
-        (shot.first..=shot.last).map_while(|frame| Some((frame, prepared.report(frame)?))).collect()
+        let of_frame = |frame| Ok(prepared.report(frame)?.map(|report| (frame, report)));
+        (shot.first..=shot.last).map(of_frame).filter_map(Result::transpose).collect::<Result<_, scene::Error>>()?
     } else {
         Vec::new()
     };

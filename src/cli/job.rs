@@ -54,7 +54,7 @@ pub fn prepare(
         resolution: sampling.resolution.or(default_resolution),
         half_width: sampling.half_width,
         memory_limit: usize::try_from(limit(sampling).0).ok(),
-        cancel: interrupt.flag(),
+        cancel: Arc::clone(interrupt.flag()),
         progress: &|_| {},
     };
     let prepared = model.prepare(&options).map_err(|error| failure_of(error, interrupt))?;

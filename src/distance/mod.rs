@@ -11,11 +11,14 @@ mod facing;
 pub mod nearest;
 pub mod octree;
 pub mod polish;
+mod sampled;
 mod staged;
 pub mod without;
 
 #[cfg(test)]
 mod testing;
+
+pub use sampled::SampledLevelSet;
 
 use glam::DVec3;
 

@@ -86,6 +86,23 @@ impl CoarseGrid {
         voxel.cmpeq(IVec3::ZERO).any() || voxel.cmpeq(last).any()
     }
 
+    /// A distance at the cells' middles, in units of D; `unit` is D.
+    pub(super) fn sampled(&self, distance: &dyn Distance, unit: f64) -> Vec<f32> {
+        let mut values = vec![0.0; self.cell_count()];
+        let per_unit = (1.0 / unit) as f32;
+        values.par_chunks_mut(BATCH).enumerate().for_each_init(
+            || (distance.evaluator(), [0.0; BATCH]),
+            |(evaluator, out), (block, values)| {
+                let (points, region) = self.block_points(block);
+                evaluator.enter(&region);
+                evaluator.values(&points, out);
+                evaluator.leave();
+                values.iter_mut().zip(&*out).for_each(|(value, out)| *value = out * per_unit);
+            },
+        );
+        values
+    }
+
     /// How many parts of face-connected cells there are among those that are at least half inside.
     pub(super) fn pieces(&self, fractions: &[f32]) -> usize {
         let size = self.size();

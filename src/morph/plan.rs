@@ -367,7 +367,7 @@ impl Morph {
     }
 
     /// The coarse grid's distances at scene time τ.
-    fn measured_at(&self, time: f64) -> Arc<Measured> {
+    pub(super) fn measured_at(&self, time: f64) -> Arc<Measured> {
         self.still.clone().unwrap_or_else(|| Arc::new(self.measure(time)))
     }
 

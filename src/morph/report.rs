@@ -8,7 +8,8 @@ use serde::{Deserialize, Serialize};
 use super::plan::{Morph, Solved};
 use super::settings::Mode;
 use super::surfels::Surfels;
-use super::volume::{Enclosing, difference, total};
+use super::volume::{Enclosing, difference, object_fractions, total};
+use crate::distance::Distance;
 
 /// Numbers on one frame, volumes in cubic world units, measured on the coarse grid.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -70,6 +71,49 @@ impl Morph {
         let of = |time| self.surfels.at(time, || Surfels::new(&self.plan().grid, self.field(time).as_ref()));
         let [from, to] = [from, to].map(of);
         from.farthest(&to)
+    }
+
+    /// Numbers on a frame that was made elsewhere, at scene time τ, from its distance and that of the frame before, `None`
+    /// where there is nothing; and the farthest that the surface goes between them, 0 to or from nothing.
+    pub fn report_of(&self, time: f64, distances: [Option<&dyn Distance>; 2]) -> (FrameReport, f64) {
+        let grid = &self.plan().grid;
+        let fractions = distances.map(|distance| match distance {
+            Some(distance) => object_fractions(grid, &grid.sampled(distance, self.plan.unit), self.plan.unit),
+            None => vec![0.0; grid.cell_count()],
+        });
+        let cell = grid.cell_volume();
+        let [before, now] = &fractions;
+        let numbers = FrameReport {
+            time,
+            t: self.settings.share(time),
+            a0: 0.0,
+            target: None,
+            volume: total(now) * cell,
+            change: difference(before, now) * cell,
+            pieces: grid.pieces(now),
+        };
+        let farthest = match distances {
+            [Some(before), Some(now)] => Surfels::new(grid, before).farthest(&Surfels::new(grid, now)),
+            _ => 0.0,
+        };
+        (numbers, farthest)
+    }
+
+    /// The greatest distance of a place in either object, as they stand at the first scene time, from the other.
+    pub fn greatest_way(&self) -> f64 {
+        let measured = self.measured_at(self.settings.over[0]);
+        let farthest = measured.first.iter().zip(&measured.second).fold(0.0, |farthest: f32, (one, two)| {
+            let outside = |inside: f32, other: f32| if inside >= 0.0 { -other } else { 0.0 };
+            farthest.max(outside(*one, *two)).max(outside(*two, *one))
+        });
+        // No cell's middle is farther from a corner of its than that.
+        f64::from(farthest) * self.plan.unit + 0.5 * 3f64.sqrt() * self.plan.grid.edge()
+    }
+
+    /// Whether there is a place in both objects, as they stand at the first scene time, on the coarse grid.
+    pub fn objects_meet(&self) -> bool {
+        let measured = self.measured_at(self.settings.over[0]);
+        measured.first.iter().zip(&measured.second).any(|(one, two)| *one >= 0.0 && *two >= 0.0)
     }
 
     fn frame_report(&self, time: f64) -> (FrameReport, Arc<Solved>) {

@@ -84,9 +84,14 @@ impl Displacement {
 }
 
 /// The distance of a solid in a box. `voxel` is a voxel's edge.
-pub(super) fn measured(field: &dyn Field, solid: Aabb, voxel: f64) -> Result<DistanceObject, BuildError> {
+pub(super) fn measured(
+    field: &dyn Field,
+    solid: Aabb,
+    voxel: f64,
+    cancel: &AtomicBool,
+) -> Result<DistanceObject, BuildError> {
     let settings = octree::Settings::new(solid, smallest_cell(voxel, &solid));
-    DistanceObject::of_field(field, &settings, &Watch { cancel: &AtomicBool::new(false), progress: &|_| {} })
+    DistanceObject::of_field(field, &settings, &Watch { cancel, progress: &|_| {} })
 }
 
 /// The problem of a scalar without a greatest value.

@@ -2,7 +2,6 @@
 
 use std::path::PathBuf;
 use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
 
 use glam::{DVec3, Vec3};
 
@@ -11,7 +10,7 @@ use crate::field::{BATCH, Points};
 
 use super::*;
 
-fn prepared_with(text: &str, resolution: Option<u32>) -> Result<Prepared, Error> {
+pub(super) fn prepared_with(text: &str, resolution: Option<u32>) -> Result<Prepared, Error> {
     let folder = PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/scenes"));
     let source = Source::Text { name: "scene.toml".into(), text: text.into(), folder };
     let model = load(&source, &Overrides::default()).unwrap_or_else(|problems| panic!("{problems}"));
@@ -19,13 +18,12 @@ fn prepared_with(text: &str, resolution: Option<u32>) -> Result<Prepared, Error>
 }
 
 fn prepare(model: Model, resolution: Option<u32>) -> Result<Prepared, Error> {
-    let cancel = AtomicBool::new(false);
     let options = PrepareOptions {
         voxel_size: None,
         resolution,
         half_width: None,
         memory_limit: None,
-        cancel: &cancel,
+        cancel: Arc::default(),
         progress: &|_| (),
     };
     Arc::new(model).prepare(&options)
@@ -445,7 +443,7 @@ fn a_chain_of_objects() {
         }
     }
     // The numbers of a frame: of the way to it, whichever morph that is of.
-    let numbers = |frame: i64| chain.report(frame).expect("a morph");
+    let numbers = |frame: i64| chain.report(frame).unwrap().expect("a morph");
     let t = |frame: i64| numbers(frame).numbers.t;
     assert_eq!((numbers(1).numbers.change, t(1), t(4), t(5) > 0.0), (0.0, 0.0, 1.0, true));
     for frame in 2..=9 {

@@ -16,6 +16,7 @@ mod frames;
 mod hash;
 mod keyed;
 pub mod keys;
+mod level_sets;
 mod load;
 mod model;
 mod morph_paint;
@@ -43,6 +44,8 @@ mod delay_tests;
 mod displace_tests;
 #[cfg(test)]
 mod frame_tests;
+#[cfg(test)]
+mod level_set_tests;
 #[cfg(test)]
 mod partition_tests;
 #[cfg(test)]

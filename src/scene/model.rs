@@ -382,6 +382,8 @@ pub enum MorphMode {
     Still,
     /// The STB paper's numbers as given.
     Paper(Box<MorphPaper>),
+    /// OpenVDB's morph of two level sets.
+    OpenVdb,
 }
 
 /// How long places wait, as a share of the morph's progress.

@@ -27,7 +27,8 @@ pub(super) fn settings(model: &Arc<Model>, morph: &Morph) -> Result<morph::Setti
             delay: None,
         }),
         MorphMode::Linear => Mode::Linear(pace),
-        MorphMode::Union => Mode::Union,
+        // Where OpenVDB makes the shape, attributes go as ever, and what is in either object bounds it.
+        MorphMode::Union | MorphMode::OpenVdb => Mode::Union,
         MorphMode::Still => Mode::Still,
         MorphMode::Paper(numbers) => Mode::Paper(paper(model, numbers)?),
     };

@@ -85,6 +85,9 @@ pub(super) fn pair(
 ) -> Result<Pair, Stop> {
     let from = side(model, solids, variation, morph.from)?;
     let to = side(model, solids, variation, morph.to)?;
+    if let MorphMode::OpenVdb = morph.mode {
+        stand_still(model, [&from, &to])?;
+    }
     let over_shot = |side: &Object| {
         let frames = if side.motion.is_still() { vec![0.0] } else { sampled_frames(model.shot.range) };
         let boxes = frames.iter().map(|frame| side.motion.at(model.shot.range.share(*frame)).box_to_world(side.solid));
@@ -96,6 +99,14 @@ pub(super) fn pair(
         parts.push([part(model, solids, &from, pair[0])?, part(model, solids, &to, pair[1])?]);
     }
     Ok(Pair { from, to, parts, both })
+}
+
+/// OpenVDB's morph knows one target, and one place to start from.
+fn stand_still(model: &Model, objects: [&Object; 2]) -> Result<(), Problem> {
+    let Some(moving) = objects.into_iter().find(|object| !object.motion.is_still()) else { return Ok(()) };
+    let shape = model.shape(moving.id);
+    let problem = format!("`{}` moves, and in `mode = \"openvdb\"` both objects stand still", shape.name);
+    Err(Problem::new(shape.span, problem).help("leave out its motion, or use another `mode`"))
 }
 
 /// A part of an object, which it stands still in.
@@ -383,10 +394,17 @@ pub(super) fn extent_over_shot(model: &Model, morphs: &[Morph], planned: &[Plann
     all.ok_or_else(|| Problem::new(morphs[0].span, "nothing is inside in any frame of the morph"))
 }
 
-/// One warning that names the frames that hold nothing. Where a₀ follows from the volume there are none.
+/// One warning that names the frames that hold nothing. Where a₀ follows from the volume there are none; those of
+/// OpenVDB are not known before.
 pub(super) fn empty_frames(model: &Model, morphs: &[Morph], planned: &[Planned]) -> Option<Diagnostic> {
     let help = match &morphs[0].mode {
         MorphMode::Volume { .. } | MorphMode::Union | MorphMode::Still => return None,
+        MorphMode::OpenVdb if planned[0].morph.objects_meet() => return None,
+        MorphMode::OpenVdb => {
+            let problem = "the objects do not overlap, and so OpenVDB's morph ends with nothing";
+            let help = "move them together, or use `mode = \"volume\"`";
+            return Some(Diagnostic::warning(morphs[0].span, problem).help(help));
+        }
         MorphMode::Linear => {
             "linear blending needs objects that overlap: move them together, or use `mode = \"volume\"`"
         }

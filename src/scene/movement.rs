@@ -13,6 +13,7 @@ use super::error::Problem;
 use super::model::{Maker, ShapeId};
 use super::paint::TOLERANCE_VOXELS;
 use super::placed::Way;
+use super::prepare::Stop;
 use super::prepared::{Prepared, Ready};
 use super::solid::{Solids, Stage};
 
@@ -25,7 +26,7 @@ type Vectors = Option<Arc<dyn Attribute<3>>>;
 
 impl Prepared {
     /// How the surface of a frame moves, in world units a second. Outside the shot its ends stand still.
-    pub(super) fn movement(&self, frame: i64) -> Result<Movement, Problem> {
+    pub(super) fn movement(&self, frame: i64) -> Result<Movement, Stop> {
         let shot = self.model.shot;
         let (first, last) = (shot.range.first, shot.range.last);
         let by_default = self.extent.size().max_element() * shot.fps;

@@ -14,7 +14,8 @@ use super::assets::Assets;
 use super::diagnostic::{Diagnostic, Diagnostics};
 use super::error::{Error, Problem};
 use super::frames::FrameRange;
-use super::model::{Content, Model, Morph, ShapeId};
+use super::level_sets::LevelSets;
+use super::model::{Content, Model, Morph, MorphMode, ShapeId};
 use super::morphing::{MOST_CELLS, Measuring, Pair, alike, empty_frames, extent_over_shot, pair, plan};
 use super::paint::{Scenery, TheColour, TheScalar};
 use super::prepared::{Prepared, Ready};
@@ -29,7 +30,7 @@ const LEAST_LEFT: f64 = 1.0 / 16.0;
 const MOST_BOXES: usize = 200;
 
 /// What the command line says about a model's frames. `None` leaves the scene's own.
-#[derive(Clone, Copy)]
+#[derive(Clone)]
 pub struct PrepareOptions<'a> {
     /// A voxel's edge, world units. Comes before `resolution`.
     pub voxel_size: Option<f64>,
@@ -40,8 +41,8 @@ pub struct PrepareOptions<'a> {
     /// The most memory that a morph's frames, measuring one of its objects, and a volume of voxels, may take, in bytes;
     /// `None` for no limit of frames, and 4 GiB for an object or a volume.
     pub memory_limit: Option<usize>,
-    /// Set it to stop: the result is [`Error::Cancelled`].
-    pub cancel: &'a AtomicBool,
+    /// Set it to stop, now or while a frame is made: the result is [`Error::Cancelled`].
+    pub cancel: Arc<AtomicBool>,
     /// Told the share done, 0 to 1, from any thread.
     pub progress: &'a (dyn Fn(f64) + Sync),
 }
@@ -49,11 +50,16 @@ pub struct PrepareOptions<'a> {
 impl Model {
     /// Makes ready for frames.
     pub fn prepare(self: &Arc<Self>, options: &PrepareOptions<'_>) -> Result<Prepared, Error> {
-        prepare(self, options).map_err(|stop| match stop {
+        prepare(self, options).map_err(|stop| self.stopped(stop))
+    }
+
+    /// Why it stopped, with this scene's text.
+    pub(super) fn stopped(&self, stop: Stop) -> Error {
+        match stop {
             Stop::Cancelled => Error::Cancelled,
             Stop::Memory { needed, limit, voxels } => Error::Memory { needed, limit, voxels },
             Stop::Problem(problem) => self.error(problem),
-        })
+        }
     }
 }
 
@@ -82,7 +88,7 @@ fn prepare(model: &Arc<Model>, options: &PrepareOptions<'_>) -> Result<Prepared,
     let parts = model.with_parts(&roots);
     let assets = Arc::new(Assets::load(model, &parts, options.memory_limit)?);
     let variation = Variation::of(model);
-    stop_if(options.cancel)?;
+    stop_if(&options.cancel)?;
     let mut solids =
         Solids::new(model, &assets, model.moment(model.shot.range.first as f64), resolution(model, options));
     let mut warnings = solids.cut_by_bounds(&parts)?;
@@ -104,11 +110,21 @@ fn prepare(model: &Arc<Model>, options: &PrepareOptions<'_>) -> Result<Prepared,
         variation,
         content,
         base: solids,
+        level_sets: None,
+        cancel: Arc::clone(&options.cancel),
     };
     let way = prepared.greatest_displacement()?;
     if way > 0.0 {
         prepared.extent = prepared.extent.grown(way);
         prepared.lattice = self::lattice(model, options, prepared.extent)?;
+    }
+    if let (Content::Morph(morphs), Ready::Morph(planned)) = (&model.content, &prepared.content)
+        && let MorphMode::OpenVdb = morphs[0].mode
+    {
+        let Prepared { lattice, half_width, .. } = prepared;
+        let cancel = Arc::clone(&options.cancel);
+        let sets = LevelSets::new(model, &morphs[0], &planned[0], lattice, half_width, cancel)?;
+        prepared.level_sets = Some(sets);
     }
     Ok(prepared)
 }
@@ -147,7 +163,7 @@ fn ready_morphs(
     let mut measuring = Measuring {
         voxel: about.voxel_size.get(),
         memory_limit: options.memory_limit,
-        watch: Watch { cancel: options.cancel, progress: options.progress },
+        watch: Watch { cancel: &options.cancel, progress: options.progress },
         done: Vec::new(),
     };
     let mut planned = Vec::new();
@@ -235,7 +251,7 @@ fn box_over_shot(
     let frames =
         if variation.placed(id) { sampled_frames(model.shot.range) } else { vec![model.shot.range.first as f64] };
     let one = |frame: &f64| -> Result<Result<Aabb, extent::Error>, Stop> {
-        stop_if(options.cancel)?;
+        stop_if(&options.cancel)?;
         let mut solids = solids.at(model.moment(*frame), variation);
         Ok(box_of(solids.field(id, Stage::Placed)?.as_ref()))
     };

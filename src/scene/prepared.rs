@@ -1,10 +1,13 @@
 //! A model made ready, and what each of its frames is computed from.
 
 use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 
 use serde::{Deserialize, Serialize};
 
 use crate::attribute::{Colour, Scalar};
+use crate::distance::Distance;
+use crate::distance::octree::BuildError;
 use crate::distance::without::Keep;
 use crate::field::{Aabb, Field};
 use crate::grid::Lattice;
@@ -15,10 +18,11 @@ use super::diagnostic::{Diagnostic, Diagnostics, listed};
 use super::displace::{self, Displacement};
 use super::error::{Error, Problem};
 use super::frames::{Shot, plain};
+use super::level_sets::LevelSets;
 use super::model::{AttributeSource, Content, Model, Morph, ScalarName, ShapeId};
 use super::morphing::{Planned, shown_at};
 use super::paint::Scenery;
-use super::prepare::{box_of, sampled_frames, scenery};
+use super::prepare::{Stop, box_of, sampled_frames, scenery};
 use super::solid::Solids;
 use super::source::Span;
 use super::variation::Variation;
@@ -41,6 +45,10 @@ pub struct Prepared {
     pub(super) content: Ready,
     /// All that does not change, built.
     pub(super) base: Solids,
+    /// The in-betweens where OpenVDB makes them.
+    pub(super) level_sets: Option<LevelSets>,
+    /// Set to stop.
+    pub(super) cancel: Arc<AtomicBool>,
 }
 
 /// What frames are made from.
@@ -108,8 +116,11 @@ impl Prepared {
             Ready::Changing(id) => self.changing(*id, frame).map_err(|problem| self.model.error(problem))?,
             Ready::Morph(planned) => {
                 let planned = &planned[self.shown(frame as f64)];
-                let whole = planned.morph.field(info.t);
-                let field = self.dressed(whole, planned, frame as f64).map_err(|problem| self.model.error(problem))?;
+                let whole = match self.by_openvdb(frame as f64) {
+                    Some(sets) => sets.field(frame).map_err(|stop| self.model.stopped(stop))?,
+                    None => planned.morph.field(info.t),
+                };
+                let field = self.dressed(whole, planned, frame as f64).map_err(|stop| self.model.stopped(stop))?;
                 let attributes =
                     self.morph_attributes(planned, frame as f64).map_err(|problem| self.model.error(problem))?;
                 let (colour, scalars) = attributes;
@@ -125,23 +136,41 @@ impl Prepared {
         let Scenery { field, colour, scalars } = scenery;
         let mut movement = None;
         if self.model.output.writes("vel") {
-            movement = Some(self.movement(frame).map_err(|problem| self.model.error(problem))?);
+            movement = Some(self.movement(frame).map_err(|stop| self.model.stopped(stop))?);
         }
         Ok(FrameContent { field, colour, scalars, movement, region, keep, info })
     }
 
     /// Numbers on a morph's frame and on the way to it from the one before, measured on the morph's coarse grid; `None`
     /// where the scene is no morph. The same whatever else is asked for.
-    pub fn report(&self, frame: i64) -> Option<MorphReport> {
-        let Ready::Morph(planned) = &self.content else { return None };
+    pub fn report(&self, frame: i64) -> Result<Option<MorphReport>, Error> {
+        let Ready::Morph(planned) = &self.content else { return Ok(None) };
         let range = self.model.shot.range;
         let (frame, before) = (frame.clamp(range.first, range.last), (frame - 1).clamp(range.first, range.last));
         let [from, to] = [before, frame].map(|frame| range.share(frame as f64));
         // A chain's object at its own frame is the end of the morph to it.
         let morph = &planned[self.shown(before as f64)].morph;
-        let numbers = morph.report(&[from, to]).frames.pop()?;
+        if let Some(sets) = self.by_openvdb(frame as f64) {
+            let distance =
+                |frame| sets.distance(frame, morph.plan().grid.edge()).map_err(|stop| self.model.stopped(stop));
+            let (before, now) = (distance(before)?, distance(frame)?);
+            let (numbers, displacement) =
+                morph.report_of(to, [&before, &now].map(|one| one.as_ref().map(|one| one as &dyn Distance)));
+            return Ok(Some(MorphReport { numbers, displacement }));
+        }
+        let Some(numbers) = morph.report(&[from, to]).frames.pop() else { return Ok(None) };
         let displacement = if before == frame { 0.0 } else { morph.displacement(from, to) };
-        Some(MorphReport { numbers, displacement })
+        Ok(Some(MorphReport { numbers, displacement }))
+    }
+
+    /// Whether a frame is made without those before it: all but those that OpenVDB makes.
+    pub fn is_made_alone(&self, frame: i64) -> bool {
+        self.by_openvdb(frame as f64).is_none()
+    }
+
+    /// What a frame is made by where OpenVDB makes it.
+    fn by_openvdb(&self, frame: f64) -> Option<&LevelSets> {
+        self.level_sets.as_ref().filter(|sets| sets.show(frame as i64))
     }
 
     /// Which morph of a chain a frame shows.
@@ -158,7 +187,7 @@ impl Prepared {
         mut whole: Arc<dyn Field>,
         planned: &Planned,
         frame: f64,
-    ) -> Result<Arc<dyn Field>, Problem> {
+    ) -> Result<Arc<dyn Field>, Stop> {
         let Content::Morph(morphs) = &self.model.content else { return Ok(whole) };
         let Morph { displace, fill, cut, .. } = &morphs[0];
         if let Some(by) = displace {
@@ -174,7 +203,7 @@ impl Prepared {
             whole = solids.filled(whole, fill, omega, self.extent.size().max_element())?;
         }
         match cut {
-            Some(cut) => solids.without(whole, *cut),
+            Some(cut) => Ok(solids.without(whole, *cut)?),
             None => Ok(whole),
         }
     }
@@ -185,12 +214,13 @@ impl Prepared {
         by: &ScalarName,
         planned: &Planned,
         frame: f64,
-    ) -> Result<Arc<dyn Field>, Problem> {
+    ) -> Result<Arc<dyn Field>, Stop> {
         // What is empty has no surface to move, and what is endless is said elsewhere.
         let Ok(solid) = box_of(whole.as_ref()) else { return Ok(whole) };
         let Some(displacement) = self.displacement(solid, by, planned, frame)? else { return Ok(whole) };
         let time = self.model.shot.range.share(frame);
         let end = match planned.morph.stage(time) {
+            _ if self.by_openvdb(frame).is_some() => None,
             Stage::From => Some(&planned.from),
             Stage::To => Some(&planned.to),
             _ => None,
@@ -201,8 +231,11 @@ impl Prepared {
             let moved = solids.moved(end.id, &displacement)?;
             return Ok(moved.unwrap_or_else(|| displacement.of_field(planned.morph.moving_field(time))));
         }
-        let distance = displace::measured(whole.as_ref(), solid, self.lattice.voxel_size.get())
-            .map_err(|error| Problem::new(by.span, format!("frame {}: {error}", plain(frame))))?;
+        let voxel = self.lattice.voxel_size.get();
+        let distance = displace::measured(whole.as_ref(), solid, voxel, &self.cancel).map_err(|error| match error {
+            BuildError::Cancelled => Stop::Cancelled,
+            error => Problem::new(by.span, format!("frame {}: {error}", plain(frame))).into(),
+        })?;
         Ok(displacement.of_field(Arc::new(distance)))
     }
 
@@ -276,6 +309,7 @@ impl Prepared {
                 of_frame = planned.iter().map(|planned| planned.bytes).max().unwrap_or(0);
             }
         }
-        self.assets.bytes() + distances + of_frame
+        let level_sets = self.level_sets.as_ref().map_or(0, LevelSets::bytes);
+        self.assets.bytes() + distances + of_frame + level_sets
     }
 }

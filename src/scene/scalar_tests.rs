@@ -2,7 +2,6 @@
 
 use std::path::PathBuf;
 use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
 
 use glam::{DVec3, Vec3};
 
@@ -48,7 +47,7 @@ fn prepared_at(sampling: Sampling, text: &str) -> Result<Prepared, Error> {
         resolution,
         half_width: None,
         memory_limit: None,
-        cancel: &AtomicBool::new(false),
+        cancel: Arc::default(),
         progress: &|_| (),
     };
     Arc::new(model).prepare(&options)

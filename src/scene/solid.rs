@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 
 use glam::{DAffine3, DVec3};
 
@@ -268,7 +269,7 @@ impl Solids {
             distance = match self.measured.get(&id) {
                 Some(known) => *known,
                 None => {
-                    let measured = displace::measured(&field, solid, voxel)
+                    let measured = displace::measured(&field, solid, voxel, &AtomicBool::new(false))
                         .map_err(|error| Problem::new(by.span, format!("`{}`: {error}", shape.name)))?;
                     self.graph.field(Arc::new(measured))
                 }

@@ -521,7 +521,7 @@ fn what_a_morphs_mode_does_not_use() {
     );
     only(
         &morph("mode = 'still'\nover = '1-4'"),
-        "10:1 `over` is not for `mode = \"still\"`; it goes with `volume`, `paper`, `linear` and `union`",
+        "10:1 `over` is not for `mode = \"still\"`; it goes with `volume`, `paper`, `linear`, `union` and `openvdb`",
     );
     only(&morph("mode = 'linear'\na0 = 1"), "10:1 `a0` is for `mode = \"paper\"` only");
     only(&morph("mode = 'paper'\na1 = -1"), "10:6 `morph.a1` must be greater than 0");

@@ -4,7 +4,6 @@ use std::fs;
 use std::path::Path;
 use std::process::Command;
 use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
 
 use glam::{DVec3, IVec3, Vec3};
 
@@ -63,7 +62,7 @@ fn prepared(folder: &Path, text: &str, memory_limit: Option<usize>) -> Result<Pr
         resolution: Some(64),
         half_width: None,
         memory_limit,
-        cancel: &AtomicBool::new(false),
+        cancel: Arc::default(),
         progress: &|_| (),
     };
     Arc::new(model).prepare(&options)

@@ -2,6 +2,8 @@
 
 #![allow(unsafe_code, missing_docs, unused_qualifications)]
 
+use std::sync::atomic::{AtomicBool, Ordering};
+
 #[cxx::bridge(namespace = "hfvdb")]
 pub(super) mod ffi {
     /// What a [`Meta`] holds.
@@ -107,6 +109,11 @@ pub(super) mod ffi {
         Blosc,
     }
 
+    extern "Rust" {
+        type Cancel<'a>;
+        fn is_set(self: &Cancel) -> bool;
+    }
+
     unsafe extern "C++" {
         include!("border.h");
 
@@ -145,6 +152,20 @@ pub(super) mod ffi {
         /// the sign flips on the way in.
         fn copy_floats(grid: &Grid, flip: bool, target: &mut Target) -> Result<()>;
         fn copy_vectors(grid: &Grid, target: &mut Target) -> Result<()>;
+
+        /// A level set with its distances: 512 a leaf, positive inside here, in the order of its blocks.
+        fn with_distances(topology: &Grid, distances: &[f32]) -> Result<SharedPtr<Grid>>;
+        /// What OpenVDB makes of a level set on its way to another in so much of its time; anything once it is to stop.
+        fn morphed(source: &Grid, target: &Grid, duration: f64, cancel: &Cancel) -> Result<SharedPtr<Grid>>;
+    }
+}
+
+/// What OpenVDB asks, from any of its threads, whether to stop.
+pub(super) struct Cancel<'a>(pub(super) &'a AtomicBool);
+
+impl Cancel<'_> {
+    fn is_set(&self) -> bool {
+        self.0.load(Ordering::Relaxed)
     }
 }
 

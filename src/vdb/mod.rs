@@ -7,6 +7,7 @@
 //!   to the disk and renamed, so that a file with a final name is always whole.
 //! * [`arrive()`] and [`Arrived::settle`] are its two halves: the second waits for the disk and holds no memory.
 //! * [`walk::walk`] parses a whole file in safe Rust and checks every length in it; it stands before every reading.
+//! * [`LevelSet`] runs OpenVDB's own morph of one level set into another.
 //! * [`inspect()`] says what is in a file, [`lint()`] what is wrong with it, [`read()`] gives its blocks.
 //!
 //! Files written here are of format 224, with OpenVDB's statistics. Two writes of one frame differ only in bytes 21 to 56, where
@@ -20,6 +21,7 @@ mod encode;
 mod error;
 mod frame;
 mod inspect;
+mod level_set;
 mod lint;
 mod metadata;
 mod read;
@@ -33,6 +35,7 @@ pub use encode::{Encoded, encode};
 pub use error::Error;
 pub use frame::{Blocks, Class, Content, Frame, Grid, Values, VectorType};
 pub use inspect::{FileInfo, GridInfo, Range, active_box, inspect};
+pub use level_set::LevelSet;
 pub use lint::{Finding, Lint, Severity, lint};
 pub use metadata::{Metadata, MetadataValue};
 pub use read::{Contents, Opened, SparseBlocks, StoredClass, StoredGrid, Tile, Voxels, read};

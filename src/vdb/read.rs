@@ -210,41 +210,40 @@ impl Opened {
     }
 
     fn blocks<T: Value>(&self, grid: &GridLayout, flip: bool) -> Result<SparseBlocks<T>, cxx::Exception> {
-        let decoded = ffi::decode(&self.bytes, grid.descriptor)?;
-        let counts = ffi::count(&decoded)?;
-        let mut origins = vec![0; 3 * counts.blocks];
-        let mut values = vec![[T::default(); BLOCK_VOXELS]; counts.blocks];
-        let mut active = vec![[0; 8]; counts.blocks];
-        let mut tiles = vec![0; 4 * counts.tiles];
-        let mut tile_values = vec![T::default(); counts.tiles];
-        let mut tile_states = vec![0; counts.tiles];
-        let mut background = T::default();
-        let mut target = ffi::Target {
-            origins: &mut origins,
-            masks: active.as_flattened_mut(),
-            values: T::flat(values.as_flattened_mut()),
-            tiles: &mut tiles,
-            tile_values: T::flat(&mut tile_values),
-            tile_states: &mut tile_states,
-            background: T::flat(std::slice::from_mut(&mut background)),
-        };
-        T::copy(&decoded, flip, &mut target)?;
-        let origins = origins.as_chunks().0.iter().map(|origin| IVec3::from_array(*origin)).collect();
-        let tiles = tiles.as_chunks().0.iter().zip(tile_values).zip(tile_states);
-        let tiles = tiles
-            .map(|((&[x, y, z, edge], value), state)| Tile {
-                origin: IVec3::new(x, y, z),
-                edge,
-                value,
-                active: state != 0,
-            })
-            .collect();
-        Ok(SparseBlocks { origins, values, active, tiles, background })
+        blocks_of(&*ffi::decode(&self.bytes, grid.descriptor)?, flip)
     }
 }
 
+/// What a grid in OpenVDB's hands holds.
+pub(super) fn blocks_of<T: Value>(grid: &ffi::Grid, flip: bool) -> Result<SparseBlocks<T>, cxx::Exception> {
+    let counts = ffi::count(grid)?;
+    let mut origins = vec![0; 3 * counts.blocks];
+    let mut values = vec![[T::default(); BLOCK_VOXELS]; counts.blocks];
+    let mut active = vec![[0; 8]; counts.blocks];
+    let mut tiles = vec![0; 4 * counts.tiles];
+    let mut tile_values = vec![T::default(); counts.tiles];
+    let mut tile_states = vec![0; counts.tiles];
+    let mut background = T::default();
+    let mut target = ffi::Target {
+        origins: &mut origins,
+        masks: active.as_flattened_mut(),
+        values: T::flat(values.as_flattened_mut()),
+        tiles: &mut tiles,
+        tile_values: T::flat(&mut tile_values),
+        tile_states: &mut tile_states,
+        background: T::flat(std::slice::from_mut(&mut background)),
+    };
+    T::copy(grid, flip, &mut target)?;
+    let origins = origins.as_chunks().0.iter().map(|origin| IVec3::from_array(*origin)).collect();
+    let tiles = tiles.as_chunks().0.iter().zip(tile_values).zip(tile_states);
+    let tiles = tiles
+        .map(|((&[x, y, z, edge], value), state)| Tile { origin: IVec3::new(x, y, z), edge, value, active: state != 0 })
+        .collect();
+    Ok(SparseBlocks { origins, values, active, tiles, background })
+}
+
 /// A value that the bridge copies as floats.
-trait Value: Copy + Default {
+pub(super) trait Value: Copy + Default {
     fn flat(values: &mut [Self]) -> &mut [f32];
     fn copy(grid: &ffi::Grid, flip: bool, target: &mut ffi::Target) -> Result<(), cxx::Exception>;
 }

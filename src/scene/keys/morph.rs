@@ -21,9 +21,9 @@ pub const MORPH: &[Key] = &[
     ),
     Key::new(
         "mode",
-        Kind::Choice(&["volume", "paper", "linear", "union", "still"]),
+        Kind::Choice(&["volume", "paper", "linear", "union", "still", "openvdb"]),
         Text("volume"),
-        "How the shape changes. `volume`: space-time blending, the volume runs evenly from the one's to the other's. `paper`: the same with a0 … a3 and s as given. `linear`: (1 − t)·f₁ + t·f₂ of the two distances; objects that lie apart vanish on the way. `union`: both objects at once on the way, by max, so it jumps at both ends: what space-time blending smooths out. `still`: the shape stays the first one, colours and attributes alone go over, first where the last one is near; with `octopus` they creep on.",
+        "How the shape changes. `volume`: space-time blending, the volume runs evenly from the one's to the other's. `paper`: the same with a0 … a3 and s as given. `linear`: (1 − t)·f₁ + t·f₂ of the two distances; objects that lie apart vanish on the way. `union`: both objects at once on the way, by max, so it jumps at both ends: what space-time blending smooths out. `still`: the shape stays the first one, colours and attributes alone go over, first where the last one is near; with `octopus` they creep on. `openvdb`: OpenVDB's own level-set morphing, to compare with: each frame made from the one before it, so one by itself takes all before it; in even steps of as much time as the last place takes to come to rest. It flows only where the two overlap, rounds edges, and its last frame is what it comes to, not the last object. Its objects stand still, and it gives no `vel`.",
     ),
     Key::new(
         "bridge",
@@ -181,5 +181,6 @@ pub const BY_MODE: &[(&[&str], &[&str])] = &[
     (&["bridge", "volume", "delay"], &["volume"]),
     (&["pace"], &["volume", "linear"]),
     (&["ease"], &["volume", "paper", "linear"]),
-    (&["through", "at", "over"], &["volume", "paper", "linear", "union"]),
+    (&["over"], &["volume", "paper", "linear", "union", "openvdb"]),
+    (&["through", "at"], &["volume", "paper", "linear", "union"]),
 ];

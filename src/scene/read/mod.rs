@@ -117,6 +117,7 @@ impl Parts {
         building.all_shapes();
         let morph = building.morph(&shot);
         let (output, chosen) = building.output();
+        building.check_velocity(morph.as_deref(), &output);
         building.check_displacements();
         building.report_cycles();
         let content = building.content(morph, chosen)?;

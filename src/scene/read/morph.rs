@@ -76,6 +76,7 @@ impl<'r, 'a> Building<'r, 'a> {
             "linear" => return MorphMode::Linear,
             "union" => return MorphMode::Union,
             "still" => return MorphMode::Still,
+            "openvdb" => return MorphMode::OpenVdb,
             "volume" => {
                 let (bridge, volume) = (fields.required_number("bridge"), fields.required_number("volume"));
                 let delay = fields.value("delay").and_then(|value| self.delay(value)).map(Box::new);
@@ -233,6 +234,16 @@ impl<'r, 'a> Building<'r, 'a> {
             max_speed: fields.constant("max_speed"),
         };
         (output, chosen)
+    }
+
+    /// What OpenVDB makes has no motion to tell between its frames.
+    pub(super) fn check_velocity(&self, morph: Option<&[Morph]>, output: &Output) {
+        if let Some([Morph { mode: MorphMode::OpenVdb, span, .. }, ..]) = morph
+            && output.writes("vel")
+        {
+            let problem = "`output.grids` has `vel`, which `mode = \"openvdb\"` does not give";
+            self.reader.say(Diagnostic::error(*span, problem).help("leave it out, or use another `mode`"));
+        }
     }
 
     /// Whether a shape has a scalar of this name.
