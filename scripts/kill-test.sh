@@ -7,4 +7,4 @@
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
-HFVDB_KILLS=${1:-1000} HFVDB_KILL_SEED=${2:-1} cargo test --locked --test kill -- --nocapture
+HFVDB_KILLS=${1:-1000} HFVDB_KILL_SEED=${2:-1} cargo test --locked --all-features --test kill -- --nocapture

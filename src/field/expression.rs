@@ -100,7 +100,33 @@ struct Level {
     entered: Vec<u32>,
     branches: RefCell<Branches>,
     branches_known: std::cell::Cell<bool>,
-    branch_tapes: Vec<(Tape, bool)>,
+    branch_tapes: Vec<BranchTape>,
+}
+
+/// One smooth branch, made when it is first asked for.
+#[derive(Default)]
+struct BranchTape {
+    compiled: bool,
+    tape: Tape,
+    /// The external fields that it depends on, as operations, in their order.
+    externals: Vec<u32>,
+}
+
+impl BranchTape {
+    fn compile(&mut self, ops: &[Op], root: u32) {
+        self.tape.compile(ops, &[root]);
+        let mut needed = vec![false; ops.len()];
+        needed[root as usize] = true;
+        for index in (0..=root as usize).rev() {
+            if needed[index] {
+                ops[index].arguments(|argument| needed[argument as usize] = true);
+            }
+        }
+        self.externals.clear();
+        let is_external = |index: &u32| needed[*index as usize] && matches!(ops[*index as usize], Op::External { .. });
+        self.externals.extend((0..=root).filter(is_external));
+        self.compiled = true;
+    }
 }
 
 /// The evaluator of an [`Expression`].
@@ -157,6 +183,7 @@ fn zero_leaf(program: &Program) -> impl Fn(u32) -> bool {
 
 impl Evaluator for ExpressionEvaluator<'_> {
     fn enter(&mut self, region: &Aabb) {
+        self.machine.forget_answers();
         let owner = self.owner();
         self.depth += 1;
         if self.levels.len() == self.depth {
@@ -185,7 +212,7 @@ impl Evaluator for ExpressionEvaluator<'_> {
             level.compiled = false;
         }
         level.branches_known.set(false);
-        level.branch_tapes.iter_mut().for_each(|(_, compiled)| *compiled = false);
+        level.branch_tapes.iter_mut().for_each(|known| known.compiled = false);
         level.bounds = self.bounds.last().copied();
     }
 
@@ -195,6 +222,7 @@ impl Evaluator for ExpressionEvaluator<'_> {
 
     fn leave(&mut self) {
         debug_assert!(self.depth > 0, "every leave matches an enter");
+        self.machine.forget_answers();
         for &leaf in &self.levels[self.depth].entered {
             self.externals[leaf as usize].leave();
         }
@@ -240,22 +268,24 @@ impl Evaluator for ExpressionEvaluator<'_> {
                     out,
                 );
             }
-            Part::Sides(_) => {
+            Part::Whole | Part::Sides(_) => {
                 let tapes = &mut self.levels[depth].branch_tapes;
                 if tapes.len() <= branch {
                     tapes.resize_with(branch + 1, Default::default);
                 }
-                let (mut tape, compiled) = std::mem::take(&mut tapes[branch]);
+                let mut known = std::mem::take(&mut tapes[branch]);
                 let ops = &self.levels[owner].ops;
-                if !compiled {
+                if !known.compiled {
                     let mut branches = self.levels[depth].branches.borrow_mut();
                     branches.resolve(ops, chosen, zero_leaf(self.program), &mut self.resolved);
-                    tape.compile(&self.resolved, &[chosen.op]);
+                    known.compile(&self.resolved, chosen.op);
                 }
-                tape.settle(self.program, points.origin);
-                self.machine.read_externals(self.program, &mut self.externals, ops, points, true);
-                self.machine.gradients(&tape, points, out);
-                self.levels[depth].branch_tapes[branch] = (tape, true);
+                known.tape.settle(self.program, points.origin);
+                // Other branches' fields may be the dearest part of F.
+                let some = known.externals.iter().map(|index| ops[*index as usize]);
+                self.machine.read_some(self.program, &mut self.externals, ops, some, points, true);
+                self.machine.gradients(&known.tape, points, out);
+                self.levels[depth].branch_tapes[branch] = known;
             }
         }
         if chosen.factor != 1.0 {

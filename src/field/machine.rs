@@ -19,6 +19,10 @@ pub(super) struct Machine {
     /// What each external field answered for the batch.
     inputs: Vec<Box<Gradients>>,
     spare: Option<Box<Gradients>>,
+    /// The batch that it was asked at.
+    asked_at: Box<Points>,
+    /// Which fields answered at that batch, and whether with gradients: several branches may depend on one.
+    answered: Vec<Option<bool>>,
     /// Positions in an external field's own space.
     local: Box<Points>,
     /// Those positions' own gradients, where they are not affine.
@@ -58,10 +62,17 @@ impl Machine {
             duals: Vec::new(),
             inputs: (0..externals).map(|_| Box::default()).collect(),
             spare: None,
+            asked_at: Box::new(Points::new(DVec3::ZERO)),
+            answered: vec![None; externals],
             local: Box::new(Points::new(DVec3::ZERO)),
             moved: Box::new(std::array::from_fn(|_| Gradients::new())),
             arguments: Tape::default(),
         }
+    }
+
+    /// Fields may answer otherwise from now on: another region was entered.
+    pub fn forget_answers(&mut self) {
+        self.answered.fill(None);
     }
 
     /// The tape's first output at the points.
@@ -85,11 +96,32 @@ impl Machine {
         points: &Points,
         gradients: bool,
     ) {
-        if externals.is_empty() {
-            return;
+        if !externals.is_empty() {
+            self.read_some(program, externals, ops, ops.iter().copied(), points, gradients);
         }
-        for op in ops {
-            let Op::External { leaf, at } = *op else { continue };
+    }
+
+    /// The same of some of the program's operations, in their order.
+    pub fn read_some(
+        &mut self,
+        program: &Program,
+        externals: &mut [Box<dyn Evaluator + '_>],
+        ops: &[Op],
+        some: impl Iterator<Item = Op>,
+        points: &Points,
+        gradients: bool,
+    ) {
+        if !same_points(points, &self.asked_at) {
+            self.forget_answers();
+            copy_points(points, &mut self.asked_at);
+        }
+        for op in some {
+            let Op::External { leaf, at } = op else { continue };
+            let answered = &mut self.answered[leaf as usize];
+            if answered.is_some_and(|with_gradients| with_gradients || !gradients) {
+                continue;
+            }
+            *answered = Some(gradients);
             // What earlier fields answered must stay readable while this one is asked.
             let mut answer = self.spare.take().unwrap_or_default();
             let external = &mut externals[leaf as usize];
@@ -179,6 +211,19 @@ impl Machine {
             let total = x.gradient(i) * along.x + y.gradient(i) * along.y + z.gradient(i) * along.z;
             (answer.dx[i], answer.dy[i], answer.dz[i]) = (total.x, total.y, total.z);
         }
+    }
+}
+
+fn same_points(a: &Points, b: &Points) -> bool {
+    let same = |a: &[f32; BATCH], b: &[f32; BATCH], len: usize| a[..len] == b[..len];
+    let len = a.len;
+    len == b.len && a.origin == b.origin && same(&a.x, &b.x, len) && same(&a.y, &b.y, len) && same(&a.z, &b.z, len)
+}
+
+fn copy_points(from: &Points, to: &mut Points) {
+    (to.origin, to.len) = (from.origin, from.len);
+    for (to, all) in [(&mut to.x, &from.x), (&mut to.y, &from.y), (&mut to.z, &from.z)] {
+        to[..from.len].copy_from_slice(&all[..from.len]);
     }
 }
 

@@ -135,3 +135,39 @@ fn surfaces_far_from_the_origin_are_right_to_a_thousandth_of_a_voxel() {
         }
     }
 }
+
+/// Creases under arithmetic make a branch for each choice of sides that says something else, and those are all there is.
+#[test]
+fn creases_below_one_another_make_no_branches_that_cannot_matter() {
+    for (text, count) in [
+        // Of five of them.
+        ("max(max(min(x, y), min(y, z)), min(z, x)) - 0.3", 3),
+        ("max(max(min(x, y), min(y, z)), min(z, x)) - 0.3 + 0.1*abs(x + y)", 6),
+        ("0.9 - max(abs(x), abs(y), abs(z))", 6),
+        ("0.9 - abs(abs(x) - 0.5) - 0*y", 4),
+        ("min(x, min(y, x)) + z", 2),
+        ("0.9 - abs(x) - abs(y) - abs(z) - abs(x - y) - abs(x + 2*z)", 1),
+        ("1 - x^2 - y^2", 1),
+    ] {
+        let field = field(text);
+        let mut evaluator = field.evaluator();
+        assert_eq!(evaluator.branches(), count, "{text}");
+        if count == 1 {
+            continue;
+        }
+        let mut samples = Samples::new(7);
+        let points = samples.batch(&Aabb::new(DVec3::splat(-1.0), DVec3::ONE), BATCH);
+        let mut out = Gradients::new();
+        let mut met = [false; BATCH];
+        for branch in 0..count {
+            evaluator.branch(branch, &points, &mut out);
+            let mut own = false;
+            for i in 0..BATCH {
+                let same = (f64::from(out.value[i]) - field.reference(points.position(i))).abs() < 1e-6;
+                (met[i], own) = (met[i] | same, own | same);
+            }
+            assert!(own, "{text}: branch {branch} is F nowhere");
+        }
+        assert!(met.iter().all(|met| *met), "{text}");
+    }
+}
