@@ -87,7 +87,8 @@ class Player:
 
 
 def read_mesh(carrier):
-    """The evaluated mesh of an object as arrays: positions, corners of faces, their sizes, attributes of points."""
+    """The evaluated mesh of an object as arrays: positions and normals, corners of faces, their sizes, attributes of
+    points."""
     evaluated = carrier.evaluated_get(bpy.context.evaluated_depsgraph_get())
     mesh = evaluated.to_mesh()
 
@@ -98,6 +99,7 @@ def read_mesh(carrier):
 
     arrays = {
         "positions": array(mesh.vertices, "co", 3).astype(np.float64),
+        "normals": array(mesh.vertices, "normal", 3).astype(np.float64),
         "corners": array(mesh.loops, "vertex_index", 1, np.int32),
         "sizes": array(mesh.polygons, "loop_total", 1, np.int32),
     }

@@ -10,7 +10,8 @@ vertices into a colour attribute.
 Problems are reported, and end the run with exit code 1, when
   * the file or one of its grids does not load, or a grid is of the wrong type;
   * the mesh is empty, not closed, not oriented alike everywhere, or inside out;
-  * a voxel's length inside and outside of a vertex the field is not a voxel's length: wrong sign, wrong units;
+  * a voxel's length inside and outside of a vertex the field is neither a voxel's length nor, where walls and gaps are
+    thinner than that, the distance to the mesh: wrong sign, wrong units;
   * there is a second surface: a piece of the mesh where the field does not pass through 0 but leaps over it, which is
     the inner edge of a band whose inside was not filled. (A hollow in the solid is none: the field is a distance there.)
   * with --pieces N: the solid is in more than N pieces (crumbs);
@@ -26,7 +27,10 @@ import sys
 
 from blender_scene import STDOUT, Player, bpy, coloured_mesh, last_number, leave, new_object, np, read_mesh
 
-# How far the field may be from a voxel's length one voxel off the surface, in voxels: near creases it is shorter.
+from mathutils.bvhtree import BVHTree  # a part of Blender: there once bpy is
+
+# How far the field may be from a voxel's length one voxel off the surface, in voxels: near creases it is shorter. Where
+# it is farther from that, another part of the surface may be nearer, and it is held against the distance to the mesh.
 FIELD_TOLERANCE = 0.5
 # The fraction of vertices that has to hold it.
 FIELD_FRACTION = 0.9
@@ -132,8 +136,11 @@ def check_mesh(mesh, colour, voxel, most_pieces, problems):
             facts["pieces"], most_pieces, max(small) / voxel ** 3))
     inside, outside = mesh["inside"] / voxel, mesh["outside"] / voxel
     error = np.maximum(abs(inside + 1), abs(outside - 1))
-    facts["field_good"] = float((error < FIELD_TOLERANCE).mean())
+    good = error < FIELD_TOLERANCE
     facts["field_error_mean"] = float(error.mean())
+    if good.mean() < FIELD_FRACTION:
+        good[~good] = is_distance(mesh, np.flatnonzero(~good), voxel)
+    facts["field_good"] = float(good.mean())
     if facts["field_good"] < FIELD_FRACTION:
         problems.append("the field is no distance beside %.1f %% of the vertices" % (100 * (1 - facts["field_good"])))
     leaps = np.bincount(piece, np.maximum(abs(inside), abs(outside)) > LEAP, len(volumes)) / np.bincount(piece)
@@ -143,6 +150,19 @@ def check_mesh(mesh, colour, voxel, most_pieces, problems):
     if colour:
         facts["colour"] = check_colour(mesh.get(colour), problems)
     return facts
+
+
+def is_distance(mesh, vertices, voxel):
+    """Whether the field beside each of some vertices is the distance to the mesh: a wall or a gap may be thin there."""
+    positions, ends = mesh["positions"], np.cumsum(mesh["sizes"])
+    polygons = [face.tolist() for face in np.split(mesh["corners"], ends[:-1])]
+    tree = BVHTree.FromPolygons(positions.tolist(), polygons)
+    good = np.ones(len(vertices), bool)
+    for name, sign in (("inside", -1.0), ("outside", 1.0)):
+        probes = positions[vertices] + sign * voxel * mesh["normals"][vertices]
+        distances = np.array([tree.find_nearest(probe)[3] for probe in probes.tolist()])
+        good &= abs(abs(mesh[name][vertices]) - distances) < FIELD_TOLERANCE * voxel
+    return good
 
 
 def check_colour(values, problems):
