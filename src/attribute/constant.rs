@@ -1,7 +1,7 @@
 //! One value everywhere.
 
 use super::{Attribute, Sampler};
-use crate::field::{Aabb, BATCH, Interval, Points};
+use crate::field::{Aabb, BATCH, Gradients, Interval, Points};
 
 /// One value everywhere.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -27,6 +27,16 @@ impl<const N: usize> Sampler<N> for Constant<N> {
 
     fn sample(&mut self, points: &Points, out: &mut [[f32; N]; BATCH]) {
         out[..points.len].fill(self.0);
+    }
+
+    fn gradients(&mut self, points: &Points, out: &mut [Gradients; N]) -> bool {
+        for (out, value) in out.iter_mut().zip(self.0) {
+            out.value[..points.len].fill(value);
+            for slopes in [&mut out.dx, &mut out.dy, &mut out.dz] {
+                slopes[..points.len].fill(0.0);
+            }
+        }
+        true
     }
 
     fn bounds(&mut self, _region: &Aabb) -> [Interval; N] {

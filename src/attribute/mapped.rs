@@ -3,12 +3,17 @@
 use glam::DVec3;
 
 use super::Sampler;
-use crate::field::{Aabb, BATCH, Interval, Points};
+use crate::field::{Aabb, BATCH, Gradients, Interval, Points};
 
 /// How positions of one space become positions of another.
 pub trait SpaceMap: Send {
     /// A batch there.
     fn points(&self, points: &Points, out: &mut Points);
+
+    /// Gradients there, as they are here; false where the map does not say.
+    fn gradients(&self, _len: usize, _out: &mut Gradients) -> bool {
+        false
+    }
 
     /// A box there that holds all of a box here.
     fn region(&self, region: &Aabb) -> Aabb;
@@ -40,6 +45,11 @@ impl<M: SpaceMap, const N: usize> Sampler<N> for MappedSampler<'_, M, N> {
     fn sample(&mut self, points: &Points, out: &mut [[f32; N]; BATCH]) {
         self.map.points(points, &mut self.there);
         self.inner.sample(&self.there, out);
+    }
+
+    fn gradients(&mut self, points: &Points, out: &mut [Gradients; N]) -> bool {
+        self.map.points(points, &mut self.there);
+        self.inner.gradients(&self.there, out) && out.iter_mut().all(|out| self.map.gradients(points.len, out))
     }
 
     fn bounds(&mut self, region: &Aabb) -> [Interval; N] {

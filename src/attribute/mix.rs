@@ -21,6 +21,11 @@ pub trait Mix<const N: usize>: Copy + Send + Sync {
     /// `from` at weight 0, `to` at weight 1.
     fn mix(&self, from: [f32; N], to: [f32; N], weight: f32) -> [f32; N];
 
+    /// Whether each number is (1 − w)·from + w·to.
+    fn is_straight(&self) -> bool {
+        false
+    }
+
     /// Bounds of what is mixed from values and weights within bounds; [`Interval::ALL`] where they are not known.
     fn bounds(&self, _from: [Interval; N], _to: [Interval; N], _weight: Interval) -> [Interval; N] {
         [Interval::ALL; N]
@@ -32,6 +37,10 @@ pub trait Mix<const N: usize>: Copy + Send + Sync {
 pub struct Straight;
 
 impl<const N: usize> Mix<N> for Straight {
+    fn is_straight(&self) -> bool {
+        true
+    }
+
     fn mix_batch(&self, from: &mut [[f32; N]; BATCH], to: &[[f32; N]; BATCH], weights: &[f32; BATCH], len: usize) {
         for ((from, to), weight) in from.iter_mut().zip(to).zip(weights).take(len) {
             *from = self.mix(*from, *to, *weight);

@@ -31,7 +31,7 @@ pub use parts::{Overlap, Part, Parts, Rule};
 pub use scalar_field::ScalarField;
 pub use voxels::{Outside, POWERS, Power, RELATIVE_ERROR, ValueBlocks, VoxelValues};
 
-use crate::field::{Aabb, BATCH, Interval, Points};
+use crate::field::{Aabb, BATCH, Gradients, Interval, Points};
 
 /// Scene-linear Rec.709 red, green, blue.
 pub type LinearRgb = [f32; 3];
@@ -63,6 +63,11 @@ pub trait Sampler<const N: usize>: Send {
     fn leave(&mut self);
     /// The numbers at each point.
     fn sample(&mut self, points: &Points, out: &mut [[f32; N]; BATCH]);
+    /// Each number with its gradient at each point; false, and nothing of use in `out`, where it has none of its own and
+    /// differences of samples must do.
+    fn gradients(&mut self, _points: &Points, _out: &mut [Gradients; N]) -> bool {
+        false
+    }
     /// Bounds of each number over a region, whatever regions were entered; [`Interval::ALL`] where they are not known.
     fn bounds(&mut self, _region: &Aabb) -> [Interval; N] {
         [Interval::ALL; N]

@@ -10,7 +10,8 @@ use crate::field::{Aabb, BATCH, Evaluator, Field, Gradients, Interval, Points};
 /// Samples are `f32`, and so are the sums they come from: how far beyond its bounds one may be, as a share of them.
 const SLACK: f64 = 4.0 * f32::EPSILON as f64;
 
-/// A scalar's values as those of a field, held to a greatest value. Its gradient is by central differences.
+/// A scalar's values as those of a field, held to a greatest value. Its gradient is the scalar's own, or else by central
+/// differences.
 pub struct ScalarField {
     /// The scalar.
     pub scalar: Arc<Scalar>,
@@ -94,6 +95,15 @@ impl Evaluator for ScalarEvaluator<'_> {
     }
 
     fn gradients(&mut self, points: &Points, out: &mut Gradients) {
+        if self.sampler.gradients(points, std::array::from_mut(out)) {
+            let most = self.field.most as f32;
+            for i in 0..points.len {
+                if out.value[i] > most {
+                    (out.value[i], out.dx[i], out.dy[i], out.dz[i]) = (most, 0.0, 0.0, 0.0);
+                }
+            }
+            return;
+        }
         self.values(points, &mut out.value);
         // As many of the six sides at once as there is room for: most calls are of few points.
         let step = self.field.step as f32;

@@ -9,10 +9,12 @@ use super::tape::{Code, LaneQuadric};
 use super::width::VectorWidth;
 use super::{BATCH, Gradients};
 
-/// Points in one pass over a tape. Fewer: more time goes to fetching instructions; more: the few points left in a
-/// search for feet cost as much as many, and the registers, six times as large as those of values, leave the
-/// nearest cache.
+/// Points in one pass over a tape. Fewer: more time goes to fetching instructions; more: the registers, six times as
+/// large as those of values, leave the nearest cache.
 const LANES: usize = 64;
+
+/// Up to this many points take one short pass: the few left in a search for feet.
+const FEW: usize = 16;
 
 /// One register: value and three derivatives for each lane.
 #[derive(Clone)]
@@ -34,20 +36,26 @@ pub(super) fn run(width: VectorWidth, run: &Run, registers: &mut Vec<Dual>, outs
         registers.resize(run.tape.registers, Dual::ZERO);
     }
     match width {
-        VectorWidth::Sse2 => body(run, registers, outs),
+        VectorWidth::Sse2 => either(run, registers, outs),
         VectorWidth::Avx2 => run_avx2(run, registers, outs),
         VectorWidth::Avx512 => run_avx512(run, registers, outs),
     }
 }
 
+/// In passes of all lanes, or of few where there are few points.
+#[inline(always)]
+fn either(run: &Run, registers: &mut [Dual], outs: &mut [&mut Gradients]) {
+    if run.points.len <= FEW { body::<FEW>(run, registers, outs) } else { body::<LANES>(run, registers, outs) }
+}
+
 #[multiversion(targets("x86_64+avx+avx2"))]
 fn run_avx2(run: &Run, registers: &mut [Dual], outs: &mut [&mut Gradients]) {
-    body(run, registers, outs);
+    either(run, registers, outs);
 }
 
 #[multiversion(targets("x86_64+avx+avx2+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx+avx2"))]
 fn run_avx512(run: &Run, registers: &mut [Dual], outs: &mut [&mut Gradients]) {
-    body(run, registers, outs);
+    either(run, registers, outs);
 }
 
 /// `out = f(a)` with `(value, derivative by a)` on every lane.
@@ -61,13 +69,13 @@ macro_rules! each {
             .get_disjoint_mut([$at.out as usize, $at.a as usize])
             .expect("an output never shares its argument's register");
         let along_a = &mut out.along[0];
-        for i in 0..LANES {
+        for i in 0..N {
             let $a = a.value[i];
             (out.value[i], along_a[i]) = $pair;
         }
         for axis in 0..3 {
             let (out, a) = (&mut out.slope[axis], &a.slope[axis]);
-            for i in 0..LANES {
+            for i in 0..N {
                 out[i] = along_a[i] * a[i];
             }
         }
@@ -88,13 +96,13 @@ macro_rules! both {
                 .get_disjoint_mut([$at.out as usize, $at.a as usize, $at.b as usize])
                 .expect("an output never shares its argument's register");
             let [along_a, along_b] = &mut out.along;
-            for i in 0..LANES {
+            for i in 0..N {
                 let ($a, $b) = (a.value[i], b.value[i]);
                 (out.value[i], along_a[i], along_b[i]) = $triple;
             }
             for axis in 0..3 {
                 let (out, a, b) = (&mut out.slope[axis], &a.slope[axis], &b.slope[axis]);
-                for i in 0..LANES {
+                for i in 0..N {
                     out[i] = flushed(along_a[i] * a[i] + along_b[i] * b[i]);
                 }
             }
@@ -103,19 +111,23 @@ macro_rules! both {
 }
 
 #[inline(always)]
-fn body(run: &Run, registers: &mut [Dual], outs: &mut [&mut Gradients]) {
-    for first in (0..run.points.len).step_by(LANES) {
+fn body<const N: usize>(run: &Run, registers: &mut [Dual], outs: &mut [&mut Gradients]) {
+    for first in (0..run.points.len).step_by(N) {
         let position = [pass(&run.points.x, first), pass(&run.points.y, first), pass(&run.points.z, first)];
         for at in &run.tape.code {
             match at.code {
-                Code::Affine(row) => affine(run.tape.rows[row as usize], position, &mut registers[at.out as usize]),
+                Code::Affine(row) => {
+                    affine::<N>(run.tape.rows[row as usize], position, &mut registers[at.out as usize])
+                }
                 Code::Quadric(index) => {
-                    quadric(&run.tape.quadrics[index as usize], position, &mut registers[at.out as usize]);
+                    quadric::<N>(&run.tape.quadrics[index as usize], position, &mut registers[at.out as usize]);
                 }
                 Code::Input(leaf) => {
                     let (from, to) = (&run.inputs[leaf as usize], &mut registers[at.out as usize]);
-                    to.value = *pass(&from.value, first);
-                    to.slope = [*pass(&from.dx, first), *pass(&from.dy, first), *pass(&from.dz, first)];
+                    to.value[..N].copy_from_slice(pass::<N>(&from.value, first));
+                    for (to, from) in to.slope.iter_mut().zip([&from.dx, &from.dy, &from.dz]) {
+                        to[..N].copy_from_slice(pass::<N>(from, first));
+                    }
                 }
                 Code::Linear(scale, offset) => each!(registers, at, a => (a * scale + offset, scale)),
                 Code::Unary(operation) => match operation {
@@ -198,7 +210,7 @@ fn body(run: &Run, registers: &mut [Dual], outs: &mut [&mut Gradients]) {
             }
         }
         for (out, &register) in outs.iter_mut().zip(&run.tape.outputs) {
-            let (from, lanes) = (&registers[register as usize], first..first + LANES);
+            let (from, lanes) = (&registers[register as usize], first..first + N);
             copy(&mut out.value[lanes.clone()], &from.value);
             copy(&mut out.dx[lanes.clone()], &from.slope[0]);
             copy(&mut out.dy[lanes.clone()], &from.slope[1]);
@@ -216,7 +228,7 @@ fn flushed(derivative: f32) -> f32 {
 
 #[inline(always)]
 fn copy(to: &mut [f32], from: &[f32; LANES]) {
-    to.copy_from_slice(from);
+    to.copy_from_slice(&from[..to.len()]);
 }
 
 #[inline(always)]
@@ -241,17 +253,19 @@ fn displacement_slopes(first: f32, second: f32) -> (f32, f32) {
 }
 
 #[inline(always)]
-fn affine([a, b, c, d]: [f32; 4], [x, y, z]: [&[f32; LANES]; 3], out: &mut Dual) {
-    for i in 0..LANES {
+fn affine<const N: usize>([a, b, c, d]: [f32; 4], [x, y, z]: [&[f32; N]; 3], out: &mut Dual) {
+    for i in 0..N {
         out.value[i] = a * x[i] + b * y[i] + c * z[i] + d;
     }
-    out.slope = [[a; LANES], [b; LANES], [c; LANES]];
+    for (slope, along) in out.slope.iter_mut().zip([a, b, c]) {
+        slope[..N].fill(along);
+    }
 }
 
 #[inline(always)]
-fn quadric(quadric: &LaneQuadric, [x, y, z]: [&[f32; LANES]; 3], out: &mut Dual) {
+fn quadric<const N: usize>(quadric: &LaneQuadric, [x, y, z]: [&[f32; N]; 3], out: &mut Dual) {
     let ([p, q, r], constant, [s, t, m]) = (quadric.rows, quadric.constant, quadric.signs);
-    for i in 0..LANES {
+    for i in 0..N {
         let u = p[0] * x[i] + p[1] * y[i] + p[2] * z[i] + p[3];
         let v = q[0] * x[i] + q[1] * y[i] + q[2] * z[i] + q[3];
         let w = r[0] * x[i] + r[1] * y[i] + r[2] * z[i] + r[3];

@@ -73,7 +73,15 @@ impl SpaceMap for Similarity {
         out.origin = self.to_object(points.origin);
         out.len = points.len;
         let turn = Mat3::from_cols_array(&(self.rotation.transpose() * (1.0 / self.scale)).to_cols_array().map(to_f32));
-        rotate(turn, [&points.x, &points.y, &points.z], [&mut out.x, &mut out.y, &mut out.z]);
+        rotate(turn, [&points.x, &points.y, &points.z], [&mut out.x, &mut out.y, &mut out.z], points.len);
+    }
+
+    fn gradients(&self, len: usize, out: &mut Gradients) -> bool {
+        let turn = Mat3::from_cols_array(&(self.rotation * (1.0 / self.scale)).to_cols_array().map(to_f32));
+        for i in 0..len {
+            (out.dx[i], out.dy[i], out.dz[i]) = (turn * out.gradient(i)).into();
+        }
+        true
     }
 
     fn region(&self, region: &Aabb) -> Aabb {
@@ -118,10 +126,10 @@ fn sin_cos_degrees(degrees: f64) -> (f64, f64) {
 }
 
 #[multiversion::multiversion(targets = "simd")]
-fn rotate(turn: Mat3, from: [&[f32; BATCH]; 3], to: [&mut [f32; BATCH]; 3]) {
+fn rotate(turn: Mat3, from: [&[f32; BATCH]; 3], to: [&mut [f32; BATCH]; 3], len: usize) {
     let [x, y, z] = from;
     let [out_x, out_y, out_z] = to;
-    for i in 0..BATCH {
+    for i in 0..len.min(BATCH) {
         out_x[i] = turn.x_axis.x * x[i] + turn.y_axis.x * y[i] + turn.z_axis.x * z[i];
         out_y[i] = turn.x_axis.y * x[i] + turn.y_axis.y * y[i] + turn.z_axis.y * z[i];
         out_z[i] = turn.x_axis.z * x[i] + turn.y_axis.z * y[i] + turn.z_axis.z * z[i];
@@ -219,7 +227,7 @@ impl Evaluator for MovedEvaluator<'_> {
         self.inner.values(&self.points, out);
         let scale = self.placement.scale as f32;
         if scale != 1.0 {
-            out.iter_mut().for_each(|value| *value *= scale);
+            out[..points.len].iter_mut().for_each(|value| *value *= scale);
         }
     }
 

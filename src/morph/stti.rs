@@ -8,7 +8,7 @@ use super::delay::DelayGrid;
 use super::real::{Real, intersection};
 use crate::attribute::{Attribute, Mix, Sampler};
 use crate::distance::Distance;
-use crate::field::{Aabb, BATCH, Interval, Points};
+use crate::field::{Aabb, BATCH, Gradients, Interval, Points};
 
 /// STTI's parameters at one instant, free of units.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -112,6 +112,7 @@ impl<const N: usize, M: Mix<N>> Attribute<N> for MorphAttribute<N, M> {
             to: self.to.sampler(),
             distances: [[0.0; BATCH]; 2],
             values: [[0.0; N]; BATCH],
+            slopes: None,
         })
     }
 }
@@ -126,7 +127,31 @@ struct MorphSampler<'a, const N: usize, M> {
     to: Box<dyn Sampler<N> + 'a>,
     distances: [[f32; BATCH]; 2],
     values: [[f32; N]; BATCH],
+    slopes: Option<Box<Slopes<N>>>,
 }
+
+/// Scratch memory for gradients.
+struct Slopes<const N: usize> {
+    /// The distances'.
+    distances: [Gradients; 2],
+    /// The second object's numbers'.
+    to: [Gradients; N],
+    /// The weights with the first and with the second distance a little less, and a little more.
+    weights: [[[f32; BATCH]; 2]; 2],
+}
+
+impl<const N: usize> Default for Slopes<N> {
+    fn default() -> Self {
+        Self {
+            distances: Default::default(),
+            to: std::array::from_fn(|_| Gradients::new()),
+            weights: [[[0.0; BATCH]; 2]; 2],
+        }
+    }
+}
+
+/// What distances are taken apart for the slopes of weights, in units of D.
+const WEIGHT_STEP: f32 = 1.0 / 4096.0;
 
 impl<const N: usize, M: Mix<N>> Sampler<N> for MorphSampler<'_, N, M> {
     fn enter(&mut self, region: &Aabb) {
@@ -163,6 +188,50 @@ impl<const N: usize, M: Mix<N>> Sampler<N> for MorphSampler<'_, N, M> {
         self.mix.mix_batch(out, &self.values, weights, points.len);
     }
 
+    /// By the distances' own gradients. The weights' slopes over the distances are differences: they cost little.
+    fn gradients(&mut self, points: &Points, out: &mut [Gradients; N]) -> bool {
+        if self.delay.is_some() || !self.mix.is_straight() {
+            return false;
+        }
+        let slopes = &mut **self.slopes.get_or_insert_default();
+        if !self.from.gradients(points, out) || !self.to.gradients(points, &mut slopes.to) {
+            return false;
+        }
+        let len = points.len;
+        let [one, two] = &mut slopes.distances;
+        self.both.first.gradients(points, one);
+        self.both.second.gradients(points, two);
+        let weights = Weights::new(&self.transfer);
+        let step = WEIGHT_STEP / self.per_unit;
+        for (which, sides) in slopes.weights.iter_mut().enumerate() {
+            let [first, second] = [0, 1].map(|distance| if distance == which { step } else { 0.0 });
+            for (sign, out) in [-1.0, 1.0].into_iter().zip(sides) {
+                let other = &mut self.distances[1];
+                for i in 0..len {
+                    out[i] = one.value[i] + sign * first;
+                    other[i] = two.value[i] + sign * second;
+                }
+                second_weights(&weights, self.per_unit, &mut out[..len], &other[..len]);
+            }
+        }
+        let weight = &mut self.distances[0];
+        weight[..len].copy_from_slice(&one.value[..len]);
+        second_weights(&weights, self.per_unit, &mut weight[..len], &two.value[..len]);
+        let per_step = 0.5 / step;
+        let [by_first, by_second] = &slopes.weights;
+        for (out, to) in out.iter_mut().zip(&slopes.to) {
+            for i in 0..len {
+                let [first, second] = [by_first, by_second].map(|[less, more]| (more[i] - less[i]) * per_step);
+                let rise = to.value[i] - out.value[i];
+                let own = out.gradient(i) * (1.0 - weight[i]) + to.gradient(i) * weight[i];
+                let gradient = own + (one.gradient(i) * first + two.gradient(i) * second) * rise;
+                out.value[i] += weight[i] * rise;
+                (out.dx[i], out.dy[i], out.dz[i]) = gradient.into();
+            }
+        }
+        true
+    }
+
     fn bounds(&mut self, region: &Aabb) -> [Interval; N] {
         self.both.enter(region);
         let [first, second] = self.both.bounds();
@@ -185,7 +254,12 @@ fn second_weights(weights: &Weights<f32>, per_unit: f32, first: &mut [f32], seco
 
 #[cfg(test)]
 mod tests {
+    use glam::{DVec3, Vec3};
+
     use super::*;
+    use crate::attribute::{Constant, Straight};
+    use crate::morph::exact::Exact;
+    use crate::morph::{Moved, Similarity};
 
     fn weight(time: f64, alpha: f64, beta: f64, first: f64, second: f64) -> f64 {
         Transfer { time, alpha, beta }.weight(first, second)
@@ -197,6 +271,57 @@ mod tests {
 
     fn parameters() -> impl Iterator<Item = (f64, f64)> {
         [0.01, 0.1, 0.3, 1.0, 3.0].into_iter().flat_map(|alpha| [0.0, 0.3, 0.5, 1.0].map(move |beta| (alpha, beta)))
+    }
+
+    #[test]
+    fn gradients_are_the_differences_of_samples() {
+        let turned = Similarity::new(2.0, DVec3::new(20.0, 30.0, 40.0), DVec3::X).expect("a placement");
+        let constant = |value: f32| -> Arc<dyn Attribute<1>> {
+            Arc::new(Moved::new(Arc::new(Constant::new([value])) as Arc<dyn Attribute<1>>, turned))
+        };
+        for (time, alpha, beta) in [(0.4, 0.3, 0.5), (0.7, 1.0, 0.3), (0.2, 0.1, 0.8)] {
+            let attribute = MorphAttribute {
+                first: Exact::ball(-0.4, 0.5),
+                second: Exact::ball(0.5, 0.3),
+                from: constant(1.0),
+                to: constant(4.0),
+                unit: 1.5,
+                transfer: Transfer { time, alpha, beta },
+                delay: None,
+                mix: Straight,
+            };
+            let mut sampler = attribute.sampler();
+            let mut points = Points::new(DVec3::new(0.05, 0.1, -0.1));
+            let share = |i: usize, by: usize| (i * by % BATCH) as f32 / BATCH as f32 - 0.5;
+            (0..BATCH).for_each(|i| points.push(Vec3::new(share(i, 37), share(i, 151), share(i, 263)) * 1.5));
+            let (mut out, mut values) = ([Gradients::new()], [[0.0]; BATCH]);
+            assert!(sampler.gradients(&points, &mut out));
+            sampler.sample(&points, &mut values);
+            let step = 1.0 / 1024.0;
+            let mut slopes = [[0.0f32; BATCH]; 3];
+            for (axis, slopes) in slopes.iter_mut().enumerate() {
+                let [before, after] = [-step, step].map(|step| {
+                    let (mut there, mut samples) = (points.clone(), [[0.0]; BATCH]);
+                    there.origin += DVec3::AXES[axis] * step;
+                    sampler.sample(&there, &mut samples);
+                    samples
+                });
+                (0..BATCH).for_each(|i| slopes[i] = (after[i][0] - before[i][0]) / (2.0 * step as f32));
+            }
+            let mut steep = 0;
+            for i in 0..BATCH {
+                assert!((out[0].value[i] - values[i][0]).abs() < 1e-5);
+                let exact = Vec3::new(slopes[0][i], slopes[1][i], slopes[2][i]);
+                let found = out[0].gradient(i);
+                assert!(
+                    (found - exact).length() < 0.01 * (1.0 + exact.length()),
+                    "{}: {found} {exact}",
+                    points.position(i)
+                );
+                steep += usize::from(exact.length() > 0.5);
+            }
+            assert!(steep > 50, "{steep}");
+        }
     }
 
     #[test]

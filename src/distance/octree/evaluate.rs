@@ -86,7 +86,7 @@ impl<'a> OctreeEvaluator<'a> {
             }
             start = start.child(object.nodes[start.node as usize], low);
         }
-        kernel::place_in_cell(&mut self.located, start.origin, start.size);
+        kernel::place_in_cell(&mut self.located, start.origin, start.size, points.len);
         (Some(start), outside)
     }
 
@@ -161,7 +161,7 @@ impl Evaluator for OctreeEvaluator<'_> {
             Some(place) => {
                 let corners = object.corners_of(place.node);
                 let edge = (f64::from(place.size) * object.step) as f32;
-                kernel::values_in_cell(&corners, &located.t, edge, out);
+                kernel::values_in_cell(&corners, &located.t, edge, out, points.len);
             }
             None => kernel::values(&object.leaves, &object.numbers, located, &mut out[..points.len]),
         }
@@ -186,7 +186,7 @@ impl Evaluator for OctreeEvaluator<'_> {
                 let corners = object.corners_of(place.node);
                 let edge = (f64::from(place.size) * object.step) as f32;
                 let Gradients { value, dx, dy, dz } = out;
-                kernel::gradients_in_cell(&corners, &located.t, edge, [value, dx, dy, dz]);
+                kernel::gradients_in_cell(&corners, &located.t, edge, [value, dx, dy, dz], len);
             }
             None => {
                 let Gradients { value, dx, dy, dz } = out;

@@ -123,13 +123,18 @@ pub fn place(points: &Points, base: [f64; 3], inverse: f64, size: i32, located: 
     extent
 }
 
-/// Works out `t` where all points lie in one leaf.
+/// As many lanes as whole vectors of so many points have: batches may be of a few.
+fn lanes(len: usize) -> usize {
+    len.next_multiple_of(16).min(BATCH)
+}
+
+/// Works out `t` where all of so many points lie in one leaf.
 #[multiversion(targets("x86_64+avx512f+avx512vl", "x86_64+avx+avx2", "x86_64+sse4.1"))]
-pub fn place_in_cell(located: &mut Located, origin: [i32; 3], size: i32) {
+pub fn place_in_cell(located: &mut Located, origin: [i32; 3], size: i32, len: usize) {
     let scale = 1.0 / f64::from(size);
     for axis in 0..3 {
         let origin = f64::from(origin[axis]);
-        for (t, at) in located.t[axis].iter_mut().zip(&located.at[axis]) {
+        for (t, at) in located.t[axis].iter_mut().zip(&located.at[axis]).take(lanes(len)) {
             *t = ((at - origin) * scale) as f32;
         }
     }
@@ -205,25 +210,32 @@ fn plain(corners: &[&Numbers; 8]) -> [Plain; 8] {
     })
 }
 
-/// Values at points that all lie in one cell.
+/// Values at so many points that all lie in one cell; entries of `out` past them are unspecified.
 #[multiversion(targets("x86_64+avx512f+avx512vl", "x86_64+avx+avx2", "x86_64+sse4.1"))]
-pub fn values_in_cell(corners: &[&Numbers; 8], t: &[[f32; BATCH]; 3], edge: f32, out: &mut [f32; BATCH]) {
+pub fn values_in_cell(corners: &[&Numbers; 8], t: &[[f32; BATCH]; 3], edge: f32, out: &mut [f32; BATCH], len: usize) {
     let c = plain(corners);
     let [x, y, z] = t;
-    for i in 0..BATCH {
+    for i in 0..lanes(len) {
         let (wx, wy, wz) = (basis(x[i], edge), basis(y[i], edge), basis(z[i], edge));
         out[i] = plain_x(&plain_y(&plain_z(&c, wz), wy), wx);
     }
 }
 
-/// Values and gradients at points that all lie in one cell.
+/// Values and gradients at so many points that all lie in one cell; entries of `out` past them are unspecified.
 #[multiversion(targets("x86_64+avx512f+avx512vl", "x86_64+avx+avx2", "x86_64+sse4.1"))]
-pub fn gradients_in_cell(corners: &[&Numbers; 8], t: &[[f32; BATCH]; 3], edge: f32, out: [&mut [f32; BATCH]; 4]) {
+pub fn gradients_in_cell(
+    corners: &[&Numbers; 8],
+    t: &[[f32; BATCH]; 3],
+    edge: f32,
+    out: [&mut [f32; BATCH]; 4],
+    len: usize,
+) {
     let inverse_edge = 1.0 / edge;
     let c = plain(corners);
     let [x, y, z] = t;
     let [value, dx, dy, dz] = out;
-    for i in 0..BATCH {
+    let len = lanes(len);
+    for i in 0..len {
         let (wx, wy, wz) = (basis(x[i], edge), basis(y[i], edge), basis(z[i], edge));
         let z0 = plain_z(&c, wz);
         let y00 = plain_y(&z0, wy);
@@ -231,7 +243,7 @@ pub fn gradients_in_cell(corners: &[&Numbers; 8], t: &[[f32; BATCH]; 3], edge: f
         dx[i] = plain_x(&y00, basis_slope(x[i], inverse_edge));
         dy[i] = plain_x(&plain_y(&z0, basis_slope(y[i], inverse_edge)), wx);
     }
-    for i in 0..BATCH {
+    for i in 0..len {
         let z1 = plain_z(&c, basis_slope(z[i], inverse_edge));
         dz[i] = plain_x(&plain_y(&z1, basis(y[i], edge)), basis(x[i], edge));
     }
