@@ -118,7 +118,7 @@ std::shared_ptr<Grid> make_grid(const Head& head, const Blocks& blocks, const ty
     if (grid->tree().leafCount() != blocks.origins.size() / 3) {
         throw std::runtime_error("grid '" + std::string(head.name) + "' has tiles where it has blocks");
     }
-    return std::make_shared<Grid>(std::make_unique<Grid::Parts>(Grid::Parts{grid}));
+    return share(grid);
 }
 
 } // namespace

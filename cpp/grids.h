@@ -7,6 +7,7 @@
 #include <openvdb/openvdb.h>
 
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace hfvdb {
@@ -14,6 +15,12 @@ namespace hfvdb {
 struct Grid::Parts {
     openvdb::GridBase::ConstPtr grid;
 };
+
+// A grid as Rust holds it.
+inline std::shared_ptr<Grid> share(openvdb::GridBase::ConstPtr grid)
+{
+    return std::make_shared<Grid>(std::make_unique<Grid::Parts>(Grid::Parts{std::move(grid)}));
+}
 
 // Registers OpenVDB's types; cheap after the first call.
 void start_library();

@@ -34,11 +34,6 @@ const FloatGrid& level_set_of(const Grid& grid)
     return static_cast<const FloatGrid&>(*grid.parts().grid);
 }
 
-std::shared_ptr<Grid> wrap(const FloatGrid::Ptr& grid)
-{
-    return std::make_shared<Grid>(std::make_unique<Grid::Parts>(Grid::Parts{grid}));
-}
-
 } // namespace
 
 std::shared_ptr<Grid> with_distances(const Grid& topology, rust::Slice<const float> distances)
@@ -52,7 +47,7 @@ std::shared_ptr<Grid> with_distances(const Grid& topology, rust::Slice<const flo
         float* values = leaf.buffer().data();
         for (std::size_t voxel = 0; voxel < 512; ++voxel) values[voxel] = flip_sign(distances[512 * block + voxel]);
     });
-    return wrap(grid);
+    return share(grid);
 }
 
 std::shared_ptr<Grid> morphed(const Grid& source, const Grid& target, double duration, const Cancel& cancel)
@@ -61,7 +56,7 @@ std::shared_ptr<Grid> morphed(const Grid& source, const Grid& target, double dur
     Interrupter interrupter(cancel);
     openvdb::tools::LevelSetMorphing<FloatGrid, Interrupter> morphing(*grid, level_set_of(target), &interrupter);
     morphing.advect(0.0f, float(duration));
-    return wrap(grid);
+    return share(grid);
 }
 
 } // namespace hfvdb

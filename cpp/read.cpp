@@ -177,8 +177,7 @@ using VectorGrids = openvdb::TypeList<openvdb::Vec3SGrid, openvdb::Vec3DGrid>;
 std::shared_ptr<Grid> decode(rust::Slice<const std::uint8_t> bytes, std::size_t descriptor)
 {
     start_library();
-    return std::make_shared<Grid>(
-        std::make_unique<Grid::Parts>(Grid::Parts{Reader().read_one(bytes, descriptor)}));
+    return share(Reader().read_one(bytes, descriptor));
 }
 
 Counts count(const Grid& grid)

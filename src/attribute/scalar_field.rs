@@ -40,8 +40,7 @@ impl Field for ScalarField {
             sampler: self.scalar.sampler(),
             entered: Vec::new(),
             there: Points::new(DVec3::ZERO),
-            samples: [[0.0]; BATCH],
-            sides: [[0.0; BATCH]; SIDES],
+            sides: [[[0.0]; BATCH]; 2],
         })
     }
 }
@@ -57,16 +56,17 @@ struct ScalarEvaluator<'a> {
     /// The bounds over each region entered.
     entered: Vec<Interval>,
     there: Points,
-    samples: [[f32; 1]; BATCH],
-    sides: [[f32; BATCH]; SIDES],
+    sides: [[[f32; 1]; BATCH]; 2],
 }
 
 impl ScalarEvaluator<'_> {
-    fn held(&mut self, len: usize) -> &[f32] {
+    /// The samples at the points, moved by a way.
+    fn sample(&mut self, points: &Points, way: DVec3, side: usize) {
+        self.there.clone_from(points);
+        self.there.origin += way;
+        self.sampler.sample(&self.there, &mut self.sides[side]);
         let most = self.field.most as f32;
-        let samples = &mut self.samples.as_flattened_mut()[..len];
-        samples.iter_mut().for_each(|value| *value = held(*value, most));
-        samples
+        self.sides[side].as_flattened_mut()[..points.len].iter_mut().for_each(|value| *value = held(*value, most));
     }
 }
 
@@ -90,8 +90,8 @@ impl Evaluator for ScalarEvaluator<'_> {
     }
 
     fn values(&mut self, points: &Points, out: &mut [f32; BATCH]) {
-        self.sampler.sample(points, &mut self.samples);
-        out[..points.len].copy_from_slice(self.held(points.len));
+        self.sample(points, DVec3::ZERO, 0);
+        out[..points.len].copy_from_slice(&self.sides[0].as_flattened()[..points.len]);
     }
 
     fn gradients(&mut self, points: &Points, out: &mut Gradients) {
@@ -105,40 +105,17 @@ impl Evaluator for ScalarEvaluator<'_> {
             return;
         }
         self.values(points, &mut out.value);
-        // As many of the six sides at once as there is room for: most calls are of few points.
-        let step = self.field.step as f32;
-        let sides_at_once = (BATCH / points.len.max(1)).min(SIDES);
-        for first in (0..SIDES).step_by(sides_at_once) {
-            let sides = first..(first + sides_at_once).min(SIDES);
-            (self.there.origin, self.there.len) = (points.origin, 0);
-            for side in sides.clone() {
-                for i in 0..points.len {
-                    self.there.push(points.offset(i) + way(side, step));
-                }
-            }
-            self.sampler.sample(&self.there, &mut self.samples);
-            self.held(self.there.len);
-            for (place, side) in sides.enumerate() {
-                let samples = &self.samples.as_flattened()[place * points.len..][..points.len];
-                self.sides[side][..points.len].copy_from_slice(samples);
-            }
-        }
+        let step = self.field.step;
+        let scale = (0.5 / step) as f32;
         for (axis, slopes) in [&mut out.dx, &mut out.dy, &mut out.dz].into_iter().enumerate() {
-            let along = [&points.x, &points.y, &points.z][axis];
-            let [before, after] = [2 * axis, 2 * axis + 1].map(|side| &self.sides[side]);
-            for i in 0..points.len {
-                // What rounding left of the step.
-                slopes[i] = (after[i] - before[i]) / ((along[i] + step) - (along[i] - step));
+            self.sample(points, -DVec3::AXES[axis] * step, 0);
+            self.sample(points, DVec3::AXES[axis] * step, 1);
+            let [before, after] = &self.sides;
+            for ((slope, before), after) in slopes.iter_mut().zip(before).zip(after).take(points.len) {
+                *slope = (after[0] - before[0]) * scale;
             }
         }
     }
-}
-
-/// A step back and one on, along each axis.
-const SIDES: usize = 6;
-
-fn way(side: usize, step: f32) -> Vec3 {
-    Vec3::AXES[side / 2] * if side.is_multiple_of(2) { -step } else { step }
 }
 
 #[cfg(test)]

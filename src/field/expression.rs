@@ -110,12 +110,15 @@ struct BranchTape {
     tape: Tape,
     /// The external fields that it depends on, as operations, in their order.
     externals: Vec<u32>,
+    needed: Vec<bool>,
 }
 
 impl BranchTape {
     fn compile(&mut self, ops: &[Op], root: u32) {
         self.tape.compile(ops, &[root]);
-        let mut needed = vec![false; ops.len()];
+        let needed = &mut self.needed;
+        needed.clear();
+        needed.resize(ops.len(), false);
         needed[root as usize] = true;
         for index in (0..=root as usize).rev() {
             if needed[index] {

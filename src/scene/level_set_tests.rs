@@ -44,7 +44,7 @@ fn exact_radius(from: f64, to: f64, duration: f64) -> f64 {
 fn a_ball_moves_by_the_distance_of_the_other_and_comes_to_rest_there() {
     for (from, to) in [(0.5, 1.0), (1.0, 0.6)] {
         let scene = ready(&balls(from, to, ""));
-        let step = scene.level_sets.as_ref().expect("OpenVDB's").step();
+        let step = scene.level_sets.as_ref().expect("OpenVDB's").step;
         let mut before = from;
         for frame in 1..=8 {
             let content = scene.frame(frame).unwrap();

@@ -38,7 +38,7 @@ pub(super) struct LevelSets {
     from: LevelSet,
     to: LevelSet,
     /// OpenVDB's time from one frame to the next.
-    step: f64,
+    pub step: f64,
     cancel: Arc<AtomicBool>,
     /// By frame, the last one made first.
     kept: Mutex<VecDeque<(i64, LevelSet)>>,
@@ -95,12 +95,6 @@ impl LevelSets {
         self.over.first < frame && frame <= self.over.last
     }
 
-    /// OpenVDB's time from one frame to the next.
-    #[cfg(test)]
-    pub fn step(&self) -> f64 {
-        self.step
-    }
-
     /// Memory that they take at most, in bytes.
     pub fn bytes(&self) -> u64 {
         self.bytes
@@ -117,9 +111,9 @@ impl LevelSets {
     pub fn distance(&self, frame: i64, cell: f64) -> Result<Option<DistanceObject>, Stop> {
         let field = self.field(frame)?;
         let Ok(solid) = box_of(field.as_ref()) else { return Ok(None) };
-        measured(field.as_ref(), solid, cell, &self.cancel)
-            .map(Some)
-            .map_err(|error| Stop::Problem(Problem::new(self.span, format!("frame {frame}: {error}"))))
+        let problem = |error: String| Problem::new(self.span, format!("frame {frame}: {error}"));
+        let distance = measured(field.as_ref(), solid, cell, &self.cancel);
+        distance.map(Some).map_err(|error| Stop::of_measuring(&error, problem))
     }
 
     /// OpenVDB's level set at a frame. One thread at a time goes on; it waits for none of ours meanwhile.

@@ -10,7 +10,7 @@ use crate::distance::band;
 use crate::distance::descent::Scope;
 use crate::distance::extent::{Effort, Estimate, estimate};
 use crate::distance::nearest::{FieldFeet, Watch};
-use crate::distance::octree::{self, BuildError, DistanceObject};
+use crate::distance::octree::{self, DistanceObject};
 use crate::field::{Aabb, Field};
 use crate::grid::{Lattice, VoxelSize};
 use crate::morph::{self, MorphObject, Motion, Side, Similarity};
@@ -347,17 +347,15 @@ fn measured(
     let shape = model.shape(side.id);
     let cell = smallest_cell(side.voxel(voxel), &side.solid);
     let paint = solids.paint(TheColour, side.id, side.stage, side.voxel(voxel))?;
-    let problem = |what: String| Stop::Problem(Problem::new(shape.span, format!("`{}`: {what}", shape.name)));
+    let problem = |what: String| Problem::new(shape.span, format!("`{}`: {what}", shape.name));
     let feet = FieldFeet::new(side.field.as_ref(), &side.solid, cell, watch).map_err(|error| match error {
         band::Error::Cancelled => Stop::Cancelled,
-        error => problem(error.to_string()),
+        error => Stop::Problem(problem(error.to_string())),
     })?;
     let mut settings = octree::Settings::new(side.solid, cell);
     settings.memory_limit = memory_limit.unwrap_or(settings.memory_limit);
-    let distance = DistanceObject::build(&feet, &settings, watch).map_err(|error| match error {
-        BuildError::Cancelled => Stop::Cancelled,
-        error => problem(error.to_string()),
-    })?;
+    let distance =
+        DistanceObject::build(&feet, &settings, watch).map_err(|error| Stop::of_measuring(&error, problem))?;
     let measured = MeasuredSide { distance: Arc::new(distance), paint };
     measuring.done.push((side.id, side.stage, measured.clone()));
     Ok(measured)

@@ -7,6 +7,7 @@ use rayon::prelude::*;
 
 use crate::distance::extent::{self, extent};
 use crate::distance::nearest::Watch;
+use crate::distance::octree::BuildError;
 use crate::field::{Aabb, Field};
 use crate::grid::{Lattice, VoxelSize};
 
@@ -68,6 +69,16 @@ pub(super) enum Stop {
     Cancelled,
     Memory { needed: u64, limit: u64, voxels: f64 },
     Problem(Problem),
+}
+
+impl Stop {
+    /// Why distances were not measured; `problem` puts the words of one that was not the caller's wish in their place.
+    pub fn of_measuring(error: &BuildError, problem: impl FnOnce(String) -> Problem) -> Self {
+        match error {
+            BuildError::Cancelled => Self::Cancelled,
+            error => Self::Problem(problem(error.to_string())),
+        }
+    }
 }
 
 impl From<Problem> for Stop {

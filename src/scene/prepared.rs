@@ -7,7 +7,6 @@ use serde::{Deserialize, Serialize};
 
 use crate::attribute::{Colour, Scalar};
 use crate::distance::Distance;
-use crate::distance::octree::BuildError;
 use crate::distance::without::Keep;
 use crate::field::{Aabb, Field};
 use crate::grid::Lattice;
@@ -116,7 +115,7 @@ impl Prepared {
             Ready::Changing(id) => self.changing(*id, frame).map_err(|problem| self.model.error(problem))?,
             Ready::Morph(planned) => {
                 let planned = &planned[self.shown(frame as f64)];
-                let whole = match self.by_openvdb(frame as f64) {
+                let whole = match self.by_openvdb(frame) {
                     Some(sets) => sets.field(frame).map_err(|stop| self.model.stopped(stop))?,
                     None => planned.morph.field(info.t),
                 };
@@ -150,7 +149,7 @@ impl Prepared {
         let [from, to] = [before, frame].map(|frame| range.share(frame as f64));
         // A chain's object at its own frame is the end of the morph to it.
         let morph = &planned[self.shown(before as f64)].morph;
-        if let Some(sets) = self.by_openvdb(frame as f64) {
+        if let Some(sets) = self.by_openvdb(frame) {
             let distance =
                 |frame| sets.distance(frame, morph.plan().grid.edge()).map_err(|stop| self.model.stopped(stop));
             let (before, now) = (distance(before)?, distance(frame)?);
@@ -165,12 +164,12 @@ impl Prepared {
 
     /// Whether a frame is made without those before it: all but those that OpenVDB makes.
     pub fn is_made_alone(&self, frame: i64) -> bool {
-        self.by_openvdb(frame as f64).is_none()
+        self.by_openvdb(frame).is_none()
     }
 
     /// What a frame is made by where OpenVDB makes it.
-    fn by_openvdb(&self, frame: f64) -> Option<&LevelSets> {
-        self.level_sets.as_ref().filter(|sets| sets.show(frame as i64))
+    fn by_openvdb(&self, frame: i64) -> Option<&LevelSets> {
+        self.level_sets.as_ref().filter(|sets| sets.show(frame))
     }
 
     /// Which morph of a chain a frame shows.
@@ -220,7 +219,7 @@ impl Prepared {
         let Some(displacement) = self.displacement(solid, by, planned, frame)? else { return Ok(whole) };
         let time = self.model.shot.range.share(frame);
         let end = match planned.morph.stage(time) {
-            _ if self.by_openvdb(frame).is_some() => None,
+            _ if self.by_openvdb(frame as i64).is_some() => None,
             Stage::From => Some(&planned.from),
             Stage::To => Some(&planned.to),
             _ => None,
@@ -232,10 +231,9 @@ impl Prepared {
             return Ok(moved.unwrap_or_else(|| displacement.of_field(planned.morph.moving_field(time))));
         }
         let voxel = self.lattice.voxel_size.get();
-        let distance = displace::measured(whole.as_ref(), solid, voxel, &self.cancel).map_err(|error| match error {
-            BuildError::Cancelled => Stop::Cancelled,
-            error => Problem::new(by.span, format!("frame {}: {error}", plain(frame))).into(),
-        })?;
+        let problem = |error: String| Problem::new(by.span, format!("frame {}: {error}", plain(frame)));
+        let distance = displace::measured(whole.as_ref(), solid, voxel, &self.cancel)
+            .map_err(|error| Stop::of_measuring(&error, problem))?;
         Ok(displacement.of_field(Arc::new(distance)))
     }
 
