@@ -15,7 +15,7 @@ use crate::distance::nearest::{ClosestPoint, Watch};
 const BATCH: usize = 1024;
 
 /// The order of points along a Morton curve: bits of x, y, z interleaved, x the highest.
-pub fn morton(place: [u32; 3]) -> u64 {
+fn morton(place: [u32; 3]) -> u64 {
     let spread = |v: u32| {
         let mut v = u64::from(v) & 0x1f_ffff;
         v = (v | v << 32) & 0x001f_0000_0000_ffff;
@@ -41,7 +41,7 @@ fn unmorton(key: u64) -> [u32; 3] {
 
 /// Spreads Morton keys over a table; the keys are no one's choice, so nothing stronger is needed.
 #[derive(Default)]
-pub struct KeyHasher(u64);
+struct KeyHasher(u64);
 
 impl Hasher for KeyHasher {
     fn finish(&self) -> u64 {
@@ -60,8 +60,8 @@ impl Hasher for KeyHasher {
     }
 }
 
-/// A table by Morton key. Never walked, so its order is of no matter.
-pub type KeyMap = HashMap<u64, u32, BuildHasherDefault<KeyHasher>>;
+/// A table by Morton key.
+type KeyMap = HashMap<u64, u32, BuildHasherDefault<KeyHasher>>;
 
 /// Value and gradient at a point: what a foot leaves behind.
 #[derive(Clone, Copy, Debug)]
@@ -103,12 +103,22 @@ impl<'a> Samples<'a> {
     /// The sample at a point asked for before.
     pub fn get(&self, place: [u32; 3]) -> &Sample {
         // Points are requested before they are read, always.
-        &self.taken[self.index[&morton(place)] as usize]
+        self.numbered(self.index[&morton(place)])
     }
 
     /// The sample at a point, if it was asked for.
     pub fn find(&self, place: [u32; 3]) -> Option<&Sample> {
-        self.index.get(&morton(place)).map(|&index| &self.taken[index as usize])
+        self.number(place).map(|number| self.numbered(number))
+    }
+
+    /// The number of the sample at a point, less than [`len`](Self::len), if it was asked for.
+    pub fn number(&self, place: [u32; 3]) -> Option<u32> {
+        self.index.get(&morton(place)).copied()
+    }
+
+    /// The sample of a number.
+    pub fn numbered(&self, number: u32) -> &Sample {
+        &self.taken[number as usize]
     }
 
     /// Every sample with its place.

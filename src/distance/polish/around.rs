@@ -14,6 +14,13 @@ use super::{FEW, Polisher, Request};
 /// larger keeps more branches of the field.
 const GROUP: f64 = 4.0;
 
+/// The cubes that the field is shortened in on the way down to a group, in units. A field of many parts is bounded over
+/// few large boxes in full, and over many small ones only in the few parts that are left.
+const LARGEST_GROUP: f64 = 64.0;
+
+/// How many times smaller the cubes on the way down get.
+const SHRINK: f64 = 4.0;
+
 /// How far stand-ins are from their points of the surface, and again how far these may move, in edges of the group.
 /// Smaller stops short of corners, larger keeps more branches of the field.
 const ROOM: f64 = 0.75;
@@ -95,7 +102,7 @@ impl Around {
 
     /// Moves the feet of positions to nearer points of the surface around them. They come back in another order.
     pub fn closest(&mut self, evaluator: &mut dyn Evaluator, unit: f64, open: &mut [Approach]) {
-        self.closest_by_groups(evaluator, unit, GROUP, open);
+        self.closest_by_groups(evaluator, unit, LARGEST_GROUP, open);
     }
 
     fn closest_by_groups(&mut self, evaluator: &mut dyn Evaluator, unit: f64, edge: f64, open: &mut [Approach]) {
@@ -103,10 +110,14 @@ impl Around {
             open.cube = (open.foot / (edge * unit)).floor().as_i64vec3().to_array();
         }
         open.sort_unstable_by_key(|open| (open.cube, open.query));
-        for group in open.chunk_by_mut(|a, b| a.cube == b.cube).flat_map(|cube| cube.chunks_mut(BATCH)) {
-            let region = box_of(group.iter().map(|open| open.foot)).grown(2.0 * ROOM * edge * unit);
+        let most = if edge > GROUP { usize::MAX } else { BATCH };
+        for group in open.chunk_by_mut(|a, b| a.cube == b.cube).flat_map(|cube| cube.chunks_mut(most)) {
+            let room = 2.0 * ROOM * edge.min(GROUP) * unit;
+            let region = box_of(group.iter().map(|open| open.foot)).grown(room);
             evaluator.enter(&region);
-            if evaluator.branches() > FEW && edge > LEAST_GROUP {
+            if edge > GROUP {
+                self.closest_by_groups(evaluator, unit, edge / SHRINK, group);
+            } else if evaluator.branches() > FEW && edge > LEAST_GROUP {
                 self.closest_by_groups(evaluator, unit, 0.5 * edge, group);
             } else {
                 self.polish(evaluator, unit, edge, region, group);
