@@ -8,21 +8,28 @@ const LEAF: usize = 8;
 /// A k-d tree over points, stored in the order of its leaves.
 pub struct SeedTree {
     points: Vec<DVec3>,
-    /// Inner nodes in depth-first order: the axis and place of the cut, and where the upper half's nodes start. The
-    /// lower half's start right after the node.
+    /// In depth-first order: the lower half's nodes start right after a node.
     nodes: Vec<Node>,
 }
 
 struct Node {
-    axis: u8,
-    cut: f64,
+    /// The box around its points: points of a surface fill little of the space between the cuts.
+    least: DVec3,
+    greatest: DVec3,
+    /// Where the upper half's nodes start.
     upper: u32,
+}
+
+impl Node {
+    fn distance_squared(&self, position: DVec3) -> f64 {
+        (self.least - position).max(position - self.greatest).max(DVec3::ZERO).length_squared()
+    }
 }
 
 impl SeedTree {
     /// Sorts the points into a tree.
     pub fn new(mut points: Vec<DVec3>) -> Self {
-        let mut nodes = Vec::with_capacity(2 * points.len() / LEAF);
+        let mut nodes = Vec::with_capacity(4 * points.len() / LEAF);
         build(&mut points, &mut nodes);
         Self { points, nodes }
     }
@@ -36,43 +43,44 @@ impl SeedTree {
     pub fn nearest(&self, position: DVec3, start: Option<usize>) -> Option<(usize, DVec3)> {
         let first = start.unwrap_or(0);
         let mut best = (self.points.get(first)?.distance_squared(position), first);
-        self.search(position, 0, 0, self.points.len(), DVec3::ZERO, &mut best);
+        self.search(position, 0, 0, self.points.len(), &mut best);
         Some((best.1, self.points[best.1]))
     }
 
-    /// `gap`: how far the position is from the node's box along each axis, as far as the cuts above tell.
-    fn search(&self, p: DVec3, node: usize, from: usize, to: usize, gap: DVec3, best: &mut (f64, usize)) {
+    /// Looks through the points `from..to` of a node.
+    fn search(&self, p: DVec3, node: usize, from: usize, to: usize, best: &mut (f64, usize)) {
         if to - from <= LEAF {
-            for i in from..to {
-                let distance = self.points[i].distance_squared(p);
+            for (i, point) in self.points[from..to].iter().enumerate() {
+                let found = (point.distance_squared(p), from + i);
                 // Of equally near points the first, whatever the search started from.
-                if distance < best.0 || distance == best.0 && i < best.1 {
-                    *best = (distance, i);
+                if found < *best {
+                    *best = found;
                 }
             }
             return;
         }
         let middle = from + (to - from) / 2;
-        let Node { axis, cut, upper } = self.nodes[node];
-        let side = p[usize::from(axis)] - cut;
-        let mut far_gap = gap;
-        far_gap[usize::from(axis)] = side;
-        let lower = (node + 1, from, middle);
-        let upper = (upper as usize, middle, to);
-        let (near, far) = if side < 0.0 { (lower, upper) } else { (upper, lower) };
-        self.search(p, near.0, near.1, near.2, gap, best);
-        if far_gap.length_squared() <= best.0 {
-            self.search(p, far.0, far.1, far.2, far_gap, best);
+        let half = |node: usize, from, to| (self.nodes[node].distance_squared(p), node, from, to);
+        let mut halves = [half(node + 1, from, middle), half(self.nodes[node].upper as usize, middle, to)];
+        if halves[1].0 < halves[0].0 {
+            halves.swap(0, 1);
+        }
+        for (distance, node, from, to) in halves {
+            if distance <= best.0 {
+                self.search(p, node, from, to, best);
+            }
         }
     }
 }
 
 fn build(points: &mut [DVec3], nodes: &mut Vec<Node>) {
+    let least = points.iter().copied().fold(DVec3::INFINITY, DVec3::min);
+    let greatest = points.iter().copied().fold(DVec3::NEG_INFINITY, DVec3::max);
+    let node = nodes.len();
+    nodes.push(Node { least, greatest, upper: 0 });
     if points.len() <= LEAF {
         return;
     }
-    let least = points.iter().copied().fold(DVec3::INFINITY, DVec3::min);
-    let greatest = points.iter().copied().fold(DVec3::NEG_INFINITY, DVec3::max);
     let size = greatest - least;
     let axis = if size.x >= size.y && size.x >= size.z {
         0
@@ -88,8 +96,6 @@ fn build(points: &mut [DVec3], nodes: &mut Vec<Node>) {
         by(axis).then_with(|| by(axis + 1)).then_with(|| by(axis + 2))
     };
     points.select_nth_unstable_by(middle, order);
-    let node = nodes.len();
-    nodes.push(Node { axis: axis as u8, cut: points[middle][axis], upper: 0 });
     let (lower, upper) = points.split_at_mut(middle);
     build(lower, nodes);
     nodes[node].upper = nodes.len() as u32;

@@ -39,9 +39,13 @@ fn unmorton(key: u64) -> [u32; 3] {
     [gather(key >> 2), gather(key >> 1), gather(key)]
 }
 
-/// Spreads Morton keys over a table; the keys are no one's choice, so nothing stronger is needed.
+/// Spreads Morton keys over a table; the keys are no one's choice, so nothing stronger is needed. Points that lie
+/// together stay together, since they are looked up together: the lowest bits are the key's.
 #[derive(Default)]
 struct KeyHasher(u64);
+
+/// Bits of a key that stay: 16 points are as many as a table compares at once.
+const TOGETHER: u32 = 4;
 
 impl Hasher for KeyHasher {
     fn finish(&self) -> u64 {
@@ -55,8 +59,13 @@ impl Hasher for KeyHasher {
     }
 
     fn write_u64(&mut self, key: u64) {
-        let mixed = (self.0 ^ key).wrapping_mul(0x9e37_79b9_7f4a_7c15);
-        self.0 = mixed ^ mixed >> 32;
+        let mix = |key: u64| {
+            let mixed = key.wrapping_mul(0x9e37_79b9_7f4a_7c15);
+            mixed ^ mixed >> 32
+        };
+        // A table tells the points of one place apart by the highest bits.
+        let (place, tag) = (mix(key >> TOGETHER) << TOGETHER, mix(key) & !(u64::MAX >> 8));
+        self.0 = tag ^ place & (u64::MAX >> 8) ^ key & ((1 << TOGETHER) - 1);
     }
 }
 
