@@ -8,7 +8,8 @@ use super::{Attribute, Sampler};
 use crate::field::lane_math::clamp01;
 use crate::field::{Aabb, BATCH, Evaluator, Field, Interval, Points};
 
-/// A solid with its attribute. Distances, or fields that are nearly so: their values are compared between parts.
+/// A solid with its attribute. Distances, or fields that are nearly so: their values are compared between parts, so they
+/// must stay what they are in a region entered.
 pub type Part<const N: usize> = (Arc<dyn Field>, Arc<dyn Attribute<N>>);
 
 /// What decides between the parts.
@@ -238,12 +239,13 @@ struct PartsSampler<'a, const N: usize> {
 }
 
 impl<const N: usize> Sampler<N> for PartsSampler<'_, N> {
-    // The fields enter no region: pruning keeps their zero sets, but here their values count.
     fn enter(&mut self, region: &Aabb) {
+        self.evaluators.iter_mut().for_each(|evaluator| evaluator.enter(region));
         self.samplers.iter_mut().for_each(|sampler| sampler.enter(region));
     }
 
     fn leave(&mut self) {
+        self.evaluators.iter_mut().for_each(|evaluator| evaluator.leave());
         self.samplers.iter_mut().for_each(|sampler| sampler.leave());
     }
 

@@ -11,7 +11,7 @@ use glam::IVec3;
 use rayon::prelude::*;
 
 use crate::{
-    field::{Aabb, BATCH, Evaluator, Field, Points, Slope},
+    field::{Aabb, BATCH, Evaluator, Field, Interval, Points, Slope},
     grid::{BLOCK_EDGE, InsideTile, Lattice, block_order},
 };
 
@@ -146,7 +146,7 @@ impl<'a> Walk<'a> {
         }
         let region = self.scope.centres(origin, edge, f64::from(self.scope.half_width));
         self.evaluator.enter(&region);
-        let bounds = self.evaluator.bounds();
+        let bounds = if self.evaluator.vanishes() { Interval::ALL } else { self.evaluator.bounds() };
         if bounds.lo > 0.0 {
             self.tile(origin, edge);
         } else if bounds.hi >= 0.0 {

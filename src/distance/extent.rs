@@ -261,8 +261,7 @@ impl Count<'_> {
         }
         self.budget -= 1;
         self.evaluator.enter(&cell.grown(self.margin));
-        let bounds = self.evaluator.bounds();
-        if bounds.lo <= 0.0 && bounds.hi >= 0.0 {
+        if self.evaluator.vanishes() || self.evaluator.bounds().contains(0.0) {
             if depth == 0 {
                 self.maybe += 1;
             } else {

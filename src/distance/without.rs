@@ -170,6 +170,10 @@ impl Evaluator for WithoutEvaluator<'_> {
         if self.near() { Interval::new(bounds.lo.min(least), bounds.hi) } else { bounds }
     }
 
+    fn vanishes(&mut self) -> bool {
+        !self.near() && self.inner.vanishes()
+    }
+
     fn leave(&mut self) {
         self.near.pop();
         self.inner.leave();

@@ -90,6 +90,12 @@ pub trait Evaluator: Send {
     /// never miss a zero.
     fn bounds(&mut self) -> Interval;
 
+    /// Whether F is known to be zero somewhere in the innermost region entered, for less than bounds take: then those
+    /// need not be asked for. `false` tells nothing.
+    fn vanishes(&mut self) -> bool {
+        false
+    }
+
     /// Leaves the innermost region.
     fn leave(&mut self);
 

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 
 use super::both::{Both, scaled};
 use super::section::{Kernel, Section};
@@ -136,6 +136,26 @@ impl Evaluator for StbEvaluator<'_> {
             bounds = Interval::new(bounds.lo.max(other.lo), bounds.hi.min(other.hi));
         }
         scaled(bounds, unit)
+    }
+
+    /// Two signs in a box have a zero between them: a few values cost less than bounds of two objects' cells.
+    fn vanishes(&mut self) -> bool {
+        let Some(region) = self.regions.last() else { return false };
+        let mut points = Points::new(region.centre());
+        let half = (region.size() * 0.5).as_vec3();
+        points.push(Vec3::ZERO);
+        for corner in 0..8 {
+            let side = |bit: i32| if corner & bit != 0 { 1.0 } else { -1.0 };
+            points.push(half * Vec3::new(side(4), side(2), side(1)));
+        }
+        for axis in Vec3::AXES {
+            points.push(half * axis);
+            points.push(half * -axis);
+        }
+        let mut values = [0.0; BATCH];
+        self.values(&points, &mut values);
+        let values = &values[..points.len];
+        values.iter().any(|value| *value >= 0.0) && values.iter().any(|value| *value < 0.0)
     }
 
     fn leave(&mut self) {

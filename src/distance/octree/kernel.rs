@@ -4,7 +4,7 @@
 //! Both ways do the same operations in the same order, so a point's answer has the same bits whichever way its
 //! batch went, and at any vector width (no fused multiply-add).
 
-use glam::Vec4;
+use glam::{Mat4, Vec4};
 use multiversion::multiversion;
 
 use crate::field::{BATCH, Points};
@@ -50,26 +50,46 @@ fn along_y(v: &[Numbers; 4], [a, b, c, d]: Weights) -> [Numbers; 2] {
 }
 
 #[inline(always)]
-fn along_x(v: &[Numbers; 2], [a, b, c, d]: Weights) -> f32 {
-    let sum = (v[0][0] * a + v[1][0] * c) + (v[0][1] * b + v[1][1] * d);
-    (sum.x + sum.z) + (sum.y + sum.w)
+fn along_x(v: &[Numbers; 2], [a, b, c, d]: Weights) -> Vec4 {
+    (v[0][0] * a + v[1][0] * c) + (v[0][1] * b + v[1][1] * d)
 }
 
 #[inline(always)]
 fn value_at(corners: &[&Numbers; 8], t: [f32; 3], edge: f32) -> f32 {
     let [wx, wy, wz] = t.map(|t| basis(t, edge));
-    along_x(&along_y(&along_z(corners, wz), wy), wx)
+    let sum = along_x(&along_y(&along_z(corners, wz), wy), wx);
+    (sum.x + sum.z) + (sum.y + sum.w)
+}
+
+/// The basis of the three axes and its derivative, an axis a lane.
+#[inline(always)]
+fn bases([x, y, z]: [f32; 3], edge: f32) -> [[Vec4; 4]; 2] {
+    let t = Vec4::new(x, y, z, 0.0);
+    let s = 1.0 - t;
+    let (tt, ss) = (t * t, s * s);
+    let down = -6.0 * (t * s) * (1.0 / edge);
+    [
+        [(1.0 + 2.0 * t) * ss, edge * (t * ss), tt * (3.0 - 2.0 * t), -(edge * (tt * s))],
+        [down, s * (1.0 - 3.0 * t), -down, t * (3.0 * t - 2.0)],
+    ]
 }
 
 /// F, ∂x, ∂y, ∂z.
 #[inline(always)]
 fn gradient_at(corners: &[&Numbers; 8], t: [f32; 3], edge: f32) -> [f32; 4] {
-    let inverse_edge = 1.0 / edge;
-    let [wx, wy, wz] = t.map(|t| basis(t, edge));
-    let [dx, dy, dz] = t.map(|t| basis_slope(t, inverse_edge));
-    let (z0, z1) = (along_z(corners, wz), along_z(corners, dz));
+    let [basis, slope] = bases(t, edge);
+    let (wx, wy, wz) = (basis.map(|w| w.x), basis.map(|w| w.y), basis.map(|w| w.z));
+    let (z0, z1) = (along_z(corners, wz), along_z(corners, slope.map(|w| w.z)));
     let y00 = along_y(&z0, wy);
-    [along_x(&y00, wx), along_x(&y00, dx), along_x(&along_y(&z0, dy), wx), along_x(&along_y(&z1, wy), wx)]
+    let sums = Mat4::from_cols(
+        along_x(&y00, wx),
+        along_x(&y00, slope.map(|w| w.x)),
+        along_x(&along_y(&z0, slope.map(|w| w.y)), wx),
+        along_x(&along_y(&z1, wy), wx),
+    );
+    // The four sums of four, side by side.
+    let terms = sums.transpose();
+    ((terms.x_axis + terms.z_axis) + (terms.y_axis + terms.w_axis)).to_array()
 }
 
 /// A batch of points in cells.
