@@ -115,8 +115,8 @@ pub fn compute(
             }
             let feet = active_feet(block);
             BlockAttributes {
-                colour: colour.as_mut().map(|colour| colour.sample(&feet, &block.region)),
-                scalars: scalars.iter_mut().map(|scalar| scalar.sample(&feet, &block.region)).collect(),
+                colour: colour.as_mut().map(|colour| colour.sample(&feet, block)),
+                scalars: scalars.iter_mut().map(|scalar| scalar.sample(&feet, block)).collect(),
                 velocities: velocity.as_mut().map(|velocity| velocity.visit(block, &feet)),
             }
         }
@@ -174,6 +174,8 @@ fn active_feet(block: &MeasuredBlock) -> Points {
 /// Samples one attribute in one block after the other.
 struct Visitor<'a, const N: usize> {
     sampler: Box<dyn Sampler<N> + 'a>,
+    /// The region of the node entered last.
+    node: Option<Aabb>,
     /// The least number that is right; the greatest is finite.
     least: f32,
     sampled: Box<[[f32; N]; BATCH]>,
@@ -181,11 +183,18 @@ struct Visitor<'a, const N: usize> {
 
 impl<'a, const N: usize> Visitor<'a, N> {
     fn new(attribute: &'a dyn Attribute<N>, least: f32) -> Self {
-        Self { sampler: attribute.sampler(), least, sampled: Box::new([[0.0; N]; BATCH]) }
+        Self { sampler: attribute.sampler(), node: None, least, sampled: Box::new([[0.0; N]; BATCH]) }
     }
 
-    fn sample(&mut self, feet: &Points, region: &Aabb) -> Sampled<N> {
-        self.sampler.enter(region);
+    fn sample(&mut self, feet: &Points, block: &MeasuredBlock) -> Sampled<N> {
+        if self.node != Some(block.node_region) {
+            if self.node.is_some() {
+                self.sampler.leave();
+            }
+            self.node = Some(block.node_region);
+            self.sampler.enter(&block.node_region);
+        }
+        self.sampler.enter(&block.region);
         self.sampler.sample(feet, &mut self.sampled);
         self.sampler.leave();
         let active = &self.sampled[..feet.len];

@@ -7,7 +7,7 @@ use super::estimate::check_memory;
 use super::record::{Record, RecordFile};
 use super::sealed::{self, hexadecimal};
 use super::{Bytes, Error, Interrupt, Output, Velocities};
-use crate::distance::band::{self, Settings};
+use crate::distance::band::{self, Settings, Thin};
 use crate::grid::Band;
 use crate::scene::{self, Prepared};
 use crate::vdb;
@@ -79,11 +79,14 @@ pub(super) fn warnings(computed: &Computed) -> Vec<String> {
     if !cut.is_empty() {
         warnings.push(format!("the shape is cut by its bounds at {}; widen `bounds`", cut.join(", ")));
     }
-    if let Some(at) = report.thin_at {
+    if let Some(Thin { at, .. }) = report.thin.first() {
         warnings.push(format!(
             "features thinner than a voxel at {} voxels, one near ({:.4}, {:.4}, {:.4}); \
              they need smaller voxels to hold",
-            report.thin_voxels, at.x, at.y, at.z
+            report.thin.iter().map(|thin| u64::from(thin.voxels)).sum::<u64>(),
+            at.x,
+            at.y,
+            at.z
         ));
     }
     if computed.bright_voxels > 0 {

@@ -21,7 +21,7 @@ use pass::Pass;
 
 /// Blocks that improve each other at once; their feet wait in memory, 8 KiB each, and twice as many in the cache run at
 /// their best: those being finished and those of the next chunk.
-const CHUNK: usize = 512;
+pub(super) const CHUNK: usize = 512;
 
 /// What to measure.
 #[derive(Clone, Copy)]
@@ -46,12 +46,21 @@ pub struct Report {
     pub opened_blocks: u64,
     /// Blocks that hold a piece of the band.
     pub band_blocks: u64,
-    /// Voxels beside a surface with the same sign all around them: features thinner than a voxel.
-    pub thin_voxels: u64,
-    /// Where one of those is.
-    pub thin_at: Option<DVec3>,
+    /// Where features are thinner than a voxel, block by block.
+    pub thin: Vec<Thin>,
     /// Inside voxels on the faces of the region: least x, greatest x, least y, … Not zero: the solid is cut there.
     pub cut_voxels: [u64; 6],
+}
+
+/// Voxels of a block beside a surface with the same sign all around them: features thinner than a voxel.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Thin {
+    /// The block's least corner.
+    pub origin: IVec3,
+    /// How many there are.
+    pub voxels: u32,
+    /// Where one of them is, world units.
+    pub at: DVec3,
 }
 
 /// A measured band, what the visitors made of its blocks (in the band's order), and what to tell about it.
@@ -127,36 +136,65 @@ where
     T: Send + Sync,
     V: FnMut(&MeasuredBlock) -> T,
 {
-    measure_by_chunks(field, settings, &visitor, CHUNK)
+    Ok(measure_opened(field, settings, &visitor, CHUNK)?.measured)
 }
 
-fn measure_by_chunks<T, V>(
+/// A measured band, and the blocks that were looked into: those that may hold a piece of it.
+pub(super) struct Opened<T> {
+    pub measured: Measured<T>,
+    pub blocks: Vec<IVec3>,
+}
+
+/// [`measure`], with what was opened.
+pub(super) fn measure_opened<T, V>(
     field: &dyn Field,
     settings: &Settings,
     visitor: &(impl Fn() -> V + Sync),
+    chunk: usize,
+) -> Result<Opened<T>, Error>
+where
+    T: Send + Sync,
+    V: FnMut(&MeasuredBlock) -> T,
+{
+    let scope = settings.scope();
+    check_size(&scope)?;
+    let found = descent::descend(field, &scope, settings.cancel).ok_or(Error::Cancelled)?;
+    let mut measured = measure_blocks(field, settings, visitor, &found.blocks, chunk)?;
+    (settings.progress)(1.0);
+    let Measured { band, report, .. } = &mut measured;
+    band.inside_tiles.extend(found.inside_tiles);
+    if band.origins.is_empty() {
+        return Err(Error::Empty { solid: !band.inside_tiles.is_empty() });
+    }
+    band.inside_tiles.sort_unstable_by_key(|tile| block_order(tile.origin));
+    report.cut_voxels = cut_voxels(band, &scope);
+    Ok(Opened { measured, blocks: found.blocks })
+}
+
+/// Measures some blocks alone, in [`block_order`]; what is cut off by the region is not counted.
+pub(super) fn measure_blocks<T, V>(
+    field: &dyn Field,
+    settings: &Settings,
+    visitor: &(impl Fn() -> V + Sync),
+    blocks: &[IVec3],
     chunk: usize,
 ) -> Result<Measured<T>, Error>
 where
     T: Send + Sync,
     V: FnMut(&MeasuredBlock) -> T,
 {
-    let Settings { lattice, half_width, region, cancel, progress } = *settings;
-    let scope = Scope { lattice, half_width, region };
-    check_size(&scope)?;
-    let found = descent::descend(field, &scope, cancel).ok_or(Error::Cancelled)?;
-    let measuring = Measuring::new(field, &scope, cancel);
-    let mut pass = Pass::new(&measuring, visitor, &found.blocks);
-    pass.run(chunk, progress)?;
+    let scope = settings.scope();
+    let measuring = Measuring::new(field, &scope, settings.cancel);
+    let mut pass = Pass::new(&measuring, visitor, blocks);
+    pass.run(chunk, settings.progress)?;
     pass.redo()?;
-    progress(1.0);
-    let (mut band, visits, mut report) = pass.done();
-    band.inside_tiles.extend(found.inside_tiles);
-    if band.origins.is_empty() {
-        return Err(Error::Empty { solid: !band.inside_tiles.is_empty() });
+    Ok(pass.done())
+}
+
+impl Settings<'_> {
+    pub(super) fn scope(&self) -> Scope {
+        Scope { lattice: self.lattice, half_width: self.half_width, region: self.region }
     }
-    band.inside_tiles.sort_unstable_by_key(|tile| block_order(tile.origin));
-    report.cut_voxels = cut_voxels(&band, &scope);
-    Ok(Measured { band, visits, report })
 }
 
 /// OpenVDB's voxels are numbered in 32 bits; leave room for neighbours.
@@ -167,7 +205,7 @@ fn check_size(scope: &Scope) -> Result<(), Error> {
 }
 
 /// Counts inside voxels on the six faces of the range of blocks looked at.
-fn cut_voxels(band: &Band, scope: &Scope) -> [u64; 6] {
+pub(super) fn cut_voxels(band: &Band, scope: &Scope) -> [u64; 6] {
     let [least, end] = scope.block_range();
     let mut cut = [0; 6];
     for (side, count) in cut.iter_mut().enumerate() {

@@ -13,6 +13,10 @@ use super::descent::Scope;
 /// Room around a block, in voxels beyond the half width, in which its feet are sought.
 pub const ROOM: f64 = 1.0;
 
+/// The edge in voxels of a node whose blocks share what is found out over it. Larger shares more, smaller leaves less
+/// to be found out over each block.
+const SHARED_EDGE: i32 = 64;
+
 /// A finished block, as visitors see it.
 pub struct MeasuredBlock<'a> {
     /// The block's least corner.
@@ -21,6 +25,8 @@ pub struct MeasuredBlock<'a> {
     pub lattice: Lattice,
     /// A box that holds all voxel centres and feet.
     pub region: Aabb,
+    /// The same of the larger node that the block is in: what is found out over it serves many blocks.
+    pub node_region: Aabb,
     /// Signed distances of active voxels, world units, positive inside. Beyond the background at others.
     pub distances: &'a [f32; BLOCK_VOXELS],
     /// Voxels nearer to the surface than the background.
@@ -32,9 +38,11 @@ pub struct MeasuredBlock<'a> {
 impl<'a> MeasuredBlock<'a> {
     /// A staged block that is finished, with its mask.
     pub fn new(scope: &Scope, staged: &'a Staged, active: &'a BlockMask) -> Self {
-        let region = scope.centres(staged.origin, BLOCK_EDGE, f64::from(scope.half_width) + ROOM);
         let Staged { origin, distances, normals, .. } = staged;
-        Self { origin: *origin, lattice: scope.lattice, region, distances, active, normals }
+        let margin = f64::from(scope.half_width) + ROOM;
+        let region = scope.centres(*origin, BLOCK_EDGE, margin);
+        let node_region = scope.centres(origin & IVec3::splat(!(SHARED_EDGE - 1)), SHARED_EDGE, margin);
+        Self { origin: *origin, lattice: scope.lattice, region, node_region, distances, active, normals }
     }
 
     /// The closest surface point of each active voxel; an inactive voxel's own centre.

@@ -4,16 +4,21 @@
 //! [`ROOM`]: negative around all of them, so that nothing of the piece that a voxel could see remains, and far from them
 //! F′ = F to the last bit.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 use glam::{DVec3, IVec3};
 
 use crate::{
     field::{Aabb, BATCH, Evaluator, Field, Gradients, Interval, Points, Slope},
-    grid::{BlockMask, Lattice, block_origin, is_active, measure::voxels_of_pieces, voxel_offset},
+    grid::{
+        BLOCK_EDGE, BlockMask, InsideTile, Lattice, block_order, block_origin, is_active, measure::voxels_of_pieces,
+        place_of, voxel_offset,
+    },
 };
 
-use super::band::{Error, Measured, MeasuredBlock, Settings, measure};
+use super::band::{
+    CHUNK, Error, Measured, MeasuredBlock, Opened, Settings, cut_voxels, measure_blocks, measure_opened,
+};
 
 /// How far around the centres of its voxels a piece is taken away, in voxels. Smaller leaves slivers of it in corners
 /// between voxels; larger takes more of a piece beside it, of which no voxel is nearer than √2.
@@ -41,8 +46,8 @@ impl Keep {
     }
 }
 
-/// Measures the band of what is kept of a field, as [`measure`] does. Where nothing is dropped that is all it does;
-/// else the field is measured once more.
+/// Measures the band of what is kept of a field, as [`measure`](super::band::measure) does. Where nothing is dropped
+/// that is all it does; else the blocks around what is dropped are measured once more.
 pub fn measure_kept<T, V>(
     field: &dyn Field,
     settings: &Settings,
@@ -53,7 +58,7 @@ where
     T: Send + Sync,
     V: FnMut(&MeasuredBlock) -> T,
 {
-    let measured = measure(field, settings, &visitor)?;
+    let Opened { mut measured, blocks } = measure_opened(field, settings, &visitor, CHUNK)?;
     if keep == Keep::ALL {
         return Ok(measured);
     }
@@ -61,8 +66,83 @@ where
     if dropped.is_empty() {
         return Ok(measured);
     }
-    drop(measured);
-    measure(&Without::new(field, settings.lattice, &dropped), settings, &visitor)
+    let without = Without::new(field, settings.lattice, &dropped);
+    // A voxel is no farther than the half width from its foot, nor this from the voxels of the piece it is on than `FAR`.
+    let rings = ((f64::from(settings.half_width) + FAR) / f64::from(BLOCK_EDGE)).ceil() as i32;
+    let near = blocks_around(without.voxels.keys(), rings);
+    let changed: HashSet<IVec3> = blocks.iter().copied().filter(|origin| near.contains(origin)).collect();
+    // The blocks beside those offer their feet.
+    let seen = blocks_around(&changed, 1);
+    let blocks: Vec<IVec3> = blocks.into_iter().filter(|origin| seen.contains(origin)).collect();
+    let again = measure_blocks(&without, &Settings { progress: &|_| {}, ..*settings }, &visitor, &blocks, CHUNK)?;
+    measured.replace(again, &changed, |tile| blocks_of(tile).any(|block| without.voxels.contains_key(&block)));
+    measured.report.cut_voxels = cut_voxels(&measured.band, &settings.scope());
+    Ok(measured)
+}
+
+/// The blocks no more than so many blocks away from some.
+fn blocks_around<'a>(blocks: impl IntoIterator<Item = &'a IVec3>, rings: i32) -> HashSet<IVec3> {
+    let mut around = HashSet::new();
+    for block in blocks {
+        let edge = 2 * rings + 1;
+        around.extend((0..edge.pow(3)).map(|number| {
+            let step = IVec3::new(number / edge / edge, number / edge % edge, number % edge) - rings;
+            block + step * BLOCK_EDGE
+        }));
+    }
+    around
+}
+
+fn blocks_of(tile: &InsideTile) -> impl Iterator<Item = IVec3> + use<> {
+    let (origin, blocks) = (tile.origin, tile.edge / BLOCK_EDGE);
+    (0..blocks.pow(3)).map(move |number| {
+        origin + IVec3::new(number / blocks / blocks, number / blocks % blocks, number % blocks) * BLOCK_EDGE
+    })
+}
+
+impl<T> Measured<T> {
+    /// Puts what was measured again of some of the opened blocks in the place of what was known of them, and leaves out
+    /// the tiles that are inside no more.
+    fn replace(&mut self, again: Self, blocks: &HashSet<IVec3>, outside: impl Fn(&InsideTile) -> bool) {
+        let changed = |origin: &IVec3| blocks.contains(origin);
+        let Self { band, visits, report } = self;
+        let mut stays: Vec<bool> = band.origins.iter().map(|origin| !changed(origin)).collect();
+        let mut new = Vec::new();
+        let of_again =
+            again.band.origins.into_iter().zip(again.band.distances).zip(again.band.active).zip(again.visits);
+        for (((origin, distances), active), visit) in of_again.filter(|(((origin, _), _), _)| changed(origin)) {
+            match place_of(&band.origins, origin) {
+                Ok(place) => {
+                    (band.distances[place], band.active[place], visits[place]) = (distances, active, visit);
+                    stays[place] = true;
+                }
+                Err(_) => new.push((origin, distances, active, visit)),
+            }
+        }
+        retain(&mut band.origins, &stays);
+        retain(&mut band.distances, &stays);
+        retain(&mut band.active, &stays);
+        retain(visits, &stays);
+        // What takes a piece away may bring the surface to a block that had none: hardly ever.
+        for (origin, distances, active, visit) in new {
+            let (Ok(place) | Err(place)) = place_of(&band.origins, origin);
+            band.origins.insert(place, origin);
+            band.distances.insert(place, distances);
+            band.active.insert(place, active);
+            visits.insert(place, visit);
+        }
+        band.inside_tiles.retain(|tile| !outside(tile) && !(tile.edge == BLOCK_EDGE && changed(&tile.origin)));
+        band.inside_tiles.extend(again.band.inside_tiles.into_iter().filter(|tile| changed(&tile.origin)));
+        band.inside_tiles.sort_unstable_by_key(|tile| block_order(tile.origin));
+        report.thin.retain(|thin| !changed(&thin.origin));
+        report.thin.extend(again.report.thin.into_iter().filter(|thin| changed(&thin.origin)));
+        report.band_blocks = band.origins.len() as u64;
+    }
+}
+
+fn retain<E>(all: &mut Vec<E>, stays: &[bool]) {
+    let mut stays = stays.iter();
+    all.retain(|_| *stays.next().unwrap_or(&true));
 }
 
 /// F without the pieces that some voxels belong to.
@@ -235,11 +315,12 @@ mod tests {
 
     use super::*;
     use crate::{
+        distance::band::measure,
         distance::{
             accuracy::exact,
             testing::{Joined, Leaf},
         },
-        grid::{BLOCK_VOXELS, VoxelSize, measure::pieces},
+        grid::{BLOCK_VOXELS, Band, VoxelSize, measure::pieces},
     };
 
     /// Two balls and a crumb of three voxels beside them: without the small ones the band is that of the large ball.
@@ -271,6 +352,35 @@ mod tests {
                 assert!((found - truth).abs() < 0.02, "{found} for {truth} at {}", points.position(i));
             }
         }
+    }
+
+    /// Where what is dropped is a ball with tiles inside, and a crumb.
+    #[test]
+    fn measuring_again_around_what_is_dropped_comes_to_measuring_all_again() {
+        let field = Joined::union(vec![
+            Leaf::Sphere(DVec3::new(-24.2, 0.3, 0.1), 21.0),
+            Leaf::Sphere(DVec3::new(20.1, 0.2, 0.4), 17.0),
+            Leaf::Sphere(DVec3::new(-8.0, 0.0, 24.4), 1.1),
+        ]);
+        let lattice = Lattice { voxel_size: VoxelSize::new(1.0).unwrap() };
+        let cancel = AtomicBool::new(false);
+        let region = field.bounding_box().unwrap().grown(4.0);
+        let settings = Settings { lattice, half_width: 3.0, region, cancel: &cancel, progress: &|_| {} };
+        let visitor = || |block: &MeasuredBlock| block.origin;
+        let all = measure(&field, &settings, visitor).unwrap().band;
+        let dropped = voxels_of_pieces(&all, |rank, _| rank > 0);
+        let whole = measure(&Without::new(&field, lattice, &dropped), &settings, visitor).unwrap();
+        let keep = Keep { largest_only: true, least_volume: 0.0 };
+        let part = measure_kept(&field, &settings, keep, visitor).unwrap();
+        assert_eq!((&part.band.origins, &part.band.active), (&whole.band.origins, &whole.band.active));
+        assert_eq!(part.visits, part.band.origins);
+        assert_eq!(part.band.distances, whole.band.distances);
+        let inside = |band: &Band| band.inside_tiles.iter().flat_map(blocks_of).collect::<HashSet<IVec3>>();
+        assert!(inside(&part.band).len() < inside(&all).len());
+        assert_eq!(inside(&part.band), inside(&whole.band));
+        assert_eq!(part.report.cut_voxels, whole.report.cut_voxels);
+        assert_eq!(part.report.band_blocks, whole.report.band_blocks);
+        assert_eq!(part.report.thin, whole.report.thin);
     }
 
     #[test]

@@ -58,6 +58,11 @@ pub fn block_order(origin: IVec3) -> [i32; 9] {
     [root.x, root.y, root.z, internal.x, internal.y, internal.z, origin.x, origin.y, origin.z]
 }
 
+/// Where a block is in a list in the order of blocks, or would be.
+pub fn place_of(blocks: &[IVec3], origin: IVec3) -> Result<usize, usize> {
+    blocks.binary_search_by_key(&block_order(origin), |&other| block_order(other))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

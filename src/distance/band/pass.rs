@@ -13,11 +13,11 @@ use rustc_hash::FxHashMap;
 
 use crate::{
     field::Slope,
-    grid::{BLOCK_EDGE, Band, BlockMask, InsideTile, block_order},
+    grid::{BLOCK_EDGE, Band, BlockMask, InsideTile, block_order, place_of},
 };
 
 use super::{
-    Error, MeasuredBlock, Report,
+    Error, Measured, MeasuredBlock, Report, Thin,
     chunk::{Chunk, Measuring, enter_task},
     neighbours::Neighbours,
 };
@@ -210,8 +210,9 @@ where
     /// Masks and visits the staged blocks.
     fn finish(&mut self, staged: &[Staged]) -> Vec<Outcome<T>> {
         for block in staged {
-            self.report.thin_voxels += u64::from(block.thin);
-            self.report.thin_at = self.report.thin_at.or(block.thin_at);
+            if let Some(at) = block.thin_at {
+                self.report.thin.push(Thin { origin: block.origin, voxels: block.thin, at });
+            }
         }
         staged.par_iter().map_init(self.visitor, |visitor, block| outcome(self.scope, visitor, block)).collect()
     }
@@ -311,15 +312,10 @@ where
     }
 
     /// The band, the visits and the counts.
-    pub fn done(mut self) -> (Band, Vec<T>, Report) {
+    pub fn done(mut self) -> Measured<T> {
         self.report.band_blocks = self.band.origins.len() as u64;
-        (self.band, self.visits, self.report)
+        Measured { band: self.band, visits: self.visits, report: self.report }
     }
-}
-
-/// Where a block is in a list in the order of blocks, or would be.
-fn place_of(blocks: &[IVec3], origin: IVec3) -> Result<usize, usize> {
-    blocks.binary_search_by_key(&block_order(origin), |&other| block_order(other))
 }
 
 fn outcome<T>(scope: &Scope, visitor: &mut impl FnMut(&MeasuredBlock) -> T, block: &Staged) -> Outcome<T> {

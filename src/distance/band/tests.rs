@@ -26,7 +26,7 @@ fn measure_at(field: &dyn Field, size: f64, chunk: usize) -> Measured<Vec<f32>> 
         }
     };
     let start = std::time::Instant::now();
-    let measured = measure_by_chunks(field, &settings, &visitor, chunk).unwrap();
+    let measured = measure_opened(field, &settings, &visitor, chunk).unwrap().measured;
     eprintln!("{:?} for {} voxels, {:?}", start.elapsed(), measured.band.active_voxels(), measured.report);
     measured
 }
@@ -74,7 +74,7 @@ fn check(field: &dyn Field, size: f64, truth: impl Fn(DVec3) -> f64) {
     let errors = judge(&measured, truth);
     eprintln!("mean {} max {}", errors.mean, errors.max);
     assert!(errors.mean <= 0.005 && errors.max <= 0.05, "mean {} max {}", errors.mean, errors.max);
-    assert_eq!((measured.report.cut_voxels, measured.report.thin_voxels), ([0; 6], 0));
+    assert_eq!((measured.report.cut_voxels, measured.report.thin.len()), ([0; 6], 0));
 }
 
 #[test]
@@ -124,8 +124,8 @@ fn a_ball_smaller_than_a_voxel_is_found_and_reported() {
             assert!((f64::from(distances[i]) - exact).abs() < 0.02, "{} for {exact}", distances[i]);
         }
     }
-    assert!(measured.report.thin_voxels > 0);
-    assert!(measured.report.thin_at.unwrap().distance(centre) < 1.0);
+    assert!(measured.report.thin[0].voxels > 0);
+    assert!(measured.report.thin[0].at.distance(centre) < 1.0);
 }
 
 #[test]
