@@ -9,13 +9,13 @@
 //! beside the medial axis, where the feet on two sides are equally far to within the spacing's square over the
 //! distance, the answer may be the other one.
 
-mod seeds;
+mod point_tree;
 
 use std::sync::atomic::AtomicBool;
 
 use glam::DVec3;
 
-use self::seeds::SeedTree;
+pub(crate) use self::point_tree::PointTree;
 use super::band;
 use super::polish::around::{Approach, Around, box_of};
 use super::{Distance, Foot};
@@ -68,7 +68,7 @@ pub struct FieldFeet<'a> {
     field: &'a dyn Field,
     outside: bool,
     inside: bool,
-    seeds: SeedTree,
+    seeds: PointTree,
     spacing: f64,
 }
 
@@ -99,7 +99,7 @@ impl<'a> FieldFeet<'a> {
             })?;
             points = measured.visits.concat();
         }
-        Ok(Self { field, outside, inside, seeds: SeedTree::new(points), spacing })
+        Ok(Self { field, outside, inside, seeds: PointTree::new(points), spacing })
     }
 
     /// How many seeds there are.

@@ -1,5 +1,6 @@
 //! Colours and scalars of shapes at one moment.
 
+use std::collections::HashMap;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
@@ -8,6 +9,7 @@ use glam::{DAffine3, DVec3};
 use crate::attribute::VertexColours;
 use crate::attribute::{Attribute, Bands, ByCell, CellIndex, Choice, Colour, Constant, CubeLattice, LinearRgb};
 use crate::attribute::{ByFormula, Components, FieldValue, Mix, Mixer, Part, Parts, Rule, Scalar, Straight};
+use crate::distance::nearest::PointTree;
 use crate::field::cells::Cells;
 use crate::field::facet::{self, surface_points};
 use crate::field::{BATCH, Expression, Field, Graph, Points, Slope};
@@ -293,7 +295,7 @@ impl Solids {
             (Pieces::Cells, Some(copies), _) => {
                 let (cells, picked) = self.picked(copies)?;
                 let host = self.host(copies.cells)?;
-                Arc::new(NearestCopy(surface_points(host.as_ref(), &cells, &picked)))
+                Arc::new(NearestCopy::new(surface_points(host.as_ref(), &cells, &picked)))
             }
             (Pieces::Cells, None, Maker::Facet { cells, .. }) => {
                 Arc::new(FacetCells { pieces: self.pieces(id)?, cells: self.cells(*cells)? })
@@ -340,14 +342,33 @@ impl CellIndex for FacetCells {
 }
 
 /// Copies, by the middle that is nearest.
-struct NearestCopy(Vec<DVec3>);
+struct NearestCopy {
+    middles: PointTree,
+    /// The copy of each of the tree's points.
+    copies: Vec<u32>,
+}
+
+impl NearestCopy {
+    fn new(middles: Vec<DVec3>) -> Self {
+        let bits = |middle: &DVec3| middle.to_array().map(f64::to_bits);
+        // Of copies in one place the first.
+        let mut by_place = HashMap::new();
+        for (copy, middle) in middles.iter().enumerate() {
+            by_place.entry(bits(middle)).or_insert(copy as u32);
+        }
+        let tree = PointTree::new(middles);
+        let copies = tree.points().iter().map(|middle| by_place[&bits(middle)]).collect();
+        Self { middles: tree, copies }
+    }
+}
 
 impl CellIndex for NearestCopy {
     fn indices(&self, points: &Points, out: &mut [u32; BATCH]) {
+        let mut last = None;
         for (i, out) in out[..points.len].iter_mut().enumerate() {
-            let position = points.position(i);
-            let distances = self.0.iter().map(|middle| middle.distance_squared(position));
-            *out = distances.enumerate().min_by(|a, b| a.1.total_cmp(&b.1)).map_or(0, |(i, _)| i as u32);
+            let nearest = self.middles.nearest(points.position(i), last);
+            last = nearest.map(|(number, _)| number);
+            *out = last.map_or(0, |number| self.copies[number]);
         }
     }
 }

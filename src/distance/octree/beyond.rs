@@ -12,7 +12,7 @@ use glam::DVec3;
 use super::DistanceObject;
 use super::bounds::Bounded;
 use super::evaluate::Place;
-use super::patch::{self, AXIS_BIT, Patch, PatchBounds};
+use super::patch::{self, Patch, PatchBounds};
 use crate::field::{Aabb, Interval};
 
 /// What bounds need to know about the root's faces.
@@ -79,28 +79,19 @@ impl DistanceObject {
             rate[axis] = slope;
             excess[axis] = s - length;
         }
-        // The sum over all sets of axes that hold `with`, of the jet times the lengths of the others.
-        let sum = |with: usize| {
-            let mut sum = 0.0;
-            for slot in (0..8).filter(|slot| slot & with == with) {
-                let mut term = jet[slot];
-                for axis in 0..3 {
-                    if slot & !with & AXIS_BIT[axis] != 0 {
-                        term *= a[axis];
-                    }
-                }
-                sum += term;
-            }
-            sum
-        };
+        // The polynomial and its derivatives along the lengths.
+        let [f, fz, fy, fyz, fx, fxz, fxy, fxyz] = jet;
+        let [x, y, z] = a;
+        let (by_x, by_y) = ((fx + z * fxz) + y * (fxy + z * fxyz), (fy + z * fyz) + x * (fxy + z * fxyz));
+        let by_z = (fz + y * fyz) + x * (fxz + y * fxyz);
+        let value = (f + z * fz) + y * (fy + z * fyz) + x * by_x;
         let length = DVec3::from(excess).length();
-        let mut out = [sum(0) - length, 0.0, 0.0, 0.0];
+        let mut out = [value - length, by_x, by_y, by_z];
         for axis in 0..3 {
-            let mut slope = rate[axis] * sum(AXIS_BIT[axis]);
+            out[axis + 1] *= rate[axis];
             if length > 0.0 {
-                slope -= (excess[axis] / length * (1.0 - rate[axis])).copysign(gone[axis]);
+                out[axis + 1] -= (excess[axis] / length * (1.0 - rate[axis])).copysign(gone[axis]);
             }
-            out[axis + 1] = slope;
         }
         out
     }

@@ -162,7 +162,10 @@ pub fn place_in_cell(located: &mut Located, origin: [i32; 3], size: i32, len: us
 
 #[inline(always)]
 fn corners_of<'a>(leaves: &[[u32; 8]], numbers: &'a [Numbers], leaf: u32) -> [&'a Numbers; 8] {
-    leaves[leaf as usize].map(|corner| &numbers[corner as usize])
+    let [a, b, c, d, e, f, g, h] = leaves[leaf as usize];
+    let of = |corner: u32| &numbers[corner as usize];
+    // Written out: `map` is a call, for each point.
+    [of(a), of(b), of(c), of(d), of(e), of(f), of(g), of(h)]
 }
 
 /// Values at points in any cells, as many as `out` holds.

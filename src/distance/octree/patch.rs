@@ -50,12 +50,28 @@ fn contracted(low: &Jet, high: &Jet, bit: usize, weight: &[[[f64; 2]; 2]; 2]) ->
 impl Patch {
     /// The jet at a point given in the cell's own \[0, 1\]³.
     pub fn jet(&self, t: [f64; 3]) -> Jet {
-        let weight = t.map(|t| hermite(t, self.edge));
         // One axis after the other: the two corners along the axis are contracted to the wanted order.
-        let c = &self.corners;
-        let x: [Jet; 4] = std::array::from_fn(|i| contracted(&c[i], &c[i | 4], AXIS_BIT[0], &weight[0]));
-        let [near, far] = [0, 1].map(|i| contracted(&x[i], &x[i | 2], AXIS_BIT[1], &weight[1]));
-        contracted(&near, &far, AXIS_BIT[2], &weight[2])
+        match t.iter().position(|t| *t == 0.0 || *t == 1.0) {
+            Some(0) => self.jet_on_face::<4, 2, 1>(t[0], [t[1], t[2]]),
+            Some(1) => self.jet_on_face::<2, 4, 1>(t[1], [t[0], t[2]]),
+            Some(_) => self.jet_on_face::<1, 4, 2>(t[2], [t[0], t[1]]),
+            None => {
+                let weight = t.map(|t| hermite(t, self.edge));
+                let c = &self.corners;
+                let x: [Jet; 4] = std::array::from_fn(|i| contracted(&c[i], &c[i | 4], AXIS_BIT[0], &weight[0]));
+                let [near, far] = [0, 1].map(|i| contracted(&x[i], &x[i | 2], AXIS_BIT[1], &weight[1]));
+                contracted(&near, &far, AXIS_BIT[2], &weight[2])
+            }
+        }
+    }
+
+    /// The same at 0 or 1 along one axis, where four corners count.
+    fn jet_on_face<const AXIS: usize, const FIRST: usize, const SECOND: usize>(&self, at: f64, t: [f64; 2]) -> Jet {
+        let [first, second] = t.map(|t| hermite(t, self.edge));
+        let corner = |bits: usize| &self.corners[if at == 0.0 { bits } else { AXIS | bits }];
+        let near = contracted(corner(0), corner(FIRST), FIRST, &first);
+        let far = contracted(corner(SECOND), corner(FIRST | SECOND), FIRST, &first);
+        contracted(&near, &far, SECOND, &second)
     }
 
     /// The Bernstein coefficients of the whole cell.

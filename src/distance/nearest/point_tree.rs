@@ -6,7 +6,7 @@ use glam::DVec3;
 const LEAF: usize = 8;
 
 /// A k-d tree over points, stored in the order of its leaves.
-pub struct SeedTree {
+pub struct PointTree {
     points: Vec<DVec3>,
     /// In depth-first order: the lower half's nodes start right after a node.
     nodes: Vec<Node>,
@@ -26,12 +26,17 @@ impl Node {
     }
 }
 
-impl SeedTree {
+impl PointTree {
     /// Sorts the points into a tree.
     pub fn new(mut points: Vec<DVec3>) -> Self {
         let mut nodes = Vec::with_capacity(4 * points.len() / LEAF);
         build(&mut points, &mut nodes);
         Self { points, nodes }
+    }
+
+    /// The points by their numbers.
+    pub fn points(&self) -> &[DVec3] {
+        &self.points
     }
 
     /// How many points there are.
@@ -115,7 +120,7 @@ mod tests {
         };
         // Coarse coordinates, to have ties and points that fall together.
         let points: Vec<DVec3> = (0..500).map(|_| (DVec3::new(unit(), unit(), unit()) * 8.0).floor()).collect();
-        let tree = SeedTree::new(points);
+        let tree = PointTree::new(points);
         let mut last = None;
         for _ in 0..500 {
             let p = DVec3::new(unit(), unit(), unit()) * 12.0 - 2.0;
@@ -125,6 +130,6 @@ mod tests {
             assert_eq!(tree.nearest(p, None), Some((index, point)));
             last = Some(index);
         }
-        assert!(SeedTree::new(Vec::new()).nearest(DVec3::ZERO, None).is_none());
+        assert!(PointTree::new(Vec::new()).nearest(DVec3::ZERO, None).is_none());
     }
 }
