@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::events;
 use super::failure::Failure;
 use super::options::{Global, Sampling, SceneArguments};
-use super::progress::Progress;
+use super::progress::{PREPARING, Progress};
 use crate::bake::{Bytes, Frames, Interrupt, default_limit};
 use crate::scene::{self, Model, Overrides, PrepareOptions, Prepared, Source};
 
@@ -48,14 +48,14 @@ pub fn prepare(
     progress: &Progress,
     global: &Global,
 ) -> Result<Prepared, Failure> {
-    progress.stage("measuring the scene");
+    progress.stage(PREPARING);
     let options = PrepareOptions {
         voxel_size: sampling.voxel_size,
         resolution: sampling.resolution.or(default_resolution),
         half_width: sampling.half_width,
         memory_limit: usize::try_from(limit(sampling).0).ok(),
         cancel: Arc::clone(interrupt.flag()),
-        progress: &|_| {},
+        progress: &|share| progress.of_preparing(share),
     };
     let prepared = model.prepare(&options).map_err(|error| failure_of(error, interrupt))?;
     warn(&prepared.warnings, global);

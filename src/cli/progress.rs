@@ -12,6 +12,8 @@ use super::options::Global;
 
 /// Steps of the bar for one frame: fine enough to move on the longest frames.
 const STEPS: u64 = 1000;
+/// What is said to be done before the first frame.
+pub const PREPARING: &str = "measuring the scene";
 /// The least time between two events of progress: a farm's log is read by people, too.
 const PAUSE: Duration = Duration::from_secs(1);
 
@@ -20,15 +22,40 @@ pub struct Progress {
     bar: ProgressBar,
     quiet: bool,
     frames: usize,
-    told: Mutex<Option<Told>>,
+    told_of_preparing: Mutex<Told>,
+    told_of_frames: Mutex<Option<Told>>,
 }
 
 /// What the log of events was told of progress.
 struct Told {
-    /// When the first frame began.
+    /// When the work began.
     start: Instant,
     /// When it was told last.
     last: Instant,
+    /// The greatest share told.
+    share: f64,
+}
+
+impl Told {
+    fn now() -> Self {
+        let now = Instant::now();
+        Self { start: now, last: now, share: 1e-4 }
+    }
+
+    /// The share, never less than before, and the seconds left, where it is time to tell them.
+    fn due(&mut self, share: f64) -> Option<(f64, f64)> {
+        self.share = self.share.max(share.min(1.0));
+        let now = Instant::now();
+        if now - self.last < PAUSE {
+            return None;
+        }
+        self.last = now;
+        Some((self.share, (now - self.start).as_secs_f64() * (1.0 - self.share) / self.share))
+    }
+}
+
+fn rounded(value: f64, to: f64) -> f64 {
+    (value * to).round() / to
 }
 
 impl Progress {
@@ -43,12 +70,25 @@ impl Progress {
         let style = ProgressStyle::with_template("{msg:24} {wide_bar} {percent:>3}%  {elapsed} gone, {eta} left");
         bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
         bar.enable_steady_tick(Duration::from_millis(200));
-        Self { bar, quiet: global.quiet, frames, told: Mutex::new(None) }
+        let told_of_preparing = Mutex::new(Told::now());
+        Self { bar, quiet: global.quiet, frames, told_of_preparing, told_of_frames: Mutex::new(None) }
     }
 
     /// What is being done now.
     pub fn stage(&self, text: &str) {
         self.bar.set_message(text.to_owned());
+    }
+
+    /// What comes before the first frame is done by this share.
+    pub fn of_preparing(&self, share: f64) {
+        let mut told = self.told_of_preparing.lock().unwrap_or_else(PoisonError::into_inner);
+        let due = told.due(share);
+        if !events::on() {
+            self.stage(&format!("{PREPARING} {:3.0}%", 100.0 * told.share));
+        } else if let Some((share, left)) = due {
+            let fields = json!({ "share": rounded(share, 1e4), "seconds_left": rounded(left, 10.0) });
+            events::tell("preparing", &fields);
+        }
     }
 
     /// `done` frames are finished, and `fraction` of the next one.
@@ -66,19 +106,9 @@ impl Progress {
         if !events::on() {
             return;
         }
-        let mut told = self.told.lock().unwrap_or_else(PoisonError::into_inner);
-        let now = Instant::now();
-        let Some(told) = &mut *told else {
-            *told = Some(Told { start: now, last: now });
-            return;
-        };
-        if now - told.last < PAUSE {
-            return;
-        }
-        told.last = now;
-        let share = ((done as f64 + fraction) / self.frames.max(1) as f64).clamp(1e-4, 1.0);
-        let left = (now - told.start).as_secs_f64() * (1.0 - share) / share;
-        let rounded = |value: f64, to: f64| (value * to).round() / to;
+        let mut told = self.told_of_frames.lock().unwrap_or_else(PoisonError::into_inner);
+        let share = (done as f64 + fraction) / self.frames.max(1) as f64;
+        let Some((share, left)) = told.get_or_insert_with(Told::now).due(share) else { return };
         let fields = json!({
             "frame": frame,
             "frame_share": rounded(fraction, 1e3),

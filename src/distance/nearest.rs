@@ -44,7 +44,7 @@ impl<T: Distance + ?Sized> ClosestPoint for T {
 pub struct Watch<'a> {
     /// Set by another thread to stop the work.
     pub cancel: &'a AtomicBool,
-    /// Called now and then with the part done, 0 to 1, from the thread that started the work.
+    /// Called now and then with the part done, 0 to 1, from any thread; later parts may be told before earlier ones.
     pub progress: &'a (dyn Fn(f64) + Sync),
 }
 

@@ -131,7 +131,8 @@ impl<T> Measured<T> {
             band.active.insert(place, active);
             visits.insert(place, visit);
         }
-        band.inside_tiles.retain(|tile| !outside(tile) && !(tile.edge == BLOCK_EDGE && changed(&tile.origin)));
+        let goes = |tile: &InsideTile| outside(tile) || tile.edge == BLOCK_EDGE && changed(&tile.origin);
+        band.inside_tiles.retain(|tile| !goes(tile));
         band.inside_tiles.extend(again.band.inside_tiles.into_iter().filter(|tile| changed(&tile.origin)));
         band.inside_tiles.sort_unstable_by_key(|tile| block_order(tile.origin));
         report.thin.retain(|thin| !changed(&thin.origin));

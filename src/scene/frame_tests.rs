@@ -1,7 +1,7 @@
 //! Frames made from scenes: where they are inside, how large voxels are, which colours they have.
 
 use std::path::PathBuf;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex};
 
 use glam::{DVec3, Vec3};
 
@@ -18,15 +18,18 @@ pub(super) fn prepared_with(text: &str, resolution: Option<u32>) -> Result<Prepa
 }
 
 fn prepare(model: Model, resolution: Option<u32>) -> Result<Prepared, Error> {
-    let options = PrepareOptions {
+    Arc::new(model).prepare(&options(resolution, &|_| ()))
+}
+
+fn options(resolution: Option<u32>, progress: &(dyn Fn(f64) + Sync)) -> PrepareOptions<'_> {
+    PrepareOptions {
         voxel_size: None,
         resolution,
         half_width: None,
         memory_limit: None,
         cancel: Arc::default(),
-        progress: &|_| (),
-    };
-    Arc::new(model).prepare(&options)
+        progress,
+    }
 }
 
 fn prepared(text: &str) -> Prepared {
@@ -563,4 +566,21 @@ fn empty_frames_of_the_papers_mode_are_named_once() {
         prepared_with(&format!("{text}slab = [-1, 2]\ns = 0.25\na0 = 0.3\na1 = 2.5\na2 = 2.5\na3 = 0.3\n"), Some(24))
             .unwrap_or_else(|error| panic!("{error}"));
     assert!(alive.warnings.is_empty(), "{}", alive.warnings);
+}
+
+/// The greatest share that is not told of is that of the last cells of an object.
+#[test]
+fn a_morph_tells_how_far_it_is_made_ready() {
+    let text =
+        "frames = '1-9'\nmorph = { from = 'a', to = 'b' }\n[shape.a]\nsphere = 1\n[shape.b]\nbox = [1, 1.4, 1]\n";
+    let source = Source::Text { name: "scene.toml".into(), text: text.into(), folder: PathBuf::new() };
+    let model = load(&source, &Overrides::default()).unwrap_or_else(|problems| panic!("{problems}"));
+    let told = Mutex::new(vec![0.0]);
+    let progress = |share| told.lock().unwrap().push(share);
+    Arc::new(model).prepare(&options(Some(64), &progress)).unwrap_or_else(|error| panic!("{error}"));
+    let mut told = told.into_inner().unwrap();
+    assert_eq!(told.last(), Some(&1.0));
+    told.sort_by(f64::total_cmp);
+    let widest = told.windows(2).map(|two| two[1] - two[0]).fold(0.0, f64::max);
+    assert!(told[0] == 0.0 && told[told.len() - 1] == 1.0 && widest < 0.2, "{told:?}");
 }

@@ -64,6 +64,12 @@ pub(super) struct Pair {
 }
 
 impl Pair {
+    /// The shapes to measure.
+    pub fn shapes(&self) -> impl Iterator<Item = (ShapeId, Stage)> {
+        let all = [&self.from, &self.to].into_iter().chain(self.parts.iter().flatten());
+        all.map(|object| (object.id, object.stage))
+    }
+
     /// About what a level set of either object takes, each where the shot begins. `voxel` is a voxel's edge.
     pub fn bands(&self, voxel: f64, half_width: f32) -> [Estimate; 2] {
         [&self.from, &self.to].map(|side| {
@@ -220,9 +226,14 @@ pub(super) struct Measuring<'w> {
     pub memory_limit: Option<usize>,
     /// Told how far it is, and asked whether to stop.
     pub watch: Watch<'w>,
+    /// How many objects there are to measure.
+    pub count: usize,
     /// Those measured so far: a chain shows all but its first and last twice.
     pub done: Vec<(ShapeId, Stage, MeasuredSide)>,
 }
+
+/// The share that finding seeds has in the time that measuring an object takes.
+const SEEDING: f64 = 0.1;
 
 /// Measures both objects and plans the morph.
 pub(super) fn plan(
@@ -343,19 +354,24 @@ fn measured(
     if let Some((_, _, done)) = measuring.done.iter().find(|(id, stage, _)| (*id, *stage) == (side.id, side.stage)) {
         return Ok(done.clone());
     }
-    let Measuring { voxel, memory_limit, ref watch, .. } = *measuring;
+    let Measuring { voxel, memory_limit, watch: Watch { cancel, progress }, count, .. } = *measuring;
+    let (before, count) = (measuring.done.len() as f64, count as f64);
+    let seeding = |part: f64| progress((before + SEEDING * part) / count);
+    let building = |part: f64| progress((before + SEEDING + (1.0 - SEEDING) * part) / count);
     let shape = model.shape(side.id);
     let cell = smallest_cell(side.voxel(voxel), &side.solid);
     let paint = solids.paint(TheColour, side.id, side.stage, side.voxel(voxel))?;
     let problem = |what: String| Problem::new(shape.span, format!("`{}`: {what}", shape.name));
-    let feet = FieldFeet::new(side.field.as_ref(), &side.solid, cell, watch).map_err(|error| match error {
+    let seeding = Watch { cancel, progress: &seeding };
+    let feet = FieldFeet::new(side.field.as_ref(), &side.solid, cell, &seeding).map_err(|error| match error {
         band::Error::Cancelled => Stop::Cancelled,
         error => Stop::Problem(problem(error.to_string())),
     })?;
     let mut settings = octree::Settings::new(side.solid, cell);
     settings.memory_limit = memory_limit.unwrap_or(settings.memory_limit);
+    let building = Watch { cancel, progress: &building };
     let distance =
-        DistanceObject::build(&feet, &settings, watch).map_err(|error| Stop::of_measuring(&error, problem))?;
+        DistanceObject::build(&feet, &settings, &building).map_err(|error| Stop::of_measuring(&error, problem))?;
     let measured = MeasuredSide { distance: Arc::new(distance), paint };
     measuring.done.push((side.id, side.stage, measured.clone()));
     Ok(measured)

@@ -1,5 +1,6 @@
 //! A model made ready for frames: meshes read, the box of the whole shot and the voxel size known.
 
+use std::collections::HashSet;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -44,7 +45,7 @@ pub struct PrepareOptions<'a> {
     pub memory_limit: Option<usize>,
     /// Set it to stop, now or while a frame is made: the result is [`Error::Cancelled`].
     pub cancel: Arc<AtomicBool>,
-    /// Told the share done, 0 to 1, from any thread.
+    /// Told the share done, 0 to 1, from any thread; only morphs take long.
     pub progress: &'a (dyn Fn(f64) + Sync),
 }
 
@@ -157,6 +158,9 @@ fn ready_shape(
     Ok((Ready::Still(scenery(solids, id, &lattice)?), extent, lattice))
 }
 
+/// The share that measuring its objects has in the time that making a morph ready takes.
+const MEASURING: f64 = 0.9;
+
 fn ready_morphs(
     model: &Arc<Model>,
     solids: &mut Solids,
@@ -174,7 +178,8 @@ fn ready_morphs(
     let mut measuring = Measuring {
         voxel: about.voxel_size.get(),
         memory_limit: options.memory_limit,
-        watch: Watch { cancel: &options.cancel, progress: options.progress },
+        watch: Watch { cancel: &options.cancel, progress: &|share| (options.progress)(MEASURING * share) },
+        count: pairs.iter().flat_map(Pair::shapes).collect::<HashSet<_>>().len(),
         done: Vec::new(),
     };
     let mut planned = Vec::new();
@@ -183,6 +188,7 @@ fn ready_morphs(
     }
     alike(&mut planned);
     let extent = extent_over_shot(model, morphs, &planned)?;
+    (options.progress)(1.0);
     Ok((Ready::Morph(planned), extent, lattice(model, options, extent)?))
 }
 

@@ -40,7 +40,7 @@ pub(super) struct Solids {
 }
 
 /// How far a shape is made.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub(super) enum Stage {
     /// All but `displace`, scale, rotate and move.
     Bare,

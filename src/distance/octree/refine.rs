@@ -87,7 +87,7 @@ pub fn refine(
     memory: impl Fn(&Tree, &Samples) -> Result<(), BuildError>,
     watch: &Watch,
 ) -> Result<(), BuildError> {
-    samples.request(&tree.cells[..1], corners)?;
+    samples.request(&tree.cells[..1], corners, |_| {})?;
     let mut active = vec![0_u32];
     while !active.is_empty() {
         let cells: Vec<Cell> = active.iter().map(|&node| tree.cells[node as usize]).collect();
@@ -95,13 +95,16 @@ pub fn refine(
         if size == 1 {
             break;
         }
-        samples.request(&cells, |cell| [cell.point([1; 3])])?;
+        samples.request(&cells, |cell| [cell.point([1; 3])], |_| {})?;
         active.retain(|&node| {
             let cell = &tree.cells[node as usize];
             is_near(cell, samples.get(cell.point([1; 3])).value, settings)
         });
         let near: Vec<Cell> = active.iter().map(|&node| tree.cells[node as usize]).collect();
-        samples.request(&near, all_middles)?;
+        // Work grows about fourfold with each level.
+        let share = |level: u32| 0.9 * 0.25_f64.powi(level as i32);
+        let (from, to) = (share(size.trailing_zeros()), share(size.trailing_zeros() - 1));
+        samples.request(&near, all_middles, |part| (watch.progress)(from + (to - from) * part))?;
         let edge = f64::from(size) * settings.smallest_cell;
         let split: Vec<bool> = near
             .par_iter()
@@ -118,8 +121,6 @@ pub fn refine(
             active.extend(first..first + 8);
         }
         memory(tree, samples)?;
-        // Work grows about fourfold with each level.
-        (watch.progress)(0.9 * 0.25_f64.powi(size.trailing_zeros() as i32 - 1).min(1.0));
     }
     balance(tree, samples)?;
     memory(tree, samples)
@@ -127,7 +128,7 @@ pub fn refine(
 
 fn balance(tree: &mut Tree, samples: &mut Samples) -> Result<(), BuildError> {
     let split = tree.balance();
-    samples.request(&split, all_middles)
+    samples.request(&split, all_middles, |_| {})
 }
 
 /// Splits the leaves whose final patches are wrong: their mixed derivatives, and corners that hang, are not those
@@ -155,7 +156,7 @@ pub fn refine_again(
         tree.split(node);
     }
     let split: Vec<Cell> = wrong.iter().map(|&node| tree.cells[node as usize]).collect();
-    samples.request(&split, all_middles)?;
+    samples.request(&split, all_middles, |_| {})?;
     balance(tree, samples)?;
     Ok(!wrong.is_empty())
 }

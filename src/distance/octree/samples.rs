@@ -2,6 +2,7 @@
 
 use std::collections::HashMap;
 use std::hash::{BuildHasherDefault, Hasher};
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 use glam::DVec3;
 use rayon::prelude::*;
@@ -137,11 +138,12 @@ impl<'a> Samples<'a> {
         all.into_iter().map(|(key, sample)| (unmorton(key), sample)).collect()
     }
 
-    /// Takes the samples at the points that cells name, but those taken before.
+    /// Takes the samples at the points that cells name, but those taken before. `progress` is told the share done.
     pub fn request<C: Sync, P: IntoIterator<Item = [u32; 3]>>(
         &mut self,
         cells: &[C],
         points: impl Fn(&C) -> P + Sync,
+        progress: impl Fn(f64) + Sync,
     ) -> Result<(), BuildError> {
         let index = &self.index;
         let mut keys: Vec<u64> = cells
@@ -154,6 +156,7 @@ impl<'a> Samples<'a> {
         let start = self.taken.len();
         self.taken.resize(start + keys.len(), none);
         let (oracle, watch, origin, step) = (self.oracle, self.watch, self.origin, self.step);
+        let (all, done) = (keys.len(), AtomicUsize::new(0));
         keys.par_chunks(BATCH).zip(self.taken[start..].par_chunks_mut(BATCH)).try_for_each(|(keys, samples)| {
             if watch.cancelled() {
                 return Err(BuildError::Cancelled);
@@ -169,6 +172,8 @@ impl<'a> Samples<'a> {
                 }
                 *sample = Sample { value: foot.distance, gradient: foot.gradient.to_array(), part: foot.part };
             }
+            let done = done.fetch_add(positions.len(), Ordering::Relaxed) + positions.len();
+            progress(done as f64 / all as f64);
             Ok(())
         })?;
         for (i, key) in keys.iter().enumerate() {
