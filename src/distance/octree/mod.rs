@@ -49,6 +49,9 @@ const DEEPEST: u32 = 20;
 /// than the one before.
 const SECOND_LOOKS: usize = 3;
 
+/// The share of all work that is done when cells have been split down to the smallest.
+const REFINING: f64 = 0.6;
+
 /// How a [`DistanceObject`] is built.
 #[derive(Clone, Copy, Debug)]
 pub struct Settings {
@@ -200,7 +203,8 @@ impl DistanceObject {
         refine::refine(&mut tree, &mut samples, settings, memory, watch)?;
         let (mut nodes, mut order) = flatten(&tree);
         let mut made = corners::corners(&tree, &order, &samples, settings.smallest_cell);
-        for _ in 0..SECOND_LOOKS {
+        for look in 0..SECOND_LOOKS {
+            (watch.progress)(REFINING + (0.95 - REFINING) * (look + 1) as f64 / (SECOND_LOOKS + 1) as f64);
             let patch =
                 |leaf: usize, cell: &tree::Cell| made.patch(leaf, f64::from(cell.size) * settings.smallest_cell);
             if !refine::refine_again(&mut tree, &order, patch, &mut samples, settings)? {
@@ -213,6 +217,7 @@ impl DistanceObject {
         if watch.cancelled() {
             return Err(BuildError::Cancelled);
         }
+        (watch.progress)(0.95);
         let smallest = order.iter().map(|&node| tree.cells[node as usize].size).min().unwrap_or(1);
         drop(tree);
         let mut object = Self {

@@ -102,7 +102,7 @@ pub fn refine(
         });
         let near: Vec<Cell> = active.iter().map(|&node| tree.cells[node as usize]).collect();
         // Work grows about fourfold with each level.
-        let share = |level: u32| 0.9 * 0.25_f64.powi(level as i32);
+        let share = |level: u32| super::REFINING * 0.25_f64.powi(level as i32);
         let (from, to) = (share(size.trailing_zeros()), share(size.trailing_zeros() - 1));
         samples.request(&near, all_middles, |part| (watch.progress)(from + (to - from) * part))?;
         let edge = f64::from(size) * settings.smallest_cell;
