@@ -11,7 +11,7 @@ use glam::{DVec3, IVec3};
 
 use crate::{
     field::{Aabb, Field},
-    grid::{BLOCK_EDGE, BLOCK_VOXELS, Band, Lattice, block_order},
+    grid::{BLOCK_EDGE, BLOCK_VOXELS, Band, BlockMask, Lattice, block_order, place_of},
 };
 
 use super::descent::{self, Scope};
@@ -72,6 +72,24 @@ pub struct Measured<T> {
     pub visits: Vec<T>,
     /// Counts and warnings.
     pub report: Report,
+}
+
+impl<T> Measured<T> {
+    /// Puts a block of the band in its place, or in that of what was known of it. Whether nothing was.
+    pub(super) fn put(&mut self, origin: IVec3, distances: [f32; BLOCK_VOXELS], active: BlockMask, visit: T) -> bool {
+        let Self { band, visits, .. } = self;
+        let known = place_of(&band.origins, origin);
+        match known {
+            Ok(place) => (band.distances[place], band.active[place], visits[place]) = (distances, active, visit),
+            Err(place) => {
+                band.origins.insert(place, origin);
+                band.distances.insert(place, distances);
+                band.active.insert(place, active);
+                visits.insert(place, visit);
+            }
+        }
+        known.is_err()
+    }
 }
 
 /// Why there is no band.

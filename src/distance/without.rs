@@ -11,8 +11,8 @@ use glam::{DVec3, IVec3};
 use crate::{
     field::{Aabb, BATCH, Evaluator, Field, Gradients, Interval, Points, Slope},
     grid::{
-        BLOCK_EDGE, BlockMask, InsideTile, Lattice, block_order, block_origin, is_active, measure::voxels_of_pieces,
-        place_of, voxel_offset,
+        BLOCK_EDGE, Band, BlockMask, InsideTile, Lattice, block_order, block_origin, is_active,
+        measure::voxels_of_pieces, place_of, voxel_offset,
     },
 };
 
@@ -75,7 +75,8 @@ where
     let seen = blocks_around(&changed, 1);
     let blocks: Vec<IVec3> = blocks.into_iter().filter(|origin| seen.contains(origin)).collect();
     let again = measure_blocks(&without, &Settings { progress: &|_| {}, ..*settings }, &visitor, &blocks, CHUNK)?;
-    measured.replace(again, &changed, |tile| blocks_of(tile).any(|block| without.voxels.contains_key(&block)));
+    // A tile is inside one piece.
+    measured.replace(again, &changed, |tile| without.voxels.contains_key(&tile.origin));
     measured.report.cut_voxels = cut_voxels(&measured.band, &settings.scope());
     Ok(measured)
 }
@@ -93,47 +94,26 @@ fn blocks_around<'a>(blocks: impl IntoIterator<Item = &'a IVec3>, rings: i32) ->
     around
 }
 
-fn blocks_of(tile: &InsideTile) -> impl Iterator<Item = IVec3> + use<> {
-    let (origin, blocks) = (tile.origin, tile.edge / BLOCK_EDGE);
-    (0..blocks.pow(3)).map(move |number| {
-        origin + IVec3::new(number / blocks / blocks, number / blocks % blocks, number % blocks) * BLOCK_EDGE
-    })
-}
-
 impl<T> Measured<T> {
     /// Puts what was measured again of some of the opened blocks in the place of what was known of them, and leaves out
     /// the tiles that are inside no more.
     fn replace(&mut self, again: Self, blocks: &HashSet<IVec3>, outside: impl Fn(&InsideTile) -> bool) {
         let changed = |origin: &IVec3| blocks.contains(origin);
-        let Self { band, visits, report } = self;
-        let mut stays: Vec<bool> = band.origins.iter().map(|origin| !changed(origin)).collect();
-        let mut new = Vec::new();
-        let of_again =
-            again.band.origins.into_iter().zip(again.band.distances).zip(again.band.active).zip(again.visits);
+        let stays = |origin: &IVec3| !changed(origin) || place_of(&again.band.origins, *origin).is_ok();
+        let stays: Vec<bool> = self.band.origins.iter().map(stays).collect();
+        retain(&mut self.band.origins, &stays);
+        retain(&mut self.band.distances, &stays);
+        retain(&mut self.band.active, &stays);
+        retain(&mut self.visits, &stays);
+        let Band { origins, distances, active, inside_tiles, .. } = again.band;
+        let of_again = origins.into_iter().zip(distances).zip(active).zip(again.visits);
         for (((origin, distances), active), visit) in of_again.filter(|(((origin, _), _), _)| changed(origin)) {
-            match place_of(&band.origins, origin) {
-                Ok(place) => {
-                    (band.distances[place], band.active[place], visits[place]) = (distances, active, visit);
-                    stays[place] = true;
-                }
-                Err(_) => new.push((origin, distances, active, visit)),
-            }
+            self.put(origin, distances, active, visit);
         }
-        retain(&mut band.origins, &stays);
-        retain(&mut band.distances, &stays);
-        retain(&mut band.active, &stays);
-        retain(visits, &stays);
-        // What takes a piece away may bring the surface to a block that had none: hardly ever.
-        for (origin, distances, active, visit) in new {
-            let (Ok(place) | Err(place)) = place_of(&band.origins, origin);
-            band.origins.insert(place, origin);
-            band.distances.insert(place, distances);
-            band.active.insert(place, active);
-            visits.insert(place, visit);
-        }
+        let Self { band, report, .. } = self;
         let goes = |tile: &InsideTile| outside(tile) || tile.edge == BLOCK_EDGE && changed(&tile.origin);
         band.inside_tiles.retain(|tile| !goes(tile));
-        band.inside_tiles.extend(again.band.inside_tiles.into_iter().filter(|tile| changed(&tile.origin)));
+        band.inside_tiles.extend(inside_tiles.into_iter().filter(|tile| changed(&tile.origin)));
         band.inside_tiles.sort_unstable_by_key(|tile| block_order(tile.origin));
         report.thin.retain(|thin| !changed(&thin.origin));
         report.thin.extend(again.report.thin.into_iter().filter(|thin| changed(&thin.origin)));
@@ -321,8 +301,14 @@ mod tests {
             accuracy::exact,
             testing::{Joined, Leaf},
         },
-        grid::{BLOCK_VOXELS, Band, VoxelSize, measure::pieces},
+        grid::{BLOCK_VOXELS, VoxelSize, measure::pieces},
     };
+
+    fn around<'a>(field: &Joined, cancel: &'a AtomicBool) -> Settings<'a> {
+        let lattice = Lattice { voxel_size: VoxelSize::new(1.0).unwrap() };
+        let region = field.bounding_box().unwrap().grown(4.0);
+        Settings { lattice, half_width: 3.0, region, cancel, progress: &|_| {} }
+    }
 
     /// Two balls and a crumb of three voxels beside them: without the small ones the band is that of the large ball.
     #[test]
@@ -333,10 +319,8 @@ mod tests {
             Leaf::Sphere(DVec3::new(14.1, 0.2, 0.4), 6.0),
             Leaf::Sphere(DVec3::new(-8.0, 0.0, 16.4), 1.1),
         ]);
-        let lattice = Lattice { voxel_size: VoxelSize::new(1.0).unwrap() };
         let cancel = AtomicBool::new(false);
-        let region = field.bounding_box().unwrap().grown(4.0);
-        let settings = Settings { lattice, half_width: 3.0, region, cancel: &cancel, progress: &|_| {} };
+        let settings = around(&field, &cancel);
         let kept = |largest_only: bool, least_volume: f64| {
             let keep = Keep { largest_only, least_volume };
             measure_kept(&field, &settings, keep, || |_: &MeasuredBlock| ()).unwrap().band
@@ -346,7 +330,7 @@ mod tests {
         let band = kept(true, 0.0);
         assert_eq!(pieces(&band).len(), 1);
         for (origin, distances) in band.origins.iter().zip(&band.distances) {
-            let points = Points::of_block(*origin, &lattice);
+            let points = Points::of_block(*origin, &settings.lattice);
             for i in 0..BLOCK_VOXELS {
                 let truth = exact::sphere(points.position(i), large, radius).clamp(-3.0, 3.0);
                 let found = f64::from(distances[i]);
@@ -363,20 +347,18 @@ mod tests {
             Leaf::Sphere(DVec3::new(20.1, 0.2, 0.4), 17.0),
             Leaf::Sphere(DVec3::new(-8.0, 0.0, 24.4), 1.1),
         ]);
-        let lattice = Lattice { voxel_size: VoxelSize::new(1.0).unwrap() };
         let cancel = AtomicBool::new(false);
-        let region = field.bounding_box().unwrap().grown(4.0);
-        let settings = Settings { lattice, half_width: 3.0, region, cancel: &cancel, progress: &|_| {} };
+        let settings = around(&field, &cancel);
         let visitor = || |block: &MeasuredBlock| block.origin;
         let all = measure(&field, &settings, visitor).unwrap().band;
         let dropped = voxels_of_pieces(&all, |rank, _| rank > 0);
-        let whole = measure(&Without::new(&field, lattice, &dropped), &settings, visitor).unwrap();
+        let whole = measure(&Without::new(&field, settings.lattice, &dropped), &settings, visitor).unwrap();
         let keep = Keep { largest_only: true, least_volume: 0.0 };
         let part = measure_kept(&field, &settings, keep, visitor).unwrap();
         assert_eq!((&part.band.origins, &part.band.active), (&whole.band.origins, &whole.band.active));
         assert_eq!(part.visits, part.band.origins);
         assert_eq!(part.band.distances, whole.band.distances);
-        let inside = |band: &Band| band.inside_tiles.iter().flat_map(blocks_of).collect::<HashSet<IVec3>>();
+        let inside = |band: &Band| band.inside_tiles.iter().flat_map(InsideTile::blocks).collect::<HashSet<IVec3>>();
         assert!(inside(&part.band).len() < inside(&all).len());
         assert_eq!(inside(&part.band), inside(&whole.band));
         assert_eq!(part.report.cut_voxels, whole.report.cut_voxels);

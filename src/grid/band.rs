@@ -2,7 +2,7 @@
 
 use glam::IVec3;
 
-use super::{BLOCK_VOXELS, BlockMask, Lattice, is_active, mask};
+use super::{BLOCK_EDGE, BLOCK_VOXELS, BlockMask, Lattice, is_active, mask};
 
 /// A cube of voxels that lies wholly inside the solid and holds no leaf blocks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -11,6 +11,16 @@ pub struct InsideTile {
     pub origin: IVec3,
     /// Its edge in voxels: 8, 128 or 4096, the sizes of a tile in OpenVDB's tree.
     pub edge: i32,
+}
+
+impl InsideTile {
+    /// The least corners of the blocks that fit in it.
+    pub fn blocks(&self) -> impl Iterator<Item = IVec3> + use<> {
+        let (origin, blocks) = (self.origin, self.edge / BLOCK_EDGE);
+        (0..blocks.pow(3)).map(move |number| {
+            origin + IVec3::new(number / blocks / blocks, number / blocks % blocks, number % blocks) * BLOCK_EDGE
+        })
+    }
 }
 
 /// A narrow-band distance field in leaf blocks, positive inside.

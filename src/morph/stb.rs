@@ -141,12 +141,12 @@ impl Evaluator for StbEvaluator<'_> {
     /// Two signs in a box have a zero between them: a few values cost less than bounds of two objects' cells.
     fn vanishes(&mut self) -> bool {
         let Some(region) = self.regions.last() else { return false };
-        let mut points = Points::new(region.centre());
+        let centre = region.centre();
+        let mut points = Points::new(centre);
         let half = (region.size() * 0.5).as_vec3();
         points.push(Vec3::ZERO);
-        for corner in 0..8 {
-            let side = |bit: i32| if corner & bit != 0 { 1.0 } else { -1.0 };
-            points.push(half * Vec3::new(side(4), side(2), side(1)));
+        for corner in region.corners() {
+            points.push((corner - centre).as_vec3());
         }
         for axis in Vec3::AXES {
             points.push(half * axis);

@@ -1,6 +1,5 @@
 //! Colours and scalars of shapes at one moment.
 
-use std::collections::HashMap;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
@@ -350,14 +349,14 @@ struct NearestCopy {
 
 impl NearestCopy {
     fn new(middles: Vec<DVec3>) -> Self {
-        let bits = |middle: &DVec3| middle.to_array().map(f64::to_bits);
-        // Of copies in one place the first.
-        let mut by_place = HashMap::new();
-        for (copy, middle) in middles.iter().enumerate() {
-            by_place.entry(bits(middle)).or_insert(copy as u32);
+        let tree = PointTree::new(middles.clone());
+        let mut copies = vec![0; middles.len()];
+        // Of points in one place the tree tells always the same; it stands for the first copy there.
+        for (copy, middle) in middles.iter().enumerate().rev() {
+            if let Some((number, _)) = tree.nearest(*middle, None) {
+                copies[number] = copy as u32;
+            }
         }
-        let tree = PointTree::new(middles);
-        let copies = tree.points().iter().map(|middle| by_place[&bits(middle)]).collect();
         Self { middles: tree, copies }
     }
 }

@@ -48,9 +48,7 @@ pub(super) struct Pass<'a, 'f, T, M> {
     visitor: &'a M,
     /// All blocks of the pass, in order.
     all: &'a [IVec3],
-    band: Band,
-    visits: Vec<T>,
-    report: Report,
+    measured: Measured<T>,
     /// How many of all blocks are done with.
     taken: usize,
     /// Layers that later blocks will face.
@@ -82,9 +80,11 @@ where
             scope,
             visitor,
             all,
-            band,
-            visits: Vec::with_capacity(all.len()),
-            report: Report { opened_blocks: all.len() as u64, ..Report::default() },
+            measured: Measured {
+                band,
+                visits: Vec::with_capacity(all.len()),
+                report: Report { opened_blocks: all.len() as u64, ..Report::default() },
+            },
             taken: 0,
             borders: FxHashMap::default(),
             imports: FxHashMap::default(),
@@ -211,7 +211,7 @@ where
     fn finish(&mut self, staged: &[Staged]) -> Vec<Outcome<T>> {
         for block in staged {
             if let Some(at) = block.thin_at {
-                self.report.thin.push(Thin { origin: block.origin, voxels: block.thin, at });
+                self.measured.report.thin.push(Thin { origin: block.origin, voxels: block.thin, at });
             }
         }
         staged.par_iter().map_init(self.visitor, |visitor, block| outcome(self.scope, visitor, block)).collect()
@@ -228,17 +228,19 @@ where
         for (block, outcome) in in_order.into_iter().flatten() {
             match outcome {
                 Outcome::Band(active, visit) => {
-                    self.band.origins.push(block.origin);
-                    self.band.active.push(active);
+                    self.measured.band.origins.push(block.origin);
+                    self.measured.band.active.push(active);
                     kept.push((block, visit));
                 }
-                Outcome::Inside => self.band.inside_tiles.push(InsideTile { origin: block.origin, edge: BLOCK_EDGE }),
+                Outcome::Inside => {
+                    self.measured.band.inside_tiles.push(InsideTile { origin: block.origin, edge: BLOCK_EDGE })
+                }
                 Outcome::Outside => {}
             }
         }
         let background = self.scope.background();
-        self.band.distances.par_extend(kept.par_iter().map(|(block, _)| block.clamped(background)));
-        self.visits.par_extend(kept.into_par_iter().map(|(_, visit)| visit));
+        self.measured.band.distances.par_extend(kept.par_iter().map(|(block, _)| block.clamped(background)));
+        self.measured.visits.par_extend(kept.into_par_iter().map(|(_, visit)| visit));
     }
 
     /// Measures the blocks again to which later ones offered nearer feet, and then those to which these do.
@@ -279,8 +281,8 @@ where
                 continue;
             }
             // A finished block that is not in the band has no foot.
-            let distances = match place_of(&self.band.origins, neighbour) {
-                Ok(place) => face.facing().layer(&self.band.distances[place]),
+            let distances = match place_of(&self.measured.band.origins, neighbour) {
+                Ok(place) => face.facing().layer(&self.measured.band.distances[place]),
                 Err(_) => [reach; 64],
             };
             let mut seeds = Vec::new();
@@ -294,27 +296,15 @@ where
     /// Puts a block measured again in its place. It can only have gained: nearer feet, active voxels.
     fn replace(&mut self, block: &Staged, outcome: Outcome<T>) {
         let Outcome::Band(active, visit) = outcome else { return };
-        let (origin, distances) = (block.origin, block.clamped(self.scope.background()));
-        match place_of(&self.band.origins, origin) {
-            Ok(place) => {
-                self.band.distances[place] = distances;
-                self.band.active[place] = active;
-                self.visits[place] = visit;
-            }
-            Err(place) => {
-                self.band.origins.insert(place, origin);
-                self.band.distances.insert(place, distances);
-                self.band.active.insert(place, active);
-                self.visits.insert(place, visit);
-                self.band.inside_tiles.retain(|tile| tile.origin != origin);
-            }
+        if self.measured.put(block.origin, block.clamped(self.scope.background()), active, visit) {
+            self.measured.band.inside_tiles.retain(|tile| tile.origin != block.origin);
         }
     }
 
     /// The band, the visits and the counts.
     pub fn done(mut self) -> Measured<T> {
-        self.report.band_blocks = self.band.origins.len() as u64;
-        Measured { band: self.band, visits: self.visits, report: self.report }
+        self.measured.report.band_blocks = self.measured.band.origins.len() as u64;
+        self.measured
     }
 }
 

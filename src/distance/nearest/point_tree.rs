@@ -34,11 +34,6 @@ impl PointTree {
         Self { points, nodes }
     }
 
-    /// The points by their numbers.
-    pub fn points(&self) -> &[DVec3] {
-        &self.points
-    }
-
     /// How many points there are.
     pub fn len(&self) -> usize {
         self.points.len()

@@ -4,6 +4,8 @@
 //! Both ways do the same operations in the same order, so a point's answer has the same bits whichever way its
 //! batch went, and at any vector width (no fused multiply-add).
 
+use std::ops::{Add, Mul, Neg, Sub};
+
 use glam::{Mat4, Vec4};
 use multiversion::multiversion;
 
@@ -16,19 +18,26 @@ pub type Numbers = [Vec4; 2];
 /// in world units.
 type Weights = [f32; 4];
 
+/// Of a number along one axis, or of several axes side by side.
 #[inline(always)]
-fn basis(t: f32, edge: f32) -> Weights {
-    let s = 1.0 - t;
+fn basis<T: Copy + Mul<Output = T> + Neg<Output = T>>(t: T, edge: f32) -> [T; 4]
+where
+    f32: Add<T, Output = T> + Sub<T, Output = T> + Mul<T, Output = T>,
+{
+    let s = 1.0_f32 - t;
     let (tt, ss) = (t * t, s * s);
-    [(1.0 + 2.0 * t) * ss, edge * (t * ss), tt * (3.0 - 2.0 * t), -(edge * (tt * s))]
+    [(1.0_f32 + 2.0_f32 * t) * ss, edge * (t * ss), tt * (3.0_f32 - 2.0_f32 * t), -(edge * (tt * s))]
 }
 
 /// The derivative of the basis in world units.
 #[inline(always)]
-fn basis_slope(t: f32, inverse_edge: f32) -> Weights {
-    let s = 1.0 - t;
-    let down = -6.0 * (t * s) * inverse_edge;
-    [down, s * (1.0 - 3.0 * t), -down, t * (3.0 * t - 2.0)]
+fn basis_slope<T: Copy + Mul<Output = T> + Neg<Output = T> + Sub<f32, Output = T>>(t: T, inverse_edge: f32) -> [T; 4]
+where
+    f32: Sub<T, Output = T> + Mul<T, Output = T>,
+{
+    let s = 1.0_f32 - t;
+    let down = inverse_edge * (-6.0_f32 * (t * s));
+    [down, s * (1.0_f32 - 3.0_f32 * t), -down, t * (3.0_f32 * t - 2.0)]
 }
 
 /// The four pairs of corners along z, each made one.
@@ -61,23 +70,11 @@ fn value_at(corners: &[&Numbers; 8], t: [f32; 3], edge: f32) -> f32 {
     (sum.x + sum.z) + (sum.y + sum.w)
 }
 
-/// The basis of the three axes and its derivative, an axis a lane.
-#[inline(always)]
-fn bases([x, y, z]: [f32; 3], edge: f32) -> [[Vec4; 4]; 2] {
-    let t = Vec4::new(x, y, z, 0.0);
-    let s = 1.0 - t;
-    let (tt, ss) = (t * t, s * s);
-    let down = -6.0 * (t * s) * (1.0 / edge);
-    [
-        [(1.0 + 2.0 * t) * ss, edge * (t * ss), tt * (3.0 - 2.0 * t), -(edge * (tt * s))],
-        [down, s * (1.0 - 3.0 * t), -down, t * (3.0 * t - 2.0)],
-    ]
-}
-
 /// F, ∂x, ∂y, ∂z.
 #[inline(always)]
-fn gradient_at(corners: &[&Numbers; 8], t: [f32; 3], edge: f32) -> [f32; 4] {
-    let [basis, slope] = bases(t, edge);
+fn gradient_at(corners: &[&Numbers; 8], [x, y, z]: [f32; 3], edge: f32) -> [f32; 4] {
+    let t = Vec4::new(x, y, z, 0.0);
+    let (basis, slope) = (basis(t, edge), basis_slope(t, 1.0 / edge));
     let (wx, wy, wz) = (basis.map(|w| w.x), basis.map(|w| w.y), basis.map(|w| w.z));
     let (z0, z1) = (along_z(corners, wz), along_z(corners, slope.map(|w| w.z)));
     let y00 = along_y(&z0, wy);

@@ -51,6 +51,8 @@ const SECOND_LOOKS: usize = 3;
 
 /// The share of all work that is done when cells have been split down to the smallest.
 const REFINING: f64 = 0.6;
+/// The same when all cells and corners are made.
+const MADE: f64 = 0.95;
 
 /// How a [`DistanceObject`] is built.
 #[derive(Clone, Copy, Debug)]
@@ -204,7 +206,7 @@ impl DistanceObject {
         let (mut nodes, mut order) = flatten(&tree);
         let mut made = corners::corners(&tree, &order, &samples, settings.smallest_cell);
         for look in 0..SECOND_LOOKS {
-            (watch.progress)(REFINING + (0.95 - REFINING) * (look + 1) as f64 / (SECOND_LOOKS + 1) as f64);
+            (watch.progress)(REFINING + (MADE - REFINING) * (look + 1) as f64 / (SECOND_LOOKS + 1) as f64);
             let patch =
                 |leaf: usize, cell: &tree::Cell| made.patch(leaf, f64::from(cell.size) * settings.smallest_cell);
             if !refine::refine_again(&mut tree, &order, patch, &mut samples, settings)? {
@@ -217,7 +219,7 @@ impl DistanceObject {
         if watch.cancelled() {
             return Err(BuildError::Cancelled);
         }
-        (watch.progress)(0.95);
+        (watch.progress)(MADE);
         let smallest = order.iter().map(|&node| tree.cells[node as usize].size).min().unwrap_or(1);
         drop(tree);
         let mut object = Self {

@@ -50,11 +50,7 @@ pub fn voxels_of_pieces(band: &Band, dropped: impl Fn(usize, f64) -> bool) -> Ve
     }
     for (index, tile) in band.inside_tiles.iter().enumerate() {
         if drops[pieces.rank[pieces.first_tile + index]] {
-            let blocks = tile.edge / BLOCK_EDGE;
-            for number in 0..blocks.pow(3) {
-                let step = IVec3::new(number / blocks / blocks, number / blocks % blocks, number % blocks);
-                voxels.push((tile.origin + step * BLOCK_EDGE, [u64::MAX; 8]));
-            }
+            voxels.extend(tile.blocks().map(|block| (block, [u64::MAX; 8])));
         }
     }
     voxels
