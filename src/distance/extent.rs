@@ -3,6 +3,7 @@
 use std::fmt;
 
 use glam::DVec3;
+use rayon::prelude::*;
 
 use crate::{
     field::{Aabb, Evaluator, Field},
@@ -187,6 +188,9 @@ impl Estimate {
 /// Boxes bounded at most for an estimate; more is more exact, and slower.
 const ESTIMATE_BUDGET: usize = 60_000;
 
+/// Boxes that one evaluator is made for, at least.
+const BOXES_A_TASK: usize = 16;
+
 /// How much work goes into an estimate: the boxes found on the surface that are enough for it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Effort {
@@ -215,27 +219,17 @@ pub fn estimate(field: &dyn Field, scope: &Scope, effort: Effort) -> Estimate {
     let longest = scope.region.size().max_element().max(voxel);
     let (width, block) = (2.0 * f64::from(scope.half_width), f64::from(BLOCK_EDGE));
     let thickness = |edge: f64| 1.5 * (edge - 1.0 + width);
-    let mut count = Count {
-        evaluator: field.evaluator(),
-        region: scope.region,
-        margin: width / 2.0 * voxel,
-        maybe: 0,
-        budget: ESTIMATE_BUDGET,
-    };
-    let (mut edge, mut maybe) = (longest, 1);
-    let mut depth = 1;
-    while maybe < effort.enough() && longest / f64::from(1u32 << depth) >= block * voxel / 2.0 && depth < 30 {
-        count.maybe = 0;
-        count.visit(scope.region.min, longest, depth);
-        if count.budget == 0 {
+    let (mut edge, mut found) = (longest, vec![scope.region.min]);
+    let mut bounded = 0;
+    while !found.is_empty() && found.len() < effort.enough() && edge >= block * voxel {
+        bounded += 8 * found.len();
+        if bounded > ESTIMATE_BUDGET {
             break;
         }
-        (edge, maybe) = (longest / f64::from(1u32 << depth), count.maybe);
-        if maybe == 0 {
-            break;
-        }
-        depth += 1;
+        found = halves_at_band(field, scope, &found, edge);
+        edge /= 2.0;
     }
+    let maybe = found.len();
     let nodes = edge / voxel;
     let area = maybe as f64 * nodes.powi(3) / thickness(nodes.max(1.0));
     // What the scaling takes too low for the shape's curvature, and what the descent opens in vain.
@@ -244,36 +238,25 @@ pub fn estimate(field: &dyn Field, scope: &Scope, effort: Effort) -> Estimate {
     Estimate { blocks, voxels: area * width, bytes: blocks * bytes_a_block }
 }
 
-/// Counts the boxes of one size that may hold a piece of the band.
-struct Count<'a> {
-    evaluator: Box<dyn Evaluator + 'a>,
-    region: Aabb,
-    margin: f64,
-    maybe: usize,
-    budget: usize,
-}
-
-impl Count<'_> {
-    fn visit(&mut self, origin: DVec3, edge: f64, depth: u32) {
-        let Some(cell) = Aabb::new(origin, origin + edge).intersection(self.region) else { return };
-        if self.budget == 0 {
-            return;
-        }
-        self.budget -= 1;
-        self.evaluator.enter(&cell.grown(self.margin));
-        if self.evaluator.vanishes() || self.evaluator.bounds().contains(0.0) {
-            if depth == 0 {
-                self.maybe += 1;
-            } else {
-                let half = edge / 2.0;
-                for child in 0..8u8 {
-                    let corner = DVec3::new(f64::from(child >> 2), f64::from(child >> 1 & 1), f64::from(child & 1));
-                    self.visit(origin + corner * half, half, depth - 1);
-                }
+/// The least corners of those halves of boxes of one edge that may hold a piece of the band.
+fn halves_at_band(field: &dyn Field, scope: &Scope, boxes: &[DVec3], edge: f64) -> Vec<DVec3> {
+    let margin = f64::from(scope.half_width) * scope.lattice.voxel_size.get();
+    let half = edge / 2.0;
+    let of_box = |evaluator: &mut Box<dyn Evaluator + '_>, &origin: &DVec3| {
+        let mut found = Vec::new();
+        evaluator.enter(&Aabb::new(origin, origin + edge).grown(margin));
+        for corner in Aabb::new(origin, origin + half).corners() {
+            let Some(cell) = Aabb::new(corner, corner + half).intersection(scope.region) else { continue };
+            evaluator.enter(&cell.grown(margin));
+            if evaluator.vanishes() || evaluator.bounds().contains(0.0) {
+                found.push(corner);
             }
+            evaluator.leave();
         }
-        self.evaluator.leave();
-    }
+        evaluator.leave();
+        found
+    };
+    boxes.par_iter().with_min_len(BOXES_A_TASK).map_init(|| field.evaluator(), of_box).flatten_iter().collect()
 }
 
 #[cfg(test)]

@@ -265,8 +265,8 @@ impl Evaluator for WithoutEvaluator<'_> {
         }
     }
 
-    fn gradient_bounds(&mut self) -> Option<[Interval; 3]> {
-        if self.near() { None } else { self.inner.gradient_bounds() }
+    fn steepest(&mut self) -> Option<f64> {
+        if self.near() { None } else { self.inner.steepest() }
     }
 
     fn branches(&self) -> usize {

@@ -105,9 +105,9 @@ pub trait Evaluator: Send {
     /// F and its gradient at each point. Where F has no gradient (a crease) one of the sides' is given.
     fn gradients(&mut self, points: &Points, out: &mut Gradients);
 
-    /// Bounds of ∂F/∂x, ∂F/∂y, ∂F/∂z over the innermost region entered, or `None` where they are not known. A morph
-    /// of two fields that answer opens fewer blocks: where one grows as the other falls, their slopes cancel.
-    fn gradient_bounds(&mut self) -> Option<[Interval; 3]> {
+    /// The most that |∇F| may be in the innermost region entered, or `None` where that is not known. A morph of two
+    /// fields that answer opens fewer blocks: a value then tells how far away its surface is at least.
+    fn steepest(&mut self) -> Option<f64> {
         None
     }
 

@@ -154,22 +154,7 @@ impl Evaluator for ExactEvaluator<'_> {
         }
     }
 
-    /// Of a ball: minus the unit vectors of the region.
-    fn gradient_bounds(&mut self) -> Option<[Interval; 3]> {
-        let (Exact::Ball { centre, .. }, region) = (self.exact, self.regions.last()?) else { return None };
-        let (lo, hi) = (region.min - *centre, region.max - *centre);
-        let square = |axis: usize| {
-            let least = if lo[axis] <= 0.0 && hi[axis] >= 0.0 { 0.0 } else { lo[axis].abs().min(hi[axis].abs()) };
-            [least * least, lo[axis].abs().max(hi[axis].abs()).powi(2)]
-        };
-        Some(std::array::from_fn(|axis| {
-            let others = [(axis + 1) % 3, (axis + 2) % 3].map(square);
-            let unit = |x: f64, end: usize| {
-                if x == 0.0 { 0.0 } else { x / (x * x + others[0][end] + others[1][end]).sqrt() }
-            };
-            let greatest = unit(hi[axis], usize::from(hi[axis] < 0.0));
-            let least = unit(lo[axis], usize::from(lo[axis] > 0.0));
-            Interval::new(-greatest - 1e-9, -least + 1e-9)
-        }))
+    fn steepest(&mut self) -> Option<f64> {
+        Some(1.0)
     }
 }

@@ -237,12 +237,9 @@ impl Evaluator for MovedEvaluator<'_> {
         self.gradients_to_world(out);
     }
 
-    fn gradient_bounds(&mut self) -> Option<[Interval; 3]> {
-        let bounds = self.inner.gradient_bounds()?;
-        let centre = DVec3::from_array(bounds.map(|b| (b.lo + b.hi) * 0.5));
-        let half = DVec3::from_array(bounds.map(|b| (b.hi - b.lo) * 0.5));
-        let turned = around(self.placement.rotation * centre, absolute(self.placement.rotation) * half);
-        Some(std::array::from_fn(|axis| Interval::new(turned.min[axis], turned.max[axis])))
+    /// Lengths grow as values do.
+    fn steepest(&mut self) -> Option<f64> {
+        self.inner.steepest()
     }
 
     fn branches(&self) -> usize {

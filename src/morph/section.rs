@@ -237,23 +237,6 @@ impl Kernel<f64> {
         sum(Interval::new(union(g1.lo, g2.lo), union(g1.hi, g2.hi)), self.blend.bounds(g1, g2))
     }
 
-    /// Bounds of ∂F_b by the first and by the second distance, for a section that rises.
-    pub(super) fn slope_bounds(&self, first: Interval, second: Interval) -> [Interval; 2] {
-        debug_assert!(self.rises());
-        let g1 = Interval::new(intersection(first.lo, self.cut1), intersection(first.hi, self.cut1));
-        let g2 = Interval::new(intersection(second.lo, self.cut2), intersection(second.hi, self.cut2));
-        let rho = [self.blend.rho(g1.hi, g2.hi), self.blend.rho(g1.lo, g2.lo)];
-        let fall = rho.map(|rho| self.blend.amount * Displacement::<f64>::fall(rho));
-        let one = |f: Interval, cut: f64, g: Interval, other: Interval, k: f64| {
-            let cylinder = Interval::new(intersection_slope(f.hi, cut), intersection_slope(f.lo, cut));
-            let union = Interval::new(union_slope(g.lo, other.hi), union_slope(g.hi, other.lo));
-            let blend = Interval::new(fall[1] * 2.0 * k * -g.hi, fall[0] * 2.0 * k * -g.lo);
-            let total = sum(union, blend);
-            self.rounded_outward(Interval::new(total.lo * cylinder.lo, total.hi * cylinder.hi))
-        };
-        [one(first, self.cut1, g1, g2, self.blend.k1), one(second, self.cut2, g2, g1, self.blend.k2)]
-    }
-
     /// Wider by what an `f32` batch may be off, so that the bounds hold for it too.
     fn rounded_outward(&self, bounds: Interval) -> Interval {
         let margin = |end: f64| if end.is_finite() { 1e-6 * (1e-3 + self.blend.amount.abs() + end.abs()) } else { 0.0 };

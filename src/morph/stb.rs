@@ -77,10 +77,12 @@ impl Field for Stb {
             regions: Vec::new(),
             values: [0.0; BATCH],
             gradients: Gradients::new(),
-            centre: Points::new(DVec3::ZERO),
         })
     }
 }
+
+/// How often parts of a region are halved to bound what they hold. More costs more than blocks opened in vain.
+const HALVINGS: usize = 5;
 
 struct StbEvaluator<'a> {
     stb: &'a Stb,
@@ -88,31 +90,50 @@ struct StbEvaluator<'a> {
     regions: Vec<Aabb>,
     values: [f32; BATCH],
     gradients: Gradients,
-    centre: Points,
 }
 
 impl StbEvaluator<'_> {
-    /// The value in the middle of the region ± what the slopes allow on the way to its faces, in units of D (the mean
-    /// value form). Narrower than the ends of both distances where the objects' slopes oppose one another.
-    fn mean_value_bounds(&mut self, region: &Aabb, first: Interval, second: Interval) -> Option<Interval> {
-        let (one, two) = (self.both.first.gradient_bounds()?, self.both.second.gradient_bounds()?);
-        let kernel = &self.stb.exact;
-        let [by_first, by_second] = kernel.slope_bounds(first, second);
-        let half = region.size() * (0.5 / self.stb.unit);
-        let reach: f64 = (0..3)
-            .map(|axis| {
-                let slope = sum(product(by_first, one[axis]), product(by_second, two[axis]));
-                slope.lo.abs().max(slope.hi.abs()) * half[axis]
-            })
-            .sum();
-        self.centre.origin = region.centre();
-        self.centre.len = 1;
-        self.both.first.values(&self.centre, &mut self.values);
-        let at_first = f64::from(self.values[0]) / self.stb.unit;
-        self.both.second.values(&self.centre, &mut self.values);
-        let at_second = f64::from(self.values[0]) / self.stb.unit;
-        let at_centre = kernel.bounds(Interval::new(at_first, at_first), Interval::new(at_second, at_second));
-        Some(Interval::new(at_centre.lo - reach, at_centre.hi + reach))
+    /// Bounds from the distances in the middles of the region's parts, in units of D: over a part neither changes by more
+    /// than its slope allows on the way to a corner. Narrower than those of the ends of both distances over the region,
+    /// which are met in different places of it. Parts that may hold a zero are halved; `None` where some still may.
+    fn bounds_by_parts(&mut self, region: &Aabb) -> Option<Interval> {
+        let steepest = [self.both.first.steepest()?, self.both.second.steepest()?];
+        let mut bounds = Interval::new(f64::INFINITY, f64::NEG_INFINITY);
+        let mut part = region.size();
+        let mut parts = Points::new(region.centre());
+        parts.push(Vec3::ZERO);
+        for _ in 0..HALVINGS {
+            // The rounding of an f32 value is far below a thousandth of a part.
+            let reach = 0.5005 * part.length() / self.stb.unit;
+            self.both.first.values(&parts, &mut self.gradients.value);
+            self.both.second.values(&parts, &mut self.values);
+            part *= 0.5;
+            let mut halves = Points::new(parts.origin);
+            for i in 0..parts.len {
+                let values = [(self.gradients.value[i], steepest[0]), (self.values[i], steepest[1])];
+                let [first, second] = values.map(|(value, slope)| {
+                    let value = f64::from(value) / self.stb.unit;
+                    Interval::new(value - slope * reach, value + slope * reach)
+                });
+                let found = self.stb.exact.bounds(first, second);
+                if !found.contains(0.0) {
+                    bounds = Interval::new(bounds.lo.min(found.lo), bounds.hi.max(found.hi));
+                } else if halves.len + 8 <= BATCH {
+                    let corners = Aabb::new(-part * 0.5, part * 0.5).corners();
+                    corners.into_iter().for_each(|step| halves.push(parts.offset(i) + step.as_vec3()));
+                } else {
+                    return None;
+                }
+            }
+            if bounds.contains(0.0) {
+                return None;
+            }
+            if halves.len == 0 {
+                return Some(bounds);
+            }
+            parts = halves;
+        }
+        None
     }
 }
 
@@ -127,11 +148,8 @@ impl Evaluator for StbEvaluator<'_> {
         let unit = self.stb.unit;
         let [first, second] = self.both.bounds();
         let mut bounds = self.stb.exact.bounds(first, second);
-        let finite = [first.lo, first.hi, second.lo, second.hi].iter().all(|end| end.is_finite());
         if bounds.contains(0.0)
-            && finite
-            && self.stb.exact.rises()
-            && let Some(other) = self.mean_value_bounds(&region, first, second)
+            && let Some(other) = self.bounds_by_parts(&region)
         {
             bounds = Interval::new(bounds.lo.max(other.lo), bounds.hi.min(other.hi));
         }
@@ -195,13 +213,4 @@ fn blend_gradients(kernel: &Kernel<f32>, unit: f32, len: usize, first: &mut Grad
         first.dy[i] = slopes.by_first * first.dy[i] + slopes.by_second * second.dy[i];
         first.dz[i] = slopes.by_first * first.dz[i] + slopes.by_second * second.dz[i];
     }
-}
-
-fn sum(a: Interval, b: Interval) -> Interval {
-    Interval::new(a.lo + b.lo, a.hi + b.hi)
-}
-
-fn product(a: Interval, b: Interval) -> Interval {
-    let ends = [a.lo * b.lo, a.lo * b.hi, a.hi * b.lo, a.hi * b.hi];
-    Interval::new(ends.into_iter().fold(f64::INFINITY, f64::min), ends.into_iter().fold(f64::NEG_INFINITY, f64::max))
 }

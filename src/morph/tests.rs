@@ -259,7 +259,7 @@ fn slopes_are_those_of_the_values() {
 }
 
 #[test]
-fn a_sections_bounds_hold_its_values_and_slopes() {
+fn a_sections_bounds_hold_its_values() {
     let mut next = random(6);
     for section in sections() {
         let (kernel, fast) = (Kernel::<f64>::new(&section), Kernel::<f32>::new(&section));
@@ -276,11 +276,6 @@ fn a_sections_bounds_hold_its_values_and_slopes() {
                 let (f1, f2) = (within(first, next()), within(second, next()));
                 assert!(bounds.contains(kernel.value(f1, f2)), "{section:?}");
                 assert!(bounds.contains(f64::from(fast.value(f1 as f32, f2 as f32))), "{section:?}");
-                if kernel.rises() {
-                    let [by_first, by_second] = kernel.slope_bounds(first, second);
-                    let slopes = kernel.slopes(f1, f2);
-                    assert!(by_first.contains(slopes.by_first) && by_second.contains(slopes.by_second), "{section:?}");
-                }
             }
         }
     }

@@ -146,6 +146,7 @@ impl DistanceObject {
             );
         }
         bounded.value = patch::padded(Interval::new(lo, hi), lo.abs().max(hi.abs()));
+        bounded.steepest = bounded.steepest.max(self.border.slope());
         bounded
     }
 

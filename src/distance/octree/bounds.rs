@@ -19,9 +19,14 @@ const CUT: usize = 8;
 /// Cuts spent on the declared slope: some ten milliseconds.
 const STEEPEST_CUTS: usize = 1000;
 
-/// A node's bounds, rounded outward: F, ∂x, ∂y, ∂z.
+/// A node's bounds, rounded outward.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Stored([[f32; 2]; 4]);
+pub(super) struct Stored {
+    /// Of F, ∂x, ∂y, ∂z.
+    ranges: [[f32; 2]; 4],
+    /// Of |∇F|: less than what the derivatives along the axes add up to.
+    steepest: f32,
+}
 
 fn down(x: f64) -> f32 {
     let y = x as f32;
@@ -33,17 +38,23 @@ fn up(x: f64) -> f32 {
 }
 
 impl Stored {
-    fn new(bounds: &PatchBounds) -> Self {
+    const NONE: Self = Self { ranges: [[f32::INFINITY, f32::NEG_INFINITY]; 4], steepest: 0.0 };
+
+    fn new(bounds: &PatchBounds, steepest: f64) -> Self {
         let [x, y, z] = bounds.gradient;
-        Self([bounds.value, x, y, z].map(|i| [down(i.lo), up(i.hi)]))
+        Self { ranges: [bounds.value, x, y, z].map(|i| [down(i.lo), up(i.hi)]), steepest: up(steepest) }
     }
 
     fn union(self, other: Self) -> Self {
-        Self(std::array::from_fn(|i| [self.0[i][0].min(other.0[i][0]), self.0[i][1].max(other.0[i][1])]))
+        let range = |i: usize| {
+            let ([lo, hi], [other_lo, other_hi]) = (self.ranges[i], other.ranges[i]);
+            [lo.min(other_lo), hi.max(other_hi)]
+        };
+        Self { ranges: std::array::from_fn(range), steepest: self.steepest.max(other.steepest) }
     }
 
     fn interval(&self, i: usize) -> Interval {
-        Interval::new(f64::from(self.0[i][0]), f64::from(self.0[i][1]))
+        Interval::new(f64::from(self.ranges[i][0]), f64::from(self.ranges[i][1]))
     }
 
     pub(super) fn value(&self) -> Interval {
@@ -58,30 +69,34 @@ pub struct Bounded {
     pub value: Interval,
     /// Of ∂F/∂x, ∂F/∂y, ∂F/∂z.
     pub gradient: [Interval; 3],
+    /// The most that |∇F| may be.
+    pub steepest: f64,
 }
 
 impl Bounded {
     const EMPTY: Self = {
         let none = Interval::new(f64::INFINITY, f64::NEG_INFINITY);
-        Self { value: none, gradient: [none; 3] }
+        Self { value: none, gradient: [none; 3], steepest: 0.0 }
     };
 
-    fn add(&mut self, value: Interval, gradient: [Interval; 3]) {
+    fn add(&mut self, value: Interval, gradient: [Interval; 3], steepest: f64) {
         let wider = |a: Interval, b: Interval| Interval::new(a.lo.min(b.lo), a.hi.max(b.hi));
         self.value = wider(self.value, value);
         self.gradient = std::array::from_fn(|axis| wider(self.gradient[axis], gradient[axis]));
+        self.steepest = self.steepest.max(steepest);
     }
 
     /// Whether bounds lie within these.
     fn holds(&self, stored: &Stored) -> bool {
-        [self.value, self.gradient[0], self.gradient[1], self.gradient[2]]
-            .iter()
-            .zip(&stored.0)
-            .all(|(mine, other)| mine.lo <= f64::from(other[0]) && f64::from(other[1]) <= mine.hi)
+        let mut mine =
+            [self.value, self.gradient[0], self.gradient[1], self.gradient[2]].into_iter().zip(stored.ranges);
+        f64::from(stored.steepest) <= self.steepest
+            && mine.all(|(mine, other)| mine.lo <= f64::from(other[0]) && f64::from(other[1]) <= mine.hi)
     }
 
     fn add_stored(&mut self, stored: &Stored) {
-        self.add(stored.interval(0), [stored.interval(1), stored.interval(2), stored.interval(3)]);
+        let gradient = [stored.interval(1), stored.interval(2), stored.interval(3)];
+        self.add(stored.interval(0), gradient, f64::from(stored.steepest));
     }
 }
 
@@ -130,12 +145,13 @@ impl Walk<'_> {
     fn finish(mut self) -> Bounded {
         for i in 0..self.count.min(CUT) {
             let place = self.partly[i];
+            let stored = &self.object.bounds[place.node as usize];
             if self.count > CUT {
-                self.found.add_stored(&self.object.bounds[place.node as usize]);
+                self.found.add_stored(stored);
                 continue;
             }
             let cut = self.object.cut(place, self.lo, self.hi);
-            self.found.add(cut.value, cut.gradient);
+            self.found.add(cut.value, cut.gradient, f64::from(stored.steepest));
         }
         self.found
     }
@@ -235,6 +251,8 @@ impl DistanceObject {
                 steep * (hi[axis] - lo[axis]) / 2.0 * self.step
             })
             .sum();
+        let half = (0..3).map(|axis| (hi[axis] - lo[axis]).powi(2)).sum::<f64>().sqrt() / 2.0 * self.step;
+        let spread = spread.min(bounded.steepest * half);
         let mean = patch::padded(Interval::new(value - spread, value + spread), value.abs() + spread);
         bounded.value = Interval::new(bounded.value.lo.max(mean.lo), bounded.value.hi.min(mean.hi));
         bounded
@@ -243,11 +261,6 @@ impl DistanceObject {
     /// Bounds of F and of its gradient over a box, which may reach beyond the root.
     pub fn bounds(&self, region: &Aabb) -> Bounded {
         self.bounds_from(region, self.root())
-    }
-
-    /// Bounds of ∂F/∂x, ∂F/∂y, ∂F/∂z over a box.
-    pub fn gradient_bounds(&self, region: &Aabb) -> [Interval; 3] {
-        self.bounds(region).gradient
     }
 
     /// Works out every node's bounds, the slope, and the box of what may be inside.
@@ -261,15 +274,15 @@ impl DistanceObject {
                 (patch::bounds(&tensor, edges, patch.edge), patch::steepest(&tensor, edges, patch.edge))
             })
             .unzip();
-        let none = Stored([[f32::INFINITY, f32::NEG_INFINITY]; 4]);
-        self.bounds = vec![none; self.nodes.len()];
+        self.bounds = vec![Stored::NONE; self.nodes.len()];
         // Children stand after their parents.
         for node in (0..self.nodes.len()).rev() {
             let what = self.nodes[node];
             self.bounds[node] = if what & LEAF != 0 {
-                Stored::new(&leaf_bounds[(what & !LEAF) as usize])
+                let leaf = (what & !LEAF) as usize;
+                Stored::new(&leaf_bounds[leaf], slopes[leaf])
             } else {
-                (what..what + 8).fold(none, |all, child| all.union(self.bounds[child as usize]))
+                (what..what + 8).fold(Stored::NONE, |all, child| all.union(self.bounds[child as usize]))
             };
         }
         self.border = self.measure_border(&places, &leaf_bounds, &slopes);

@@ -105,26 +105,35 @@ impl<'a> OctreeEvaluator<'a> {
     }
 
     fn place_each(&mut self, len: usize, start: Place) {
-        let object = self.object;
+        let nodes = &self.object.nodes;
         let Located { at, cell, t, leaf, edge } = &mut *self.located;
+        let top = start.size.trailing_zeros() as usize;
+        // The nodes around the cell before, by how often their edge doubles that of a smallest cell.
+        let mut path = [start.node; i32::BITS as usize];
         // No cell is its own yet, so the first point looks one up.
-        let mut place = Place { origin: [-1; 3], ..start };
+        let (mut before, mut level) = ([-1; 3], 0);
         let (mut origin, mut scale) = ([0.0; 3], 0.0);
         let (mut this_leaf, mut this_edge) = (0, 0.0);
         for i in 0..len.min(BATCH) {
             let here = [cell[0][i], cell[1][i], cell[2][i]];
-            // Points stand in rows: often the cell is that of the point before.
-            if !place.holds(here) {
-                place = start;
-                let mut node = object.nodes[place.node as usize];
+            let apart = (here[0] ^ before[0]) | (here[1] ^ before[1]) | (here[2] ^ before[2]);
+            let around = (i32::BITS - apart.leading_zeros()) as usize;
+            // Points stand in rows: often the leaf is that of the point before, or not far up and down the tree.
+            if around > level {
+                level = around.min(top);
+                let mut node = nodes[path[level] as usize];
                 while node & LEAF == 0 {
-                    place = place.child(node, here);
-                    node = object.nodes[place.node as usize];
+                    level -= 1;
+                    let [x, y, z] = here.map(|cell| (cell >> level) as u32 & 1);
+                    path[level] = node + (x << 2 | y << 1 | z);
+                    node = nodes[path[level] as usize];
                 }
-                origin = place.origin.map(f64::from);
-                scale = 1.0 / f64::from(place.size);
+                before = here;
+                let size = 1 << level;
+                origin = here.map(|cell| f64::from(cell & -size));
+                scale = 1.0 / f64::from(size);
                 this_leaf = node & !LEAF;
-                this_edge = (f64::from(place.size) * object.step) as f32;
+                this_edge = (f64::from(size) * self.object.step) as f32;
             }
             for axis in 0..3 {
                 t[axis][i] = ((at[axis][i] - origin[axis]) * scale) as f32;
@@ -149,8 +158,8 @@ impl Evaluator for OctreeEvaluator<'_> {
         self.regions.pop();
     }
 
-    fn gradient_bounds(&mut self) -> Option<[Interval; 3]> {
-        self.bounded().map(|bounded| bounded.gradient)
+    fn steepest(&mut self) -> Option<f64> {
+        self.bounded().map(|bounded| bounded.steepest)
     }
 
     fn values(&mut self, points: &Points, out: &mut [f32; BATCH]) {

@@ -57,7 +57,7 @@ const MADE: f64 = 0.95;
 /// How a [`DistanceObject`] is built.
 #[derive(Clone, Copy, Debug)]
 pub struct Settings {
-    /// Where distances are measured with certainty; the root cell is a cube around it of at least twice its edge.
+    /// Where distances are measured with certainty; the root cell is a cube around it of at least four times its edge.
     /// Beyond the root the field goes on with the border's values and slopes.
     pub region: Aabb,
     /// The edge of the smallest cells, in world units: about a voxel. Corners of cells stand at integer multiples
@@ -196,7 +196,7 @@ impl DistanceObject {
         let mut tree = Tree::new(1 << depth);
         let memory = |tree: &Tree, samples: &Samples| {
             // Beside the samples: cells while building, and what is kept.
-            let needed = samples.bytes() + tree.cells.len() * (size_of::<tree::Cell>() + 4 + 36 + 3 * 64);
+            let needed = samples.bytes() + tree.cells.len() * (size_of::<tree::Cell>() + 4 + 40 + 3 * 64);
             if needed > settings.memory_limit {
                 return Err(BuildError::Memory { needed, limit: settings.memory_limit });
             }
@@ -384,10 +384,10 @@ fn root(settings: &Settings) -> Result<(DVec3, u32), BuildError> {
     if !(good(smallest_cell) && good(tolerance) && good(ratio)) {
         return Err(BuildError::Settings);
     }
-    // Twice the region: far cells are few, and what is measured is better than what is continued.
-    let cells = 2.0 * (size.max_element() / smallest_cell).ceil();
+    // Four times the region: far cells are few, and what is measured is better than what is continued.
+    let cells = 4.0 * (size.max_element() / smallest_cell).ceil();
     if cells > f64::from(1_u32 << DEEPEST) {
-        return Err(BuildError::TooFine { smallest_cell: size.max_element() / f64::from((1 << (DEEPEST - 1)) - 1) });
+        return Err(BuildError::TooFine { smallest_cell: size.max_element() / f64::from((1 << (DEEPEST - 2)) - 1) });
     }
     let size = (cells as u32).next_power_of_two().max(2);
     let middle = (region.centre() / smallest_cell).round();

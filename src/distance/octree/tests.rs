@@ -265,7 +265,9 @@ fn linear_functions_are_kept() {
         let (value, gradient) = object.value_and_gradient(p);
         assert!((value - slope.dot(p) - 0.1).abs() < 1e-6 && (gradient - slope).length() < 1e-6, "at {p}");
     }
-    assert!(object.report().cells < 5000, "a plane needs few cells: {:?}", object.report());
+    // It crosses the whole root, in cells of a few smallest ones.
+    let most = object.root_size().pow(2) as usize / 8;
+    assert!(object.report().cells < most, "a plane needs few cells: {:?}", object.report());
 }
 
 /// Errors are in voxels. Creases are rounded by a sixth of the smallest cell.
@@ -381,6 +383,8 @@ fn bounds_hold_and_are_tight() {
                     let slope = f64::from(out.gradient(k)[axis]);
                     assert!(bounded.gradient[axis].contains(slope), "{name}: {slope} {:?}", bounded.gradient[axis]);
                 }
+                let slope = f64::from(out.gradient(k).length());
+                assert!(slope <= bounded.steepest, "{name}: {slope} above {}", bounded.steepest);
                 met = Interval::new(met.lo.min(f), met.hi.max(f));
             }
             if i % 4 == 1 {
