@@ -413,7 +413,10 @@ fn few_leaves_are_opened_in_vain() {
         let morph = Morph::new(placed(from, YELLOW), placed(ball.clone(), PINK), Settings::default()).expect("a morph");
         for time in [0.1, 0.3, 0.5, 0.7, 0.9] {
             let [opened, needed] = leaves(morph.field(time).as_ref(), morph.extent().grown(0.1), 1.6 / 256.0);
-            assert!(needed > 1000 && opened as f64 <= 1.3 * needed as f64, "{opened} opened, {needed} needed at {time}");
+            assert!(
+                needed > 1000 && opened as f64 <= 1.3 * needed as f64,
+                "{opened} opened, {needed} needed at {time}"
+            );
         }
     }
 }
