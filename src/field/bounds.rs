@@ -158,11 +158,6 @@ impl Interval {
         Self::new(self.lo.max(other.lo), self.hi.max(other.hi))
     }
 
-    /// The least interval around both.
-    pub fn hull(self, other: Self) -> Self {
-        Self::new(self.lo.min(other.lo), self.hi.max(other.hi))
-    }
-
     /// Bounds of a function that rises (weakly) with its value.
     pub(super) fn rising(self, function: impl Fn(f64) -> f64) -> Self {
         widened(function(self.lo), function(self.hi))

@@ -45,4 +45,6 @@ mod delay_tests;
 #[cfg(test)]
 mod exact;
 #[cfg(test)]
+mod section_tests;
+#[cfg(test)]
 mod tests;

@@ -108,6 +108,7 @@ impl StbEvaluator<'_> {
             self.both.first.values(&parts, &mut self.gradients.value);
             self.both.second.values(&parts, &mut self.values);
             part *= 0.5;
+            let corners = Aabb::new(-part * 0.5, part * 0.5).corners();
             let mut halves = Points::new(parts.origin);
             for i in 0..parts.len {
                 let values = [(self.gradients.value[i], steepest[0]), (self.values[i], steepest[1])];
@@ -117,10 +118,9 @@ impl StbEvaluator<'_> {
                 });
                 let found = self.stb.exact.bounds(first, second);
                 if !found.contains(0.0) {
-                    bounds = Interval::new(bounds.lo.min(found.lo), bounds.hi.max(found.hi));
+                    bounds = bounds.union(found);
                 } else if halves.len + 8 <= BATCH {
-                    let corners = Aabb::new(-part * 0.5, part * 0.5).corners();
-                    corners.into_iter().for_each(|step| halves.push(parts.offset(i) + step.as_vec3()));
+                    corners.iter().for_each(|step| halves.push(parts.offset(i) + step.as_vec3()));
                 } else {
                     return None;
                 }

@@ -80,9 +80,8 @@ impl Bounded {
     };
 
     fn add(&mut self, value: Interval, gradient: [Interval; 3], steepest: f64) {
-        let wider = |a: Interval, b: Interval| Interval::new(a.lo.min(b.lo), a.hi.max(b.hi));
-        self.value = wider(self.value, value);
-        self.gradient = std::array::from_fn(|axis| wider(self.gradient[axis], gradient[axis]));
+        self.value = self.value.union(value);
+        self.gradient = std::array::from_fn(|axis| self.gradient[axis].union(gradient[axis]));
         self.steepest = self.steepest.max(steepest);
     }
 
@@ -251,7 +250,7 @@ impl DistanceObject {
                 steep * (hi[axis] - lo[axis]) / 2.0 * self.step
             })
             .sum();
-        let half = (0..3).map(|axis| (hi[axis] - lo[axis]).powi(2)).sum::<f64>().sqrt() / 2.0 * self.step;
+        let half = DVec3::from(lo).distance(DVec3::from(hi)) / 2.0 * self.step;
         let spread = spread.min(bounded.steepest * half);
         let mean = patch::padded(Interval::new(value - spread, value + spread), value.abs() + spread);
         bounded.value = Interval::new(bounded.value.lo.max(mean.lo), bounded.value.hi.min(mean.hi));

@@ -32,14 +32,15 @@ impl Place {
     #[inline]
     pub(super) fn child(self, first: u32, at: [i32; 3]) -> Self {
         let size = self.size >> 1;
-        let mut place = Self { node: first, origin: self.origin, size };
-        for (axis, origin) in place.origin.iter_mut().enumerate() {
-            let high = i32::from(at[axis] & size != 0);
-            place.node += (high as u32) << (2 - axis);
-            *origin += high * size;
-        }
-        place
+        Self { node: first + child_at(at, size), origin: at.map(|at| at & -size), size }
     }
+}
+
+/// Which of a node's eight children, each of so many smallest cells along an edge, holds a smallest cell.
+#[inline]
+fn child_at(at: [i32; 3], size: i32) -> u32 {
+    let [x, y, z] = at.map(|at| u32::from(at & size != 0));
+    x << 2 | y << 1 | z
 }
 
 /// A region entered.
@@ -124,8 +125,7 @@ impl<'a> OctreeEvaluator<'a> {
                 let mut node = nodes[path[level] as usize];
                 while node & LEAF == 0 {
                     level -= 1;
-                    let [x, y, z] = here.map(|cell| (cell >> level) as u32 & 1);
-                    path[level] = node + (x << 2 | y << 1 | z);
+                    path[level] = node + child_at(here, 1 << level);
                     node = nodes[path[level] as usize];
                 }
                 before = here;
