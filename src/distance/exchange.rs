@@ -26,7 +26,7 @@ pub fn sweep(
     for (limit, &distance) in limits.iter_mut().zip(distances.iter()) {
         *limit = limit_of(voxel, reach, distance);
     }
-    if !any_nearer(&limits, points, feet, distances) {
+    if !any_nearer(voxel, &limits, points, feet, distances) {
         return false;
     }
     let mut any = false;
@@ -65,28 +65,42 @@ const HAS_NEXT: [bool; BLOCK_VOXELS] = {
     has_next
 };
 
+/// The square of the distance from a foot to the voxel's neighbour at `step` along an axis, by the square of its own
+/// distance and the way from its foot to it along the axis.
+#[inline(always)]
+pub fn square_beside(square: f32, way: f32, step: f32) -> f32 {
+    square + step * (2.0 * way + step)
+}
+
 /// Whether a sweep would find anything: the usual answer is no, and a plain loop finds that out fast.
 #[multiversion(targets = "simd")]
-fn any_nearer(limits: &[f32; BLOCK_VOXELS], points: &Points, feet: &Points, distances: &[f32; BLOCK_VOXELS]) -> bool {
-    let square = |from: usize, to: usize| {
-        let (dx, dy, dz) = (feet.x[from] - points.x[to], feet.y[from] - points.y[to], feet.z[from] - points.z[to]);
-        dx * dx + dy * dy + dz * dz
-    };
-    let offers = |low: usize, high: usize| {
-        ((distances[low] < f32::INFINITY) & (square(low, high) < limits[high]))
-            | ((distances[high] < f32::INFINITY) & (square(high, low) < limits[low]))
-    };
+fn any_nearer(
+    voxel: f32,
+    limits: &[f32; BLOCK_VOXELS],
+    points: &Points,
+    feet: &Points,
+    distances: &[f32; BLOCK_VOXELS],
+) -> bool {
     let mut any = false;
-    for stride in [64, 8] {
+    for (stride, points, feet) in [(64, &points.x, &feet.x), (8, &points.y, &feet.y), (1, &points.z, &feet.z)] {
+        let (mut onward, mut back) = ([0.0; BLOCK_VOXELS], [0.0; BLOCK_VOXELS]);
+        for i in 0..BLOCK_VOXELS {
+            let (square, way) = (distances[i] * distances[i], points[i] - feet[i]);
+            onward[i] = square_beside(square, way, voxel);
+            back[i] = square_beside(square, way, -voxel);
+        }
+        if stride == 1 {
+            for low in 0..BLOCK_VOXELS - 1 {
+                any |= HAS_NEXT[low] & ((onward[low] < limits[low + 1]) | (back[low + 1] < limits[low]));
+            }
+            continue;
+        }
         // Runs of voxels whose neighbours at `stride` are in the block.
         for start in (0..BLOCK_VOXELS).step_by(8 * stride) {
             for low in start..start + 7 * stride {
-                any |= offers(low, low + stride);
+                any |= (onward[low] < limits[low + stride]) | (back[low + stride] < limits[low]);
             }
         }
-    }
-    for low in 0..BLOCK_VOXELS - 1 {
-        any |= HAS_NEXT[low] & offers(low, low + 1);
     }
     any
 }

@@ -6,7 +6,7 @@ use multiversion::multiversion;
 use crate::grid::{BLOCK_EDGE, BLOCK_VOXELS};
 
 use super::{
-    exchange::{limit_of, miss_a_crossing},
+    exchange::{limit_of, miss_a_crossing, square_beside},
     staged::Staged,
 };
 
@@ -68,16 +68,9 @@ impl Face {
         layer
     }
 
-    /// The voxels' offsets from their block's middle, by axis.
-    fn centres(self, voxel: f32) -> [[f32; LAYER]; 3] {
-        let at = |i: usize| (i as f32 - 3.5) * voxel;
-        let (depth, u, v) =
-            ([at(self.depth()); LAYER], std::array::from_fn(|k| at(k >> 3)), std::array::from_fn(|k| at(k & 7)));
-        match self.0 / 2 {
-            0 => [depth, u, v],
-            1 => [u, depth, v],
-            _ => [u, v, depth],
-        }
+    /// The axis across the face, and which way a step through it goes along it.
+    fn across(self) -> (usize, f32) {
+        (usize::from(self.0 / 2), if self.0 & 1 == 0 { -1.0 } else { 1.0 })
     }
 }
 
@@ -99,30 +92,44 @@ pub enum Offer {
     Crossing(Vec3),
 }
 
-/// The voxels at one face of a block: their signed distances and their feet.
-#[derive(Clone)]
-pub struct Layer {
+/// The voxels at one face of a block: their signed distances, and their feet.
+pub struct Layer<'a> {
     face: Face,
     voxel: f32,
     distances: [f32; LAYER],
-    /// Offsets from the block's middle, by axis; not a number where a voxel has none.
-    feet: [[f32; LAYER]; 3],
+    /// The gradients' part across the face: with the distances it tells whether a foot is nearer to the voxel behind.
+    across: [f32; LAYER],
+    normals: Normals<'a>,
 }
 
-impl Layer {
+/// Where the gradients at a layer are looked up, of which few are asked for.
+enum Normals<'a> {
+    OfBlock(&'a Staged),
+    /// By axis.
+    Kept(Box<[[f32; LAYER]; 3]>),
+}
+
+impl<'a> Layer<'a> {
     /// The layer of a block at a face, for voxels of an edge.
-    pub fn new(block: &Staged, face: Face, voxel: f32) -> Self {
-        let distances = face.layer(&block.distances);
-        let mut feet = face.centres(voxel);
-        for (feet, normals) in feet.iter_mut().zip(&block.normals) {
-            step_to_feet(&distances, &face.layer(normals), feet);
-        }
-        Self { face, voxel, distances, feet }
+    pub fn new(block: &'a Staged, face: Face, voxel: f32) -> Self {
+        let (axis, _) = face.across();
+        let (distances, across) = (face.layer(&block.distances), face.layer(&block.normals[axis]));
+        Self { face, voxel, distances, across, normals: Normals::OfBlock(block) }
+    }
+
+    /// The same without the block.
+    pub fn kept(self) -> Layer<'static> {
+        let Self { face, voxel, distances, across, normals } = self;
+        let normals = match normals {
+            Normals::OfBlock(block) => Box::new(block.normals.each_ref().map(|normals| face.layer(normals))),
+            Normals::Kept(normals) => normals,
+        };
+        Layer { face, voxel, distances, across, normals: Normals::Kept(normals) }
     }
 
     /// Lists what `other`, the facing layer of the neighbour, has that is within reach and nearer than this block's
     /// own.
-    pub fn offers(&self, other: &Self, reach: f32, seeds: &mut Vec<Seed>) {
+    pub fn offers(&self, other: &Layer, reach: f32, seeds: &mut Vec<Seed>) {
         other.offer_feet(&self.distances, reach, seeds);
         if !any_crossing(self.voxel, &self.distances, &other.distances) {
             return;
@@ -138,45 +145,46 @@ impl Layer {
     /// Lists the feet that are within reach and nearer than those of the facing layer of the neighbour, of which the
     /// distances are given.
     pub fn offer_feet(&self, distances: &[f32; LAYER], reach: f32, seeds: &mut Vec<Seed>) {
-        let facing = self.face.facing();
-        let shift = (facing.step().as_vec3() * self.voxel).to_array();
+        let step = self.face.across().1 * self.voxel;
         let mut nearer = [0; LAYER];
-        if !find_nearer(self.voxel, reach, &self.feet, shift, &facing.centres(self.voxel), distances, &mut nearer) {
+        if !find_nearer(self.voxel, reach, &self.distances, &self.across, step, distances, &mut nearer) {
             return;
         }
+        let facing = self.face.facing();
+        let shift = facing.step().as_vec3() * self.voxel;
         for k in (0..LAYER).filter(|&k| nearer[k] != 0) {
-            let foot = Vec3::from_array([0, 1, 2].map(|axis| self.feet[axis][k] + shift[axis]));
-            seeds.push(Seed { voxel: facing.voxel(k) as u16, offer: Offer::Foot(foot) });
+            seeds.push(Seed { voxel: facing.voxel(k) as u16, offer: Offer::Foot(self.foot(k) + shift) });
         }
     }
-}
 
-/// Moves voxels along an axis to their feet; where there is none, to where is not a number.
-#[multiversion(targets = "simd")]
-fn step_to_feet(distances: &[f32; LAYER], normals: &[f32; LAYER], positions: &mut [f32; LAYER]) {
-    for k in 0..LAYER {
-        let foot = positions[k] + normals[k] * -distances[k];
-        positions[k] = if distances[k].abs() < f32::INFINITY { foot } else { f32::NAN };
+    /// The foot of the layer's k-th voxel, as an offset from the block's middle.
+    fn foot(&self, k: usize) -> Vec3 {
+        let i = self.face.voxel(k);
+        let centre = (glam::USizeVec3::new(i >> 6, i >> 3 & 7, i & 7).as_vec3() - 3.5) * self.voxel;
+        let normal = match &self.normals {
+            Normals::OfBlock(block) => block.normals.each_ref().map(|normals| normals[i]),
+            Normals::Kept(normals) => normals.each_ref().map(|normals| normals[k]),
+        };
+        centre - Vec3::from_array(normal) * self.distances[k]
     }
 }
 
-/// Flags the voxels at `centres` to which `feet` are nearer than what they have; whether there are any.
+/// Flags the voxels of the facing layer, a `step` behind this one, that feet of this one are nearer to than their own
+/// are, at `others`; whether there are any.
 #[multiversion(targets = "simd")]
 fn find_nearer(
     voxel: f32,
     reach: f32,
-    feet: &[[f32; LAYER]; 3],
-    shift: [f32; 3],
-    centres: &[[f32; LAYER]; 3],
     distances: &[f32; LAYER],
+    across: &[f32; LAYER],
+    step: f32,
+    others: &[f32; LAYER],
     nearer: &mut [u8; LAYER],
 ) -> bool {
     let mut any = 0;
     for k in 0..LAYER {
-        let x = feet[0][k] + shift[0] - centres[0][k];
-        let y = feet[1][k] + shift[1] - centres[1][k];
-        let z = feet[2][k] + shift[2] - centres[2][k];
-        nearer[k] = u8::from(x * x + y * y + z * z < limit_of(voxel, reach, distances[k].abs()));
+        let square = square_beside(distances[k] * distances[k], across[k] * distances[k], step);
+        nearer[k] = u8::from(square < limit_of(voxel, reach, others[k].abs()));
         any |= nearer[k];
     }
     any != 0

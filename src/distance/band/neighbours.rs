@@ -13,7 +13,7 @@ use crate::distance::{
 pub struct Neighbours<'a> {
     pub staged: &'a [Staged],
     pub places: &'a FxHashMap<IVec3, usize>,
-    pub borders: &'a FxHashMap<(IVec3, Face), Box<Layer>>,
+    pub borders: &'a FxHashMap<(IVec3, Face), Layer<'static>>,
     pub voxel: f32,
     pub reach: f32,
 }

@@ -52,7 +52,7 @@ pub(super) struct Pass<'a, 'f, T, M> {
     /// How many of all blocks are done with.
     taken: usize,
     /// Layers that later blocks will face.
-    borders: FxHashMap<(IVec3, Face), Box<Layer>>,
+    borders: FxHashMap<(IVec3, Face), Layer<'static>>,
     /// What improved blocks were improved by, to have it when they are measured once more.
     imports: FxHashMap<IVec3, Vec<Seed>>,
     /// What later blocks offer to finished ones, in the order of blocks.
@@ -181,7 +181,7 @@ where
                 }
                 if block_order(neighbour) > order {
                     if place_of(all, neighbour).is_ok() {
-                        kept.push((face, Box::new(Layer::new(block, face, voxel))));
+                        kept.push((face, Layer::new(block, face, voxel).kept()));
                     }
                 } else if let Some(layer) = borders.get(&(neighbour, face.facing())) {
                     let mut seeds = Vec::new();

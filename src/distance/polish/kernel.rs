@@ -33,8 +33,6 @@ pub(super) mod verdict {
     pub const LANDS: u8 = 2;
     /// Its foot is out of reach, or outside of the region, which holds all feet within reach.
     pub const IS_BEYOND: u8 = 3;
-    /// From here on the lane is done.
-    pub const DONE: u8 = LANDS;
 }
 
 #[inline(always)]
@@ -127,59 +125,77 @@ pub(super) fn stepped(lanes: &Lanes, count: f32, out: &mut Points) {
     }
 }
 
-/// Bases all lanes at their queries p, where `gradients` holds F, and sets their trial points across the surface.
-#[multiversion(targets = "simd")]
-pub(super) fn begin(lanes: &mut Lanes, gradients: &Gradients) {
-    let [least, greatest] = lanes.bounds;
-    let slope = [&gradients.dx, &gradients.dy, &gradients.dz];
-    for first in (0..lanes.points.len).step_by(WIDTH) {
-        let trial = [&mut lanes.points.x, &mut lanes.points.y, &mut lanes.points.z];
-        let mut square = [0.0; WIDTH];
-        for slope in slope {
-            for l in 0..WIDTH {
-                square[l] += slope[first + l] * slope[first + l];
-            }
-        }
-        for l in 0..WIDTH {
-            let residual = gradients.value[first + l].abs() * (1.0 / square[l].sqrt());
-            lanes.residual[first + l] = residual;
-            lanes.merit[first + l] = 1.3 * residual;
-            lanes.along[first + l] = 1.0;
-            lanes.across[first + l] = 1.0;
-        }
-        for (axis, trial) in trial.into_iter().enumerate() {
-            for l in 0..WIDTH {
-                let i = first + l;
-                let step = -slope[axis][i] * (gradients.value[i] / square[l]);
-                let p = lanes.p[axis][i];
-                lanes.base[axis][i] = p;
-                lanes.normal_step[axis][i] = step;
-                lanes.tangent_step[axis][i] = 0.0;
-                trial[i] = (p + step).max(least[axis]).min(greatest[axis]);
-            }
-        }
-    }
-}
-
-/// Judges all lanes' trial points by what was evaluated there, and sets the next ones.
+/// What a trial point q of a query p tells.
 ///
 /// With n the unit gradient and e = F/|∇F| at q, the zero set is near q the plane that p + s·n meets at
 /// s = −(e + (p − q)·n): a full step goes there.
-#[multiversion(targets = "simd")]
-pub(super) fn judge(lanes: &mut Lanes, gradients: &Gradients, unit: f32, reach: f32) {
-    judge_trials::<false>(lanes, gradients, unit, reach);
+pub(super) struct Trial {
+    /// The unit gradient n.
+    pub normal: [f32; 3],
+    /// e.
+    pub residual: f32,
+    /// p − q, and its part along the surface.
+    pub towards: [f32; 3],
+    /// See `towards`.
+    pub tangent: [f32; 3],
+    /// The distance to where the next step across the surface lands, and some doubt about landing there.
+    pub merit: f32,
+    /// Whether it is better than what was there before.
+    pub taken: bool,
+    /// Whether the foot is told from here: the step from p to it along n.
+    pub lands: bool,
+    /// See `lands`.
+    pub landing: f32,
 }
 
-/// The same right after [`begin`]: no lane has stepped along the surface yet. The height of lanes that do not land is
-/// infinite.
-#[multiversion(targets = "simd")]
-pub(super) fn judge_first(lanes: &mut Lanes, gradients: &Gradients, unit: f32, reach: f32) {
-    judge_trials::<true>(lanes, gradients, unit, reach);
+/// What was before a trial.
+pub(super) struct Before {
+    pub merit: f32,
+    pub residual: f32,
+    /// How far the step went along the surface.
+    pub length: f32,
+    /// Whether it went all the way across.
+    pub full: bool,
 }
 
 #[inline(always)]
-fn judge_trials<const FIRST: bool>(lanes: &mut Lanes, gradients: &Gradients, unit: f32, reach: f32) {
+pub(super) fn dot(a: [f32; 3], b: [f32; 3]) -> f32 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+#[inline(always)]
+pub(super) fn look(p: [f32; 3], q: [f32; 3], value: f32, slope: [f32; 3], before: &Before, unit: f32) -> Trial {
     let (near, slide) = (LAST_STEP * unit, LAST_SLIDE * unit);
+    let inverse = 1.0 / dot(slope, slope).sqrt();
+    let n = [slope[0] * inverse, slope[1] * inverse, slope[2] * inverse];
+    let e = value * inverse;
+    let towards = [p[0] - q[0], p[1] - q[1], p[2] - q[2]];
+    let up = dot(towards, n);
+    let tangent = [towards[0] - n[0] * up, towards[1] - n[1] * up, towards[2] - n[2] * up];
+    let ahead = [towards[0] + n[0] * e, towards[1] + n[1] * e, towards[2] + n[2] * e];
+    let merit = dot(ahead, ahead).sqrt() + 0.3 * e.abs();
+
+    // A step that left the surface far (the more so the longer it was) has a merit not to be trusted.
+    let strayed = e.abs() > 0.8 * before.residual + 0.3 * before.length;
+    let improves = (merit <= before.merit * 1.0001) & !strayed;
+    let approaches = (before.residual > near) & (e.abs() < 0.8 * before.residual);
+    let taken = (merit < f32::INFINITY) & (improves | approaches);
+
+    // What a full step across the surface left of the residual tells how F bends along it, and so what the next step
+    // will leave: e³ to the residual's square, which that step takes along.
+    let straight = (before.merit < f32::INFINITY) & before.full & (before.length <= slide);
+    let share_left = e * e / (before.residual * before.residual);
+    let bends_little = straight & (share_left <= MOST_LEFT);
+    let bend = select_unpredictable(bends_little, share_left, 0.0);
+    let last_stride = bends_little & (e.abs() * share_left <= LAST_STRIDE * unit);
+    let at_last = (e.abs() <= near) | last_stride;
+    let lands = taken & at_last & (dot(tangent, tangent) <= slide * slide);
+    Trial { normal: n, residual: e, towards, tangent, merit, taken, lands, landing: e + e * bend + up }
+}
+
+/// Judges all lanes' trial points by what was evaluated there, and sets the next ones.
+#[multiversion(targets = "simd")]
+pub(super) fn judge(lanes: &mut Lanes, gradients: &Gradients, unit: f32, reach: f32) {
     let [least, greatest] = lanes.bounds;
     for first in (0..lanes.points.len).step_by(WIDTH) {
         let p = load_axes(&lanes.p, first);
@@ -188,11 +204,9 @@ fn judge_trials<const FIRST: bool>(lanes: &mut Lanes, gradients: &Gradients, uni
         let slope = load_each([&gradients.dx, &gradients.dy, &gradients.dz], first);
         let base = load_axes(&lanes.base, first);
         let normal_step = load_axes(&lanes.normal_step, first);
-        let tangent_step = if FIRST { [[0.0; WIDTH]; 3] } else { load_axes(&lanes.tangent_step, first) };
-        let merit = load(&lanes.merit, first);
-        let residual = load(&lanes.residual, first);
-        let (along, across) =
-            if FIRST { ([1.0; WIDTH], [1.0; WIDTH]) } else { (load(&lanes.along, first), load(&lanes.across, first)) };
+        let tangent_step = load_axes(&lanes.tangent_step, first);
+        let (merit, residual) = (load(&lanes.merit, first), load(&lanes.residual, first));
+        let (along, across) = (load(&lanes.along, first), load(&lanes.across, first));
         // What comes out is kept apart from what went in, and chosen without branches: else they become masked stores
         // (see `lane_math`).
         let [mut new_q, mut new_base, mut new_normal_step, mut new_tangent_step] = [[[0.0; WIDTH]; 3]; 4];
@@ -201,47 +215,24 @@ fn judge_trials<const FIRST: bool>(lanes: &mut Lanes, gradients: &Gradients, uni
         let mut height = [0.0; WIDTH];
         let mut verdicts = [0; WIDTH];
         for l in 0..WIDTH {
-            let dot = |a: [f32; 3], b: [f32; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
             let at = |a: &[Wide; 3]| [a[0][l], a[1][l], a[2][l]];
-            let inverse = 1.0 / dot(at(&slope), at(&slope)).sqrt();
-            let n = at(&slope).map(|c| c * inverse);
-            let e = value[l] * inverse;
-            let towards = [0, 1, 2].map(|axis| p[axis][l] - q[axis][l]);
-            let up = dot(towards, n);
-            let tangent = [0, 1, 2].map(|axis| towards[axis] - n[axis] * up);
-            // The distance to where the next step across the surface lands, and some doubt about landing there.
-            let ahead = [0, 1, 2].map(|axis| towards[axis] + n[axis] * e);
-            let trial_merit = dot(ahead, ahead).sqrt() + 0.3 * e.abs();
-
-            // A step that left the surface far (the more so the longer it was) has a merit not to be trusted.
             let before = at(&tangent_step);
-            let length = if FIRST { 0.0 } else { along[l] * dot(before, before).sqrt() };
-            let strayed = e.abs() > 0.8 * residual[l] + 0.3 * length;
-            let improves = (trial_merit <= merit[l] * 1.0001) & !strayed;
-            let approaches = (residual[l] > near) & (e.abs() < 0.8 * residual[l]);
-            let taken = (trial_merit < f32::INFINITY) & (improves | approaches);
-
-            // What a full step across the surface left of the residual tells how F bends along it, and so what the
-            // next step will leave: e³ to the residual's square, which that step takes along.
-            let straight = (merit[l] < f32::INFINITY) & (across[l] == 1.0) & (length <= slide);
-            let share_left = e * e / (residual[l] * residual[l]);
-            let bends_little = straight & (share_left <= MOST_LEFT);
-            let bend = select_unpredictable(bends_little, share_left, 0.0);
-            let last_stride = bends_little & (e.abs() * share_left <= LAST_STRIDE * unit);
-            let at_last = (e.abs() <= near) | last_stride;
-            let lands = taken & at_last & (dot(tangent, tangent) <= slide * slide);
-            let e_ahead = e + e * bend;
+            let length = along[l] * dot(before, before).sqrt();
+            let full = across[l] == 1.0;
+            let known = Before { merit: merit[l], residual: residual[l], length, full };
+            let Trial { normal: n, residual: e, tangent, merit: trial_merit, taken, lands, landing: ahead, .. } =
+                look(at(&p), at(&q), value[l], at(&slope), &known, unit);
 
             // The share of the tangential step that would have brought it to zero, were its change linear in the
             // step (the secant of Barzilai and Borwein); the greatest where the steps grow, as on the far side of
             // a ball.
-            let change = [0, 1, 2].map(|axis| before[axis] - tangent[axis]);
+            let change = [before[0] - tangent[0], before[1] - tangent[1], before[2] - tangent[2]];
             let (gain, size) = (dot(before, change), dot(change, change));
             #[allow(clippy::manual_clamp, reason = "0 / 0 becomes 0.1 so; a clamp would keep it")]
             let secant = (along[l] * gain / size).max(0.1).min(GREATEST_SHARE);
             let share = select_unpredictable(gain <= 0.0, GREATEST_SHARE, secant);
             let first_of_all = (merit[l] == f32::INFINITY) | (dot(before, before) == 0.0) | (size == 0.0);
-            let share = select_unpredictable(FIRST | first_of_all, 1.0, share);
+            let share = select_unpredictable(first_of_all, 1.0, share);
 
             // Already at a face of the region, and on its way out through it.
             let mut leaves = false;
@@ -257,22 +248,15 @@ fn judge_trials<const FIRST: bool>(lanes: &mut Lanes, gradients: &Gradients, uni
                 new_q[axis][l] = select_unpredictable(taken, trial, q[axis][l]);
                 new_normal_step[axis][l] = select_unpredictable(taken, -n[axis] * e, normal_step[axis][l]);
                 new_tangent_step[axis][l] = select_unpredictable(taken, tangent[axis], tangent_step[axis][l]);
-                landing[axis][l] = p[axis][l] - n[axis] * (e_ahead + up);
+                landing[axis][l] = p[axis][l] - n[axis] * ahead;
             }
             new_merit[l] = select_unpredictable(taken, trial_merit, merit[l]);
             new_residual[l] = select_unpredictable(taken, e.abs(), residual[l]);
             new_along[l] = select_unpredictable(taken, share, along[l]);
             new_across[l] = select_unpredictable(taken, 1.0, across[l]);
-            let landing_height = (e_ahead + up).abs();
+            height[l] = ahead.abs();
             let not_landed = select_unpredictable(taken, verdict::MOVES, verdict::FAILS);
             let judged = select_unpredictable(lands, verdict::LANDS, not_landed);
-            if FIRST {
-                // The foot is where F leads from q, but for what was left across and along the surface, twice over.
-                let doubt = 2.0 * (e.abs() + tangent[0].abs() + tangent[1].abs() + tangent[2].abs());
-                let farthest = reach + doubt;
-                leaves |= dot(towards, towards) > farthest * farthest;
-            }
-            height[l] = select_unpredictable(lands | !FIRST, landing_height, f32::INFINITY);
             verdicts[l] = select_unpredictable(taken & !lands & leaves, verdict::IS_BEYOND, judged);
         }
         for axis in 0..3 {

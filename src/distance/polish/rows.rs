@@ -1,17 +1,29 @@
-//! The first steps of many queries whose F is known: whole rows of eight lanes, so that they are copied, not gathered.
+//! The first step of many queries whose F is known: in whole rows of eight, and nothing kept of those that land.
 //!
-//! Most queries land with them; the others go on one by one ([`Lanes::solve`]).
+//! Most queries land with it; the others go on one by one ([`Lanes::solve`]).
 
-use crate::field::{BATCH, Gradients, Points};
+use std::hint::select_unpredictable;
+
+use multiversion::multiversion;
+
+use crate::{
+    field::{BATCH, Gradients, Points},
+    grid::mask,
+};
 
 use super::{
     Request,
-    kernel::{self, verdict},
+    kernel::{self, Before, dot, look},
     lanes::{Lane, Lanes},
 };
 
-/// Lanes copied together: the voxels of a block along z.
+/// Lanes taken together: the voxels of a block along z.
 const ROW: usize = 8;
+
+type Row = [f32; ROW];
+
+/// How much nearer than |F|/|∇F| tells a foot may be at the beginning, for the step to count as a gain.
+const DOUBT: f32 = 1.3;
 
 impl Lanes {
     /// Finds the feet of queries on the zero set of what `evaluate` evaluates and `at_queries` holds already, where
@@ -34,63 +46,139 @@ impl Lanes {
             count += usize::from(near[row >> 3] >> (8 * (row & 7)) & 0xff != 0);
         }
         let rows = &rows[..count];
+        self.points.len = 0;
         if rows.is_empty() {
-            self.points.len = 0;
             return;
         }
         self.set_bounds(request, queries);
-        for (from, to) in [&queries.x, &queries.y, &queries.z].into_iter().zip(&mut self.p) {
-            gather(rows, from, to);
-        }
-        gather(rows, &at_queries.value, &mut gradients.value);
-        gather(rows, &at_queries.dx, &mut gradients.dx);
-        gather(rows, &at_queries.dy, &mut gradients.dy);
-        gather(rows, &at_queries.dz, &mut gradients.dz);
         self.points.len = ROW * count;
-        kernel::begin(self, gradients);
+        begin(rows, queries, at_queries, self);
         evaluate(&self.points, gradients);
-        kernel::judge_first(self, gradients, request.unit, request.reach);
-        for (from, to) in self.landing.iter().zip(&mut self.foot) {
-            scatter(rows, from, to);
-        }
-        scatter(rows, &self.height, &mut self.distance);
-        self.keep_moving(request, rows, queries.len);
+        let mut open = [0; BATCH];
+        land(rows, queries, gradients, request, self, &mut open);
+        self.keep_open(rows, queries, at_queries, &open, gradients);
+        self.step(request, gradients);
         self.solve(request, gradients, evaluate);
     }
 
-    /// Closes up the lanes of the first `queries` that are not done. `rows` tells where each row's queries are.
-    fn keep_moving(&mut self, request: &Request, rows: &[usize], queries: usize) {
+    /// Closes up the lanes that are still open, and what was evaluated there, as they are after a first step from
+    /// their queries. `rows` tells where each row's queries are.
+    fn keep_open(
+        &mut self,
+        rows: &[usize],
+        queries: &Points,
+        at_queries: &Gradients,
+        open: &[u8; BATCH],
+        gradients: &mut Gradients,
+    ) {
         let mut kept = 0;
-        for (lanes, &row) in (0..).step_by(ROW).map(|first| first..first + ROW).zip(rows) {
-            // The usual row is done as a whole.
-            if self.verdict[lanes.clone()].iter().all(|&verdict| verdict >= verdict::DONE) {
+        for lane in mask::places(&mask::pack(open)).take_while(|&lane| lane < ROW * rows.len()) {
+            let query = rows[lane / ROW] + lane % ROW;
+            if query >= queries.len {
                 continue;
             }
-            for (lane, query) in lanes.zip(row..queries) {
-                self.query[lane] = query as u16;
-                let moves = match self.verdict[lane] {
-                    verdict::MOVES => true,
-                    verdict::FAILS => self.retreat(request, lane),
-                    _ => false,
-                };
-                if moves {
-                    self.move_lane(lane, kept);
-                    kept += 1;
-                }
+            self.query[kept] = query as u16;
+            let p = queries.offset(query).to_array();
+            let step = step_across(at_queries.value[query], at_queries.gradient(query).to_array());
+            for axis in 0..3 {
+                (self.p[axis][kept], self.base[axis][kept]) = (p[axis], p[axis]);
+                (self.normal_step[axis][kept], self.tangent_step[axis][kept]) = (step[axis], 0.0);
             }
+            (self.along[kept], self.across[kept]) = (1.0, 1.0);
+            self.residual[kept] = self.residual[lane];
+            self.merit[kept] = DOUBT * self.residual[lane];
+            for array in [&mut self.points.x, &mut self.points.y, &mut self.points.z] {
+                array[kept] = array[lane];
+            }
+            let Gradients { value, dx, dy, dz } = &mut *gradients;
+            for array in [value, dx, dy, dz] {
+                array[kept] = array[lane];
+            }
+            kept += 1;
         }
         self.points.len = kept;
     }
 }
 
-fn gather(rows: &[usize], from: &Lane, to: &mut Lane) {
-    for (to, &row) in to.as_chunks_mut::<ROW>().0.iter_mut().zip(rows) {
-        to.copy_from_slice(&from[row..row + ROW]);
+/// The step that would bring F to 0: −F∇F/|∇F|².
+#[inline(always)]
+fn step_across(value: f32, slope: [f32; 3]) -> [f32; 3] {
+    let share = value / dot(slope, slope);
+    [-slope[0] * share, -slope[1] * share, -slope[2] * share]
+}
+
+/// Sets the trial points of the rows' queries: a step across the surface. Their residuals are those at the queries.
+#[multiversion(targets = "simd")]
+fn begin(rows: &[usize], queries: &Points, at: &Gradients, lanes: &mut Lanes) {
+    let [least, greatest] = lanes.bounds;
+    let Lanes { points, residual: residuals, .. } = lanes;
+    for (to, &from) in (0..).step_by(ROW).zip(rows) {
+        let p = [load(&queries.x, from), load(&queries.y, from), load(&queries.z, from)];
+        let slope = [load(&at.dx, from), load(&at.dy, from), load(&at.dz, from)];
+        let value = load(&at.value, from);
+        let (mut trial, mut residual) = ([[0.0; ROW]; 3], [0.0; ROW]);
+        for l in 0..ROW {
+            let slope = [slope[0][l], slope[1][l], slope[2][l]];
+            let step = step_across(value[l], slope);
+            for axis in 0..3 {
+                trial[axis][l] = (p[axis][l] + step[axis]).max(least[axis]).min(greatest[axis]);
+            }
+            residual[l] = value[l].abs() * (1.0 / dot(slope, slope).sqrt());
+        }
+        store(trial[0], &mut points.x, to);
+        store(trial[1], &mut points.y, to);
+        store(trial[2], &mut points.z, to);
+        store(residual, residuals, to);
     }
 }
 
-fn scatter(rows: &[usize], from: &Lane, to: &mut Lane) {
-    for (from, &row) in from.as_chunks::<ROW>().0.iter().zip(rows) {
-        to[row..row + ROW].copy_from_slice(from);
+/// Takes the feet of the rows' queries that land, by what was evaluated at their trial points, and marks those that go
+/// on: all but these and those whose foot is out of reach.
+#[multiversion(targets = "simd")]
+fn land(
+    rows: &[usize],
+    queries: &Points,
+    gradients: &Gradients,
+    request: &Request,
+    lanes: &mut Lanes,
+    open: &mut [u8; BATCH],
+) {
+    let Lanes { points, residual, foot: feet, distance, .. } = lanes;
+    for (first, &row) in (0..).step_by(ROW).zip(rows) {
+        let p = [load(&queries.x, row), load(&queries.y, row), load(&queries.z, row)];
+        let q = [load(&points.x, first), load(&points.y, first), load(&points.z, first)];
+        let slope = [load(&gradients.dx, first), load(&gradients.dy, first), load(&gradients.dz, first)];
+        let value = load(&gradients.value, first);
+        let residual = load(residual, first);
+        let (mut foot, mut height, mut goes_on) = ([[0.0; ROW]; 3], [0.0; ROW], [0; ROW]);
+        for l in 0..ROW {
+            let at = |a: &[Row; 3]| [a[0][l], a[1][l], a[2][l]];
+            let before = Before { merit: DOUBT * residual[l], residual: residual[l], length: 0.0, full: true };
+            let trial = look(at(&p), at(&q), value[l], at(&slope), &before, request.unit);
+            for axis in 0..3 {
+                foot[axis][l] = p[axis][l] - trial.normal[axis] * trial.landing;
+            }
+            height[l] = select_unpredictable(trial.lands, trial.landing.abs(), f32::INFINITY);
+            // The foot is where F leads from q, but for what was left across and along the surface, twice over.
+            let [x, y, z] = trial.tangent;
+            let farthest = request.reach + 2.0 * (trial.residual.abs() + x.abs() + y.abs() + z.abs());
+            let is_beyond = trial.taken & (dot(trial.towards, trial.towards) > farthest * farthest);
+            goes_on[l] = u8::from(!trial.lands & !is_beyond);
+        }
+        for (foot, feet) in foot.into_iter().zip(&mut *feet) {
+            store(foot, feet, row);
+        }
+        store(height, distance, row);
+        open[first..first + ROW].copy_from_slice(&goes_on);
     }
+}
+
+#[inline(always)]
+fn load(from: &Lane, first: usize) -> Row {
+    *from[first..].first_chunk().expect("rows divide the batch")
+}
+
+#[inline(always)]
+fn store(row: Row, to: &mut Lane, first: usize) {
+    to[first..first + ROW].copy_from_slice(&row);
 }
