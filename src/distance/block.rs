@@ -14,7 +14,7 @@ use super::{
     band::Error,
     descent::Scope,
     exchange,
-    facing::{Offer, Seed},
+    facing::{Offer, Seed, Side},
     polish::{
         Polisher, Request,
         around::{Approach, Around},
@@ -91,9 +91,8 @@ impl<'a> Meter<'a> {
         self.enter_block(origin);
         let result = self.check_values().map(|()| {
             self.find_feet();
-            self.settle(seeds);
+            self.settle(seeds, out);
             self.finish(origin, out);
-            self.count_thin(out);
         });
         self.evaluator.leave();
         result
@@ -109,9 +108,8 @@ impl<'a> Meter<'a> {
                 self.set_foot(i, self.points.offset(i) + to_foot);
             }
         }
-        self.settle(seeds);
+        self.settle(seeds, block);
         self.finish(block.origin, block);
-        self.count_thin(block);
         self.evaluator.leave();
     }
 
@@ -123,10 +121,14 @@ impl<'a> Meter<'a> {
         self.evaluator.gradients(&self.points, &mut self.at_voxels);
     }
 
-    fn settle(&mut self, seeds: &[Seed]) {
+    /// Takes what others offer, and signs the distances.
+    fn settle(&mut self, seeds: &[Seed], out: &mut Staged) {
         self.take_seeds(seeds);
         self.exchange();
-        self.find_crossings();
+        out.distances = lanes::signed(&self.at_voxels.value, &self.distances);
+        if self.find_crossings(&out.distances) {
+            out.distances = lanes::signed(&self.at_voxels.value, &self.distances);
+        }
     }
 
     fn voxel(&self) -> f32 {
@@ -138,10 +140,13 @@ impl<'a> Meter<'a> {
     }
 
     fn check_values(&self) -> Result<(), Error> {
-        match self.at_voxels.value.iter().position(|value| value.is_nan()) {
-            Some(i) => Err(Error::NotANumber { position: self.points.position(i) }),
-            None => Ok(()),
+        let values = &self.at_voxels.value;
+        // All of them, without a way out: in vectors.
+        if !values.iter().fold(false, |any, value| any | value.is_nan()) {
+            return Ok(());
         }
+        let first = values.iter().position(|value| value.is_nan()).unwrap_or(0);
+        Err(Error::NotANumber { position: self.points.position(first) })
     }
 
     /// Takes the seeds that are nearer than what was found, and polishes them.
@@ -167,12 +172,12 @@ impl<'a> Meter<'a> {
     }
 
     /// Where the sign changes between two neighbours their distances add up to a voxel at most; where they do not (F
-    /// has no gradient to follow, or jumps, or another sheet is nearly as near) bisection finds the surface.
-    fn find_crossings(&mut self) {
+    /// has no gradient to follow, or jumps, or another sheet is nearly as near) bisection finds the surface. `signed` are
+    /// the distances as they are; whether they have changed.
+    fn find_crossings(&mut self, signed: &[f32; BLOCK_VOXELS]) -> bool {
         let voxel = self.voxel();
-        let signed = lanes::signed(&self.at_voxels.value, &self.distances);
-        if !exchange::any_crossing_missed(voxel, &signed) {
-            return;
+        if !exchange::any_crossing_missed(voxel, signed) {
+            return false;
         }
         let mut found = false;
         for (stride, axis) in [(64, 0), (8, 1), (1, 2)] {
@@ -204,6 +209,7 @@ impl<'a> Meter<'a> {
             self.polish_changed();
             self.exchange();
         }
+        found
     }
 
     /// The point between `from` and `from + step` where the sign is no longer that of `from`.
@@ -221,11 +227,12 @@ impl<'a> Meter<'a> {
         from + step * other
     }
 
-    /// Signs and normals.
-    fn finish(&self, origin: IVec3, out: &mut Staged) {
+    /// What follows from the signed distances.
+    fn finish(&mut self, origin: IVec3, out: &mut Staged) {
         out.origin = origin;
-        out.distances = lanes::signed(&self.at_voxels.value, &self.distances);
         lanes::normals(&self.points, &self.feet, &self.at_voxels, &out.distances, self.voxel(), &mut out.normals);
+        Side::fill_all(&out.distances, &out.normals, &mut out.sides);
+        self.count_thin(out);
     }
 
     /// Counts voxels beside a surface with the same sign again a voxel behind it: a feature thinner than a voxel.

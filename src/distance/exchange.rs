@@ -55,11 +55,11 @@ pub fn limit_of(voxel: f32, reach: f32, distance: f32) -> f32 {
 }
 
 /// Whether a voxel's neighbour by one is in its row. Looked up, for short rows make short vectors.
-const HAS_NEXT: [bool; BLOCK_VOXELS] = {
-    let mut has_next = [true; BLOCK_VOXELS];
+const HAS_NEXT: [u32; BLOCK_VOXELS] = {
+    let mut has_next = [1; BLOCK_VOXELS];
     let mut last = 7;
     while last < BLOCK_VOXELS {
-        has_next[last] = false;
+        has_next[last] = 0;
         last += 8;
     }
     has_next
@@ -81,7 +81,7 @@ fn any_nearer(
     feet: &Points,
     distances: &[f32; BLOCK_VOXELS],
 ) -> bool {
-    let mut any = false;
+    let mut any = 0;
     for (stride, points, feet) in [(64, &points.x, &feet.x), (8, &points.y, &feet.y), (1, &points.z, &feet.z)] {
         let (mut onward, mut back) = ([0.0; BLOCK_VOXELS], [0.0; BLOCK_VOXELS]);
         for i in 0..BLOCK_VOXELS {
@@ -91,18 +91,19 @@ fn any_nearer(
         }
         if stride == 1 {
             for low in 0..BLOCK_VOXELS - 1 {
-                any |= HAS_NEXT[low] & ((onward[low] < limits[low + 1]) | (back[low + 1] < limits[low]));
+                let nearer = (onward[low] < limits[low + 1]) | (back[low + 1] < limits[low]);
+                any |= HAS_NEXT[low] & u32::from(nearer);
             }
             continue;
         }
         // Runs of voxels whose neighbours at `stride` are in the block.
         for start in (0..BLOCK_VOXELS).step_by(8 * stride) {
             for low in start..start + 7 * stride {
-                any |= (onward[low] < limits[low + stride]) | (back[low + stride] < limits[low]);
+                any |= u32::from((onward[low] < limits[low + stride]) | (back[low + stride] < limits[low]));
             }
         }
     }
-    any
+    any != 0
 }
 
 fn offer(
@@ -141,16 +142,16 @@ pub fn miss_a_crossing(voxel: f32, here: f32, there: f32) -> bool {
 /// Whether any two neighbours in a block miss a crossing. The usual answer is no, and a plain loop finds that out fast.
 #[multiversion(targets = "simd")]
 pub fn any_crossing_missed(voxel: f32, signed: &[f32; BLOCK_VOXELS]) -> bool {
-    let mut any = false;
+    let mut any = 0;
     for stride in [64, 8] {
         for start in (0..BLOCK_VOXELS).step_by(8 * stride) {
             for low in start..start + 7 * stride {
-                any |= miss_a_crossing(voxel, signed[low], signed[low + stride]);
+                any |= u32::from(miss_a_crossing(voxel, signed[low], signed[low + stride]));
             }
         }
     }
     for low in 0..BLOCK_VOXELS - 1 {
-        any |= HAS_NEXT[low] & miss_a_crossing(voxel, signed[low], signed[low + 1]);
+        any |= HAS_NEXT[low] & u32::from(miss_a_crossing(voxel, signed[low], signed[low + 1]));
     }
-    any
+    any != 0
 }

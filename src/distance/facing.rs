@@ -52,6 +52,11 @@ impl Face {
     /// A block's values in the layer at this face; facing layers are in the same order.
     pub fn layer(self, values: &[f32; BLOCK_VOXELS]) -> [f32; LAYER] {
         let mut layer = [0.0; LAYER];
+        self.copy_layer(values, &mut layer);
+        layer
+    }
+
+    fn copy_layer(self, values: &[f32; BLOCK_VOXELS], layer: &mut [f32; LAYER]) {
         match self.0 / 2 {
             0 => layer.copy_from_slice(&values[self.depth() << 6..][..LAYER]),
             1 => {
@@ -65,7 +70,10 @@ impl Face {
                 }
             }
         }
-        layer
+    }
+
+    fn index(self) -> usize {
+        usize::from(self.0)
     }
 
     /// The axis across the face, and which way a step through it goes along it.
@@ -92,49 +100,71 @@ pub enum Offer {
     Crossing(Vec3),
 }
 
-/// The voxels at one face of a block: their signed distances, and their feet.
+/// What tells of the voxels at one face of a block whether feet are nearer to those behind it.
+#[derive(Clone, Copy)]
+pub struct Side {
+    /// Signed.
+    distances: [f32; LAYER],
+    /// The gradients' part across the face.
+    across: [f32; LAYER],
+}
+
+impl Side {
+    /// To be filled.
+    pub const NONE: Self = Self { distances: [0.0; LAYER], across: [0.0; LAYER] };
+
+    /// Fills in those of a block's distances and their gradients, by face.
+    pub fn fill_all(distances: &[f32; BLOCK_VOXELS], normals: &[[f32; BLOCK_VOXELS]; 3], sides: &mut [Self; 6]) {
+        for (face, side) in Face::ALL.into_iter().zip(sides) {
+            let (axis, _) = face.across();
+            face.copy_layer(distances, &mut side.distances);
+            face.copy_layer(&normals[axis], &mut side.across);
+        }
+    }
+}
+
+/// The voxels at one face of a block, and their feet.
 pub struct Layer<'a> {
     face: Face,
     voxel: f32,
-    distances: [f32; LAYER],
-    /// The gradients' part across the face: with the distances it tells whether a foot is nearer to the voxel behind.
-    across: [f32; LAYER],
-    normals: Normals<'a>,
+    block: OfBlock<'a>,
 }
 
-/// Where the gradients at a layer are looked up, of which few are asked for.
-enum Normals<'a> {
-    OfBlock(&'a Staged),
-    /// By axis.
-    Kept(Box<[[f32; LAYER]; 3]>),
+/// Where a layer's distances and gradients are looked up; few gradients are asked for.
+enum OfBlock<'a> {
+    Whole(&'a Staged),
+    /// The side, and the gradients at it by axis.
+    Kept(Box<(Side, [[f32; LAYER]; 3])>),
 }
 
 impl<'a> Layer<'a> {
     /// The layer of a block at a face, for voxels of an edge.
     pub fn new(block: &'a Staged, face: Face, voxel: f32) -> Self {
-        let (axis, _) = face.across();
-        let (distances, across) = (face.layer(&block.distances), face.layer(&block.normals[axis]));
-        Self { face, voxel, distances, across, normals: Normals::OfBlock(block) }
+        Self { face, voxel, block: OfBlock::Whole(block) }
     }
 
-    /// The same without the block.
-    pub fn kept(self) -> Layer<'static> {
-        let Self { face, voxel, distances, across, normals } = self;
-        let normals = match normals {
-            Normals::OfBlock(block) => Box::new(block.normals.each_ref().map(|normals| face.layer(normals))),
-            Normals::Kept(normals) => normals,
-        };
-        Layer { face, voxel, distances, across, normals: Normals::Kept(normals) }
+    /// A layer to be kept without the block.
+    pub fn kept(block: &Staged, face: Face, voxel: f32) -> Layer<'static> {
+        let normals = block.normals.each_ref().map(|normals| face.layer(normals));
+        Layer { face, voxel, block: OfBlock::Kept(Box::new((block.sides[face.index()], normals))) }
+    }
+
+    fn side(&self) -> &Side {
+        match &self.block {
+            OfBlock::Whole(block) => &block.sides[self.face.index()],
+            OfBlock::Kept(kept) => &kept.0,
+        }
     }
 
     /// Lists what `other`, the facing layer of the neighbour, has that is within reach and nearer than this block's
     /// own.
     pub fn offers(&self, other: &Layer, reach: f32, seeds: &mut Vec<Seed>) {
-        other.offer_feet(&self.distances, reach, seeds);
-        if !any_crossing(self.voxel, &self.distances, &other.distances) {
+        let (here, there) = (&self.side().distances, &other.side().distances);
+        other.offer_feet(here, reach, seeds);
+        if !any_crossing(self.voxel, here, there) {
             return;
         }
-        for (k, (&here, &there)) in self.distances.iter().zip(&other.distances).enumerate() {
+        for (k, (&here, &there)) in here.iter().zip(there).enumerate() {
             if miss_a_crossing(self.voxel, here, there) {
                 let step = self.face.step().as_vec3() * (self.voxel / BLOCK_EDGE as f32);
                 seeds.push(Seed { voxel: self.face.voxel(k) as u16, offer: Offer::Crossing(step) });
@@ -147,7 +177,7 @@ impl<'a> Layer<'a> {
     pub fn offer_feet(&self, distances: &[f32; LAYER], reach: f32, seeds: &mut Vec<Seed>) {
         let step = self.face.across().1 * self.voxel;
         let mut nearer = [0; LAYER];
-        if !find_nearer(self.voxel, reach, &self.distances, &self.across, step, distances, &mut nearer) {
+        if !find_nearer(self.voxel, reach, self.side(), step, distances, &mut nearer) {
             return;
         }
         let facing = self.face.facing();
@@ -161,11 +191,11 @@ impl<'a> Layer<'a> {
     fn foot(&self, k: usize) -> Vec3 {
         let i = self.face.voxel(k);
         let centre = (glam::USizeVec3::new(i >> 6, i >> 3 & 7, i & 7).as_vec3() - 3.5) * self.voxel;
-        let normal = match &self.normals {
-            Normals::OfBlock(block) => block.normals.each_ref().map(|normals| normals[i]),
-            Normals::Kept(normals) => normals.each_ref().map(|normals| normals[k]),
+        let normal = match &self.block {
+            OfBlock::Whole(block) => block.normals.each_ref().map(|normals| normals[i]),
+            OfBlock::Kept(kept) => kept.1.each_ref().map(|normals| normals[k]),
         };
-        centre - Vec3::from_array(normal) * self.distances[k]
+        centre - Vec3::from_array(normal) * self.side().distances[k]
     }
 }
 
@@ -175,8 +205,7 @@ impl<'a> Layer<'a> {
 fn find_nearer(
     voxel: f32,
     reach: f32,
-    distances: &[f32; LAYER],
-    across: &[f32; LAYER],
+    Side { distances, across }: &Side,
     step: f32,
     others: &[f32; LAYER],
     nearer: &mut [u8; LAYER],

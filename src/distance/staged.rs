@@ -8,7 +8,7 @@ use crate::{
     grid::{BLOCK_EDGE, BLOCK_VOXELS, BlockMask, Lattice, is_active, mask},
 };
 
-use super::descent::Scope;
+use super::{descent::Scope, facing::Side};
 
 /// Room around a block, in voxels beyond the half width, in which its feet are sought.
 pub const ROOM: f64 = 1.0;
@@ -64,6 +64,8 @@ pub struct Staged {
     pub distances: [f32; BLOCK_VOXELS],
     /// Gradients of the distance, so that `voxel − distance · normal` is the foot; zero where there is none.
     pub normals: [[f32; BLOCK_VOXELS]; 3],
+    /// What neighbours look at, by face: a fraction of the block's memory.
+    pub sides: [Side; 6],
     /// Voxels beside features thinner than a voxel.
     pub thin: u32,
     /// One of them.
@@ -77,6 +79,7 @@ impl Staged {
             origin: IVec3::ZERO,
             distances: [0.0; BLOCK_VOXELS],
             normals: [[0.0; BLOCK_VOXELS]; 3],
+            sides: [Side::NONE; 6],
             thin: 0,
             thin_at: None,
         }

@@ -181,7 +181,7 @@ where
                 }
                 if block_order(neighbour) > order {
                     if place_of(all, neighbour).is_ok() {
-                        kept.push((face, Layer::new(block, face, voxel).kept()));
+                        kept.push((face, Layer::kept(block, face, voxel)));
                     }
                 } else if let Some(layer) = borders.get(&(neighbour, face.facing())) {
                     let mut seeds = Vec::new();

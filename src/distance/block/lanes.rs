@@ -1,5 +1,7 @@
 //! Plain loops over a block's voxels, compiled for several vector widths; the widths agree bit for bit.
 
+use std::hint::select_unpredictable;
+
 use multiversion::multiversion;
 
 use crate::{
@@ -28,14 +30,15 @@ pub fn normals(
     for i in 0..BLOCK_VOXELS {
         let sign = if at_voxels.value[i] >= 0.0 { 1.0 } else { -1.0 };
         let far = signed[i].abs() > 0.05 * voxel;
-        let x = if far { (points.x[i] - feet.x[i]) * sign } else { at_voxels.dx[i] };
-        let y = if far { (points.y[i] - feet.y[i]) * sign } else { at_voxels.dy[i] };
-        let z = if far { (points.z[i] - feet.z[i]) * sign } else { at_voxels.dz[i] };
+        // Both are read, and one chosen: a read that depends on which would be a masked one.
+        let x = select_unpredictable(far, (points.x[i] - feet.x[i]) * sign, at_voxels.dx[i]);
+        let y = select_unpredictable(far, (points.y[i] - feet.y[i]) * sign, at_voxels.dy[i]);
+        let z = select_unpredictable(far, (points.z[i] - feet.z[i]) * sign, at_voxels.dz[i]);
         let inverse = 1.0 / (x * x + y * y + z * z).sqrt();
         let has = (inverse < f32::INFINITY) & (inverse > 0.0) & (signed[i].abs() < f32::INFINITY);
-        nx[i] = if has { x * inverse } else { 0.0 };
-        ny[i] = if has { y * inverse } else { 0.0 };
-        nz[i] = if has { z * inverse } else { 0.0 };
+        nx[i] = select_unpredictable(has, x * inverse, 0.0);
+        ny[i] = select_unpredictable(has, y * inverse, 0.0);
+        nz[i] = select_unpredictable(has, z * inverse, 0.0);
     }
 }
 
