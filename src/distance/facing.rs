@@ -1,6 +1,6 @@
 //! What touching blocks have for each other: the layers of voxels at their faces, and the feet of those.
 
-use glam::{IVec3, Vec3};
+use glam::{IVec3, USizeVec3, Vec3};
 use multiversion::multiversion;
 
 use crate::grid::{BLOCK_EDGE, BLOCK_VOXELS};
@@ -190,7 +190,7 @@ impl<'a> Layer<'a> {
     /// The foot of the layer's k-th voxel, as an offset from the block's middle.
     fn foot(&self, k: usize) -> Vec3 {
         let i = self.face.voxel(k);
-        let centre = (glam::USizeVec3::new(i >> 6, i >> 3 & 7, i & 7).as_vec3() - 3.5) * self.voxel;
+        let centre = (USizeVec3::new(i >> 6, i >> 3 & 7, i & 7).as_vec3() - 3.5) * self.voxel;
         let normal = match &self.block {
             OfBlock::Whole(block) => block.normals.each_ref().map(|normals| normals[i]),
             OfBlock::Kept(kept) => kept.1.each_ref().map(|normals| normals[k]),

@@ -31,12 +31,12 @@ pub(super) mod verdict {
     pub const FAILS: u8 = 1;
     /// So near that `landing` is the foot, at `height`.
     pub const LANDS: u8 = 2;
-    /// Its foot is out of reach, or outside of the region, which holds all feet within reach.
+    /// Its foot is outside of the region, which holds all feet within reach.
     pub const IS_BEYOND: u8 = 3;
 }
 
 #[inline(always)]
-fn load(from: &[f32; BATCH], first: usize) -> Wide {
+pub(super) fn load<const N: usize>(from: &[f32; BATCH], first: usize) -> [f32; N] {
     *from[first..].first_chunk().expect("passes divide the batch")
 }
 
@@ -57,8 +57,8 @@ fn whole_passes(len: usize) -> usize {
 }
 
 #[inline(always)]
-fn store(wide: Wide, to: &mut [f32; BATCH], first: usize) {
-    to[first..first + WIDTH].copy_from_slice(&wide);
+pub(super) fn store<const N: usize>(lanes: [f32; N], to: &mut [f32; BATCH], first: usize) {
+    to[first..first + N].copy_from_slice(&lanes);
 }
 
 /// Of the first `len` queries those that |F|/|∇F| puts no farther than `far`; where F has no gradient nothing is known,
@@ -163,6 +163,7 @@ pub(super) fn dot(a: [f32; 3], b: [f32; 3]) -> f32 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
+/// Looks at what was evaluated at q: F and its gradient. `unit` as in [`super::Request`].
 #[inline(always)]
 pub(super) fn look(p: [f32; 3], q: [f32; 3], value: f32, slope: [f32; 3], before: &Before, unit: f32) -> Trial {
     let (near, slide) = (LAST_STEP * unit, LAST_SLIDE * unit);
@@ -200,13 +201,13 @@ pub(super) fn judge(lanes: &mut Lanes, gradients: &Gradients, unit: f32, reach: 
     for first in (0..lanes.points.len).step_by(WIDTH) {
         let p = load_axes(&lanes.p, first);
         let q = load_each([&lanes.points.x, &lanes.points.y, &lanes.points.z], first);
-        let value = load(&gradients.value, first);
+        let value: Wide = load(&gradients.value, first);
         let slope = load_each([&gradients.dx, &gradients.dy, &gradients.dz], first);
         let base = load_axes(&lanes.base, first);
         let normal_step = load_axes(&lanes.normal_step, first);
         let tangent_step = load_axes(&lanes.tangent_step, first);
-        let (merit, residual) = (load(&lanes.merit, first), load(&lanes.residual, first));
-        let (along, across) = (load(&lanes.along, first), load(&lanes.across, first));
+        let [merit, residual]: [Wide; 2] = [load(&lanes.merit, first), load(&lanes.residual, first)];
+        let [along, across]: [Wide; 2] = [load(&lanes.along, first), load(&lanes.across, first)];
         // What comes out is kept apart from what went in, and chosen without branches: else they become masked stores
         // (see `lane_math`).
         let [mut new_q, mut new_base, mut new_normal_step, mut new_tangent_step] = [[[0.0; WIDTH]; 3]; 4];

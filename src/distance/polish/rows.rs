@@ -13,8 +13,8 @@ use crate::{
 
 use super::{
     Request,
-    kernel::{self, Before, dot, look},
-    lanes::{Lane, Lanes},
+    kernel::{self, Before, dot, load, look, store},
+    lanes::Lanes,
 };
 
 /// Lanes taken together: the voxels of a block along z.
@@ -113,9 +113,9 @@ fn begin(rows: &[usize], queries: &Points, at: &Gradients, lanes: &mut Lanes) {
     let [least, greatest] = lanes.bounds;
     let Lanes { points, residual: residuals, .. } = lanes;
     for (to, &from) in (0..).step_by(ROW).zip(rows) {
-        let p = [load(&queries.x, from), load(&queries.y, from), load(&queries.z, from)];
-        let slope = [load(&at.dx, from), load(&at.dy, from), load(&at.dz, from)];
-        let value = load(&at.value, from);
+        let p: [Row; 3] = [load(&queries.x, from), load(&queries.y, from), load(&queries.z, from)];
+        let slope: [Row; 3] = [load(&at.dx, from), load(&at.dy, from), load(&at.dz, from)];
+        let value: Row = load(&at.value, from);
         let (mut trial, mut residual) = ([[0.0; ROW]; 3], [0.0; ROW]);
         for l in 0..ROW {
             let slope = [slope[0][l], slope[1][l], slope[2][l]];
@@ -145,11 +145,11 @@ fn land(
 ) {
     let Lanes { points, residual, foot: feet, distance, .. } = lanes;
     for (first, &row) in (0..).step_by(ROW).zip(rows) {
-        let p = [load(&queries.x, row), load(&queries.y, row), load(&queries.z, row)];
-        let q = [load(&points.x, first), load(&points.y, first), load(&points.z, first)];
-        let slope = [load(&gradients.dx, first), load(&gradients.dy, first), load(&gradients.dz, first)];
-        let value = load(&gradients.value, first);
-        let residual = load(residual, first);
+        let p: [Row; 3] = [load(&queries.x, row), load(&queries.y, row), load(&queries.z, row)];
+        let q: [Row; 3] = [load(&points.x, first), load(&points.y, first), load(&points.z, first)];
+        let slope: [Row; 3] = [load(&gradients.dx, first), load(&gradients.dy, first), load(&gradients.dz, first)];
+        let value: Row = load(&gradients.value, first);
+        let residual: Row = load(residual, first);
         let (mut foot, mut height, mut goes_on) = ([[0.0; ROW]; 3], [0.0; ROW], [0; ROW]);
         for l in 0..ROW {
             let at = |a: &[Row; 3]| [a[0][l], a[1][l], a[2][l]];
@@ -171,14 +171,4 @@ fn land(
         store(height, distance, row);
         open[first..first + ROW].copy_from_slice(&goes_on);
     }
-}
-
-#[inline(always)]
-fn load(from: &Lane, first: usize) -> Row {
-    *from[first..].first_chunk().expect("rows divide the batch")
-}
-
-#[inline(always)]
-fn store(row: Row, to: &mut Lane, first: usize) {
-    to[first..first + ROW].copy_from_slice(&row);
 }
