@@ -141,12 +141,12 @@ impl<'a> Meter<'a> {
 
     fn check_values(&self) -> Result<(), Error> {
         let values = &self.at_voxels.value;
-        // All of them, without a way out: in vectors.
-        if !values.iter().fold(false, |any, value| any | value.is_nan()) {
-            return Ok(());
+        // The usual answer is no, and a loop without a way out finds that out fast.
+        let any = values.iter().fold(false, |any, value| any | value.is_nan());
+        if any && let Some(first) = values.iter().position(|value| value.is_nan()) {
+            return Err(Error::NotANumber { position: self.points.position(first) });
         }
-        let first = values.iter().position(|value| value.is_nan()).unwrap_or(0);
-        Err(Error::NotANumber { position: self.points.position(first) })
+        Ok(())
     }
 
     /// Takes the seeds that are nearer than what was found, and polishes them.

@@ -42,7 +42,7 @@ pub(super) fn load<const N: usize>(from: &[f32; BATCH], first: usize) -> [f32; N
 
 // Spelt out: a `map` is not inlined here.
 #[inline(always)]
-fn load_each([x, y, z]: [&[f32; BATCH]; 3], first: usize) -> [Wide; 3] {
+pub(super) fn load_each<const N: usize>([x, y, z]: [&[f32; BATCH]; 3], first: usize) -> [[f32; N]; 3] {
     [load(x, first), load(y, first), load(z, first)]
 }
 
@@ -200,9 +200,9 @@ pub(super) fn judge(lanes: &mut Lanes, gradients: &Gradients, unit: f32, reach: 
     let [least, greatest] = lanes.bounds;
     for first in (0..lanes.points.len).step_by(WIDTH) {
         let p = load_axes(&lanes.p, first);
-        let q = load_each([&lanes.points.x, &lanes.points.y, &lanes.points.z], first);
+        let q: [Wide; 3] = load_each([&lanes.points.x, &lanes.points.y, &lanes.points.z], first);
         let value: Wide = load(&gradients.value, first);
-        let slope = load_each([&gradients.dx, &gradients.dy, &gradients.dz], first);
+        let slope: [Wide; 3] = load_each([&gradients.dx, &gradients.dy, &gradients.dz], first);
         let base = load_axes(&lanes.base, first);
         let normal_step = load_axes(&lanes.normal_step, first);
         let tangent_step = load_axes(&lanes.tangent_step, first);

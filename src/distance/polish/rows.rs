@@ -8,12 +8,12 @@ use multiversion::multiversion;
 
 use crate::{
     field::{BATCH, Gradients, Points},
-    grid::mask,
+    grid::{BlockMask, mask},
 };
 
 use super::{
     Request,
-    kernel::{self, Before, dot, load, look, store},
+    kernel::{self, Before, dot, load, load_each, look, store},
     lanes::Lanes,
 };
 
@@ -54,8 +54,7 @@ impl Lanes {
         self.points.len = ROW * count;
         begin(rows, queries, at_queries, self);
         evaluate(&self.points, gradients);
-        let mut open = [0; BATCH];
-        land(rows, queries, gradients, request, self, &mut open);
+        let open = land(rows, queries, gradients, request, self);
         self.keep_open(rows, queries, at_queries, &open, gradients);
         self.step(request, gradients);
         self.solve(request, gradients, evaluate);
@@ -68,11 +67,11 @@ impl Lanes {
         rows: &[usize],
         queries: &Points,
         at_queries: &Gradients,
-        open: &[u8; BATCH],
+        open: &BlockMask,
         gradients: &mut Gradients,
     ) {
         let mut kept = 0;
-        for lane in mask::places(&mask::pack(open)).take_while(|&lane| lane < ROW * rows.len()) {
+        for lane in mask::places(open) {
             let query = rows[lane / ROW] + lane % ROW;
             if query >= queries.len {
                 continue;
@@ -113,8 +112,8 @@ fn begin(rows: &[usize], queries: &Points, at: &Gradients, lanes: &mut Lanes) {
     let [least, greatest] = lanes.bounds;
     let Lanes { points, residual: residuals, .. } = lanes;
     for (to, &from) in (0..).step_by(ROW).zip(rows) {
-        let p: [Row; 3] = [load(&queries.x, from), load(&queries.y, from), load(&queries.z, from)];
-        let slope: [Row; 3] = [load(&at.dx, from), load(&at.dy, from), load(&at.dz, from)];
+        let p: [Row; 3] = load_each([&queries.x, &queries.y, &queries.z], from);
+        let slope: [Row; 3] = load_each([&at.dx, &at.dy, &at.dz], from);
         let value: Row = load(&at.value, from);
         let (mut trial, mut residual) = ([[0.0; ROW]; 3], [0.0; ROW]);
         for l in 0..ROW {
@@ -132,22 +131,16 @@ fn begin(rows: &[usize], queries: &Points, at: &Gradients, lanes: &mut Lanes) {
     }
 }
 
-/// Takes the feet of the rows' queries that land, by what was evaluated at their trial points, and marks those that go
-/// on: all but these and those whose foot is out of reach.
+/// Takes the feet of the rows' queries that land, by what was evaluated at their trial points, and returns the lanes
+/// that go on: all but these and those whose foot is out of reach.
 #[multiversion(targets = "simd")]
-fn land(
-    rows: &[usize],
-    queries: &Points,
-    gradients: &Gradients,
-    request: &Request,
-    lanes: &mut Lanes,
-    open: &mut [u8; BATCH],
-) {
+fn land(rows: &[usize], queries: &Points, gradients: &Gradients, request: &Request, lanes: &mut Lanes) -> BlockMask {
+    let mut open = [0; BATCH];
     let Lanes { points, residual, foot: feet, distance, .. } = lanes;
     for (first, &row) in (0..).step_by(ROW).zip(rows) {
-        let p: [Row; 3] = [load(&queries.x, row), load(&queries.y, row), load(&queries.z, row)];
-        let q: [Row; 3] = [load(&points.x, first), load(&points.y, first), load(&points.z, first)];
-        let slope: [Row; 3] = [load(&gradients.dx, first), load(&gradients.dy, first), load(&gradients.dz, first)];
+        let p: [Row; 3] = load_each([&queries.x, &queries.y, &queries.z], row);
+        let q: [Row; 3] = load_each([&points.x, &points.y, &points.z], first);
+        let slope: [Row; 3] = load_each([&gradients.dx, &gradients.dy, &gradients.dz], first);
         let value: Row = load(&gradients.value, first);
         let residual: Row = load(residual, first);
         let (mut foot, mut height, mut goes_on) = ([[0.0; ROW]; 3], [0.0; ROW], [0; ROW]);
@@ -171,4 +164,5 @@ fn land(
         store(height, distance, row);
         open[first..first + ROW].copy_from_slice(&goes_on);
     }
+    mask::pack(&open)
 }
