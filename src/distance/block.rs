@@ -231,6 +231,7 @@ impl<'a> Meter<'a> {
     fn finish(&mut self, origin: IVec3, out: &mut Staged) {
         out.origin = origin;
         lanes::normals(&self.points, &self.feet, &self.at_voxels, &out.distances, self.voxel(), &mut out.normals);
+        out.active = lanes::active(&out.distances, self.background);
         Side::fill_all(&out.distances, &out.normals, &mut out.sides);
         self.count_thin(out);
     }

@@ -5,7 +5,7 @@ use multiversion::multiversion;
 
 use crate::{
     field::{Aabb, Points},
-    grid::{BLOCK_EDGE, BLOCK_VOXELS, BlockMask, Lattice, is_active, mask},
+    grid::{BLOCK_EDGE, BLOCK_VOXELS, BlockMask, Lattice, is_active},
 };
 
 use super::{descent::Scope, facing::Side};
@@ -36,9 +36,9 @@ pub struct MeasuredBlock<'a> {
 }
 
 impl<'a> MeasuredBlock<'a> {
-    /// A staged block that is finished, with its mask.
-    pub fn new(scope: &Scope, staged: &'a Staged, active: &'a BlockMask) -> Self {
-        let Staged { origin, distances, normals, .. } = staged;
+    /// A staged block that is finished.
+    pub fn new(scope: &Scope, staged: &'a Staged) -> Self {
+        let Staged { origin, distances, normals, active, .. } = staged;
         let margin = f64::from(scope.half_width) + ROOM;
         let region = scope.centres(*origin, BLOCK_EDGE, margin);
         let node_region = scope.centres(origin & IVec3::splat(!(SHARED_EDGE - 1)), SHARED_EDGE, margin);
@@ -64,6 +64,8 @@ pub struct Staged {
     pub distances: [f32; BLOCK_VOXELS],
     /// Gradients of the distance, so that `voxel − distance · normal` is the foot; zero where there is none.
     pub normals: [[f32; BLOCK_VOXELS]; 3],
+    /// The voxels nearer to the surface than the background.
+    pub active: BlockMask,
     /// What neighbours look at, by face: a fraction of the block's memory.
     pub sides: [Side; 6],
     /// Voxels beside features thinner than a voxel.
@@ -79,6 +81,7 @@ impl Staged {
             origin: IVec3::ZERO,
             distances: [0.0; BLOCK_VOXELS],
             normals: [[0.0; BLOCK_VOXELS]; 3],
+            active: [0; 8],
             sides: [Side::NONE; 6],
             thin: 0,
             thin_at: None,
@@ -92,24 +95,10 @@ impl Staged {
         (distance.abs() < f32::INFINITY).then(|| normal * -distance)
     }
 
-    /// The voxels nearer to the surface than the background.
-    pub fn active(&self, background: f32) -> BlockMask {
-        active(&self.distances, background)
-    }
-
     /// The distances clamped to ± the background.
     pub fn clamped(&self, background: f32) -> [f32; BLOCK_VOXELS] {
         clamped(&self.distances, background)
     }
-}
-
-#[multiversion(targets = "simd")]
-fn active(distances: &[f32; BLOCK_VOXELS], background: f32) -> BlockMask {
-    let mut active = [0; BLOCK_VOXELS];
-    for i in 0..BLOCK_VOXELS {
-        active[i] = u8::from(distances[i].abs() < background);
-    }
-    mask::pack(&active)
 }
 
 #[multiversion(targets = "simd")]

@@ -13,7 +13,7 @@ use rustc_hash::FxHashMap;
 
 use crate::{
     field::Slope,
-    grid::{BLOCK_EDGE, Band, BlockMask, InsideTile, block_order, place_of},
+    grid::{BLOCK_EDGE, Band, InsideTile, block_order, place_of},
 };
 
 use super::{
@@ -32,12 +32,12 @@ use crate::distance::{
 const ROUNDS: usize = 4;
 
 /// How many threads measuring one chunk keeps busy.
-const THREADS_OF_CHUNK: usize = 4;
+const THREADS_OF_CHUNK: usize = 8;
 
 /// What became of a block.
 enum Outcome<T> {
-    /// It is in the band, with these active voxels and this visit.
-    Band(BlockMask, T),
+    /// It is in the band, with this visit.
+    Band(T),
     Outside,
     Inside,
 }
@@ -56,7 +56,7 @@ pub(super) struct Pass<'a, 'f, T, M> {
     /// What improved blocks were improved by, to have it when they are measured once more.
     imports: FxHashMap<IVec3, Vec<Seed>>,
     /// What later blocks offer to finished ones, in the order of blocks.
-    late: BTreeMap<[i32; 9], (IVec3, Vec<Seed>)>,
+    late: BTreeMap<u128, (IVec3, Vec<Seed>)>,
 }
 
 impl<'a, 'f, T, V, M> Pass<'a, 'f, T, M>
@@ -227,9 +227,9 @@ where
         let mut kept = Vec::with_capacity(in_order.len());
         for (block, outcome) in in_order.into_iter().flatten() {
             match outcome {
-                Outcome::Band(active, visit) => {
+                Outcome::Band(visit) => {
                     self.measured.band.origins.push(block.origin);
-                    self.measured.band.active.push(active);
+                    self.measured.band.active.push(block.active);
                     kept.push((block, visit));
                 }
                 Outcome::Inside => {
@@ -295,8 +295,8 @@ where
 
     /// Puts a block measured again in its place. It can only have gained: nearer feet, active voxels.
     fn replace(&mut self, block: &Staged, outcome: Outcome<T>) {
-        let Outcome::Band(active, visit) = outcome else { return };
-        if self.measured.put(block.origin, block.clamped(self.scope.background()), active, visit) {
+        let Outcome::Band(visit) = outcome else { return };
+        if self.measured.put(block.origin, block.clamped(self.scope.background()), block.active, visit) {
             self.measured.band.inside_tiles.retain(|tile| tile.origin != block.origin);
         }
     }
@@ -309,11 +309,9 @@ where
 }
 
 fn outcome<T>(scope: &Scope, visitor: &mut impl FnMut(&MeasuredBlock) -> T, block: &Staged) -> Outcome<T> {
-    let background = scope.background();
-    let active = block.active(background);
-    if active == [0; 8] {
+    if block.active == [0; 8] {
         return if block.distances[0] >= 0.0 { Outcome::Inside } else { Outcome::Outside };
     }
-    let visit = visitor(&MeasuredBlock::new(scope, block, &active));
-    Outcome::Band(active, visit)
+    let visit = visitor(&MeasuredBlock::new(scope, block));
+    Outcome::Band(visit)
 }

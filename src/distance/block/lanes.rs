@@ -15,6 +15,16 @@ pub fn signed(values: &[f32; BLOCK_VOXELS], distances: &[f32; BLOCK_VOXELS]) -> 
     std::array::from_fn(|i| if values[i] >= 0.0 { distances[i] } else { -distances[i] })
 }
 
+/// The voxels nearer to the surface than the background.
+#[multiversion(targets = "simd")]
+pub fn active(distances: &[f32; BLOCK_VOXELS], background: f32) -> BlockMask {
+    let mut active = [0; BLOCK_VOXELS];
+    for i in 0..BLOCK_VOXELS {
+        active[i] = u8::from(distances[i].abs() < background);
+    }
+    mask::pack(&active)
+}
+
 /// The gradients of the distance: along the way to the foot, or where that is too short to have a direction, F's;
 /// zero where there is no foot.
 #[multiversion(targets = "simd")]
