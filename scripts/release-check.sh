@@ -11,6 +11,8 @@ scripts/install.sh --tests
 cargo build --release --locked
 rm -rf "$folder"
 mkdir -p "$folder"
+scene=
+trap 'echo "release-check: scene $scene is not good; what was found stands above" >&2' ERR
 for file in scenes/*.toml; do
     scene=$(basename "$file" .toml)
     printf '\n== %s\n' "$scene"

@@ -86,19 +86,19 @@ impl<'a> Meter<'a> {
         }
     }
 
-    /// Measures a block into `out`. `seeds` are what neighbouring blocks offer.
-    pub fn measure(&mut self, origin: IVec3, seeds: &[Seed], out: &mut Staged) -> Result<(), Error> {
+    /// Measures a block into `out`, by itself.
+    pub fn measure(&mut self, origin: IVec3, out: &mut Staged) -> Result<(), Error> {
         self.enter_block(origin);
         let result = self.check_values().map(|()| {
             self.find_feet();
-            self.settle(seeds, out);
+            self.settle(out);
             self.finish(origin, out);
         });
         self.evaluator.leave();
         result
     }
 
-    /// Improves a measured block by what its neighbours offer.
+    /// Improves a measured block by what its neighbours offer: no voxel's foot gets farther.
     pub fn improve(&mut self, seeds: &[Seed], block: &mut Staged) {
         self.enter_block(block.origin);
         self.feet.clone_from(&self.points);
@@ -108,7 +108,8 @@ impl<'a> Meter<'a> {
                 self.set_foot(i, self.points.offset(i) + to_foot);
             }
         }
-        self.settle(seeds, block);
+        self.take_seeds(seeds);
+        self.settle(block);
         self.finish(block.origin, block);
         self.evaluator.leave();
     }
@@ -121,9 +122,8 @@ impl<'a> Meter<'a> {
         self.evaluator.gradients(&self.points, &mut self.at_voxels);
     }
 
-    /// Takes what others offer, and signs the distances.
-    fn settle(&mut self, seeds: &[Seed], out: &mut Staged) {
-        self.take_seeds(seeds);
+    /// Lets the voxels take each other's feet, and signs the distances.
+    fn settle(&mut self, out: &mut Staged) {
         self.exchange();
         out.distances = lanes::signed(&self.at_voxels.value, &self.distances);
         if self.find_crossings(&out.distances) {
@@ -151,9 +151,6 @@ impl<'a> Meter<'a> {
 
     /// Takes the seeds that are nearer than what was found, and polishes them.
     fn take_seeds(&mut self, seeds: &[Seed]) {
-        if seeds.is_empty() {
-            return;
-        }
         self.changed.fill(false);
         for seed in seeds {
             let i = usize::from(seed.voxel);

@@ -83,7 +83,7 @@ impl<'a> Measuring<'a> {
                 enter_task(meter, blocks[task[0]]);
                 task.iter().zip(staged).try_for_each(|(&place, staged)| {
                     self.stop_if_cancelled()?;
-                    meter.measure(blocks[place], &[], staged)
+                    meter.measure(blocks[place], staged)
                 })
             },
         )?;

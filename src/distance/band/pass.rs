@@ -53,8 +53,9 @@ pub(super) struct Pass<'a, 'f, T, M> {
     taken: usize,
     /// Layers that later blocks will face.
     borders: FxHashMap<(IVec3, Face), Layer<'static>>,
-    /// What improved blocks were improved by, to have it when they are measured once more.
-    imports: FxHashMap<IVec3, Vec<Seed>>,
+    /// What improved blocks were improved by, time after time, to go the same way when they are measured once more: a
+    /// nearer foot in the place of one that neighbours would have taken can leave them worse off.
+    imports: FxHashMap<IVec3, Vec<Vec<Seed>>>,
     /// What later blocks offer to finished ones, in the order of blocks.
     late: BTreeMap<u128, (IVec3, Vec<Seed>)>,
 }
@@ -155,7 +156,7 @@ where
                 .collect();
             improved = Some(offers.iter().map(|(place, _)| *place).collect());
             for ((place, seeds), block) in offers.into_iter().zip(again) {
-                self.imports.entry(block.origin).or_default().extend(seeds);
+                self.imports.entry(block.origin).or_default().push(seeds);
                 staged[place] = block;
             }
         }
@@ -247,16 +248,18 @@ where
     pub fn redo(&mut self) -> Result<(), Error> {
         for _ in 0..ROUNDS {
             let late: Vec<(IVec3, Vec<Seed>)> = std::mem::take(&mut self.late).into_values().collect();
-            for (origin, seeds) in &late {
-                self.imports.entry(*origin).or_default().extend(seeds);
+            let origins: Vec<IVec3> = late.iter().map(|(origin, _)| *origin).collect();
+            for (origin, seeds) in late {
+                self.imports.entry(origin).or_default().push(seeds);
             }
             let worker = || (self.measuring.meter(), (self.visitor)());
-            let again = late
+            let again = origins
                 .into_par_iter()
-                .map_init(worker, |(meter, visitor), (origin, _)| {
+                .map_init(worker, |(meter, visitor), origin| {
                     let mut block = Staged::new();
                     enter_task(meter, origin);
-                    meter.measure(origin, &self.imports[&origin], &mut block)?;
+                    meter.measure(origin, &mut block)?;
+                    self.imports[&origin].iter().for_each(|seeds| meter.improve(seeds, &mut block));
                     Ok((outcome(self.scope, visitor, &block), block))
                 })
                 .collect::<Result<Vec<_>, Error>>()?;

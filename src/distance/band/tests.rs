@@ -1,3 +1,8 @@
+use std::{
+    collections::HashMap,
+    sync::{Arc, Mutex},
+};
+
 use glam::{DMat3, DVec3, Vec3};
 
 use super::*;
@@ -7,6 +12,7 @@ use crate::{
         testing::{Joined, Leaf, Saturated},
     },
     grid::VoxelSize,
+    scene::{Overrides, PrepareOptions, Prepared, Source, load},
 };
 
 struct Errors {
@@ -165,5 +171,35 @@ fn what_cannot_be_measured_says_why() {
     // The region's blocks end at voxels −16 and 24, the solid at ± 20.
     for side in [0, 2, 4] {
         assert!(cut[side] > 100 && cut[side + 1] == 0, "{cut:?}");
+    }
+}
+
+/// Facets of about a voxel, cut, in chunks so small that many blocks are measured again for what later ones offer.
+#[test]
+fn measuring_a_block_again_brings_no_foot_farther() {
+    let model = load(&Source::Builtin("cubism-sliced".into()), &Overrides::default()).unwrap();
+    let options = PrepareOptions {
+        voxel_size: None,
+        resolution: Some(48),
+        half_width: None,
+        memory_limit: None,
+        cancel: Arc::default(),
+        progress: &|_| {},
+    };
+    let prepared = Arc::new(model).prepare(&options).unwrap();
+    let Prepared { lattice, half_width, .. } = prepared;
+    let cancel = AtomicBool::new(false);
+    for frame in [2, 3, 6] {
+        let content = prepared.frame(frame).unwrap();
+        let settings = Settings { lattice, half_width, region: content.region, cancel: &cancel, progress: &|_| {} };
+        let visits = Mutex::new(HashMap::<IVec3, Vec<[f32; BLOCK_VOXELS]>>::new());
+        let visitor =
+            || |block: &MeasuredBlock| visits.lock().unwrap().entry(block.origin).or_default().push(*block.distances);
+        measure_opened(&*content.field, &settings, &visitor, 4).unwrap();
+        let visits = visits.into_inner().unwrap();
+        let again: Vec<_> = visits.values().flat_map(|of_block| of_block.windows(2)).collect();
+        let farther = |pair: &[[f32; BLOCK_VOXELS]]| (0..BLOCK_VOXELS).any(|i| pair[1][i].abs() > pair[0][i].abs());
+        let worse = again.iter().filter(|pair| farther(pair)).count();
+        assert!(!again.is_empty() && worse == 0, "{worse} of {} in frame {frame}", again.len());
     }
 }

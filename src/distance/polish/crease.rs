@@ -174,8 +174,8 @@ impl Polisher {
         let Scratch { singles, parts, .. } = &mut self.crease;
         evaluator.branch(branch, queries.points, &mut parts[0]);
         let evaluate = |points: &Points, out: &mut Gradients| evaluator.branch(branch, points, out);
-        let far = FAR * request.reach;
-        self.lanes.solve_known(request, queries.points, &parts[0], far, &mut self.gradients, evaluate);
+        let near = kernel::near(&parts[0], queries.points.len, FAR * request.reach);
+        self.lanes.solve_known(request, queries.points, &parts[0], &near, &mut self.gradients, evaluate);
         let (single, len) = (&mut singles[branch], queries.points.len);
         for (to, from) in single.foot.iter_mut().zip(&self.lanes.foot) {
             to[..len].copy_from_slice(&from[..len]);

@@ -67,11 +67,32 @@ pub(super) fn store<const N: usize>(lanes: [f32; N], to: &mut [f32; BATCH], firs
 pub(super) fn near(at: &Gradients, len: usize, far: f32) -> BlockMask {
     let mut near = [0; BATCH];
     for i in 0..whole_passes(len) {
-        let square = at.dx[i] * at.dx[i] + at.dy[i] * at.dy[i] + at.dz[i] * at.dz[i];
-        let is_far = at.value[i] * at.value[i] > far * far * square;
+        let is_far = at.value[i] * at.value[i] > far * far * slope_squared(at, i);
         near[i] = u8::from(!is_far);
     }
     mask::pack(&near)
+}
+
+/// The same of the voxels of a block, less those that |F| and the steepest |∇F| of them all put farther than
+/// `farthest`.
+#[multiversion(targets = "simd")]
+pub(super) fn near_in_block(at: &Gradients, far: f32, farthest: f32) -> BlockMask {
+    let mut steepest = 0.0_f32;
+    for i in 0..BATCH {
+        steepest = steepest.max(slope_squared(at, i));
+    }
+    let mut near = [0; BATCH];
+    for i in 0..BATCH {
+        let square = at.value[i] * at.value[i];
+        let is_far = (square > far * far * slope_squared(at, i)) | (square > farthest * farthest * steepest);
+        near[i] = u8::from(!is_far);
+    }
+    mask::pack(&near)
+}
+
+#[inline(always)]
+fn slope_squared(at: &Gradients, i: usize) -> f32 {
+    at.dx[i] * at.dx[i] + at.dy[i] * at.dy[i] + at.dz[i] * at.dz[i]
 }
 
 /// Where the first `len` of `distances` are less than `others`, and than `most`. Bits past `len` are unspecified.

@@ -26,6 +26,10 @@ use lanes::Lanes;
 /// by neighbours inside small balls written as r² − |p|², where the quotient overestimates; larger wastes evaluations.
 const FAR: f32 = 2.0;
 
+/// The same where |∇F| is the steepest of a block's voxels. F is hardly steeper on the way from them to their feet, so
+/// that what is put farther is out of reach.
+const OUT_OF_REACH: f32 = 1.3;
+
 /// What a batch of closest points is sought for. The evaluator must have entered a region that holds `region`.
 #[derive(Clone, Copy, Debug)]
 pub struct Request {
@@ -50,8 +54,8 @@ impl Polisher {
         Self { lanes: Box::default(), gradients: Box::default(), crease: crease::Scratch::default() }
     }
 
-    /// Like [`Polisher::closest`] where no query has a seed and F is known at the queries. Queries that F and its
-    /// gradient put farther than twice the reach are passed over.
+    /// Like [`Polisher::closest`] for the voxels of a block, where none has a seed and F is known. Those that F and its
+    /// gradients put well out of reach are passed over.
     pub fn closest_from(
         &mut self,
         evaluator: &mut dyn Evaluator,
@@ -69,9 +73,9 @@ impl Polisher {
             return;
         }
         let Self { lanes, gradients, .. } = self;
-        let far = FAR * request.reach;
+        let near = kernel::near_in_block(at_queries, FAR * request.reach, OUT_OF_REACH * request.reach);
         let evaluate = |points: &Points, out: &mut Gradients| evaluator.gradients(points, out);
-        lanes.solve_known(request, queries, at_queries, far, gradients, evaluate);
+        lanes.solve_known(request, queries, at_queries, &near, gradients, evaluate);
         distances.copy_from_slice(&lanes.distance);
         for (feet, found) in [&mut feet.x, &mut feet.y, &mut feet.z].into_iter().zip(&lanes.foot) {
             feet.copy_from_slice(found);

@@ -13,7 +13,7 @@ use crate::{
 
 use super::{
     Request,
-    kernel::{self, Before, dot, load, load_each, look, store},
+    kernel::{Before, dot, load, load_each, look, store},
     lanes::Lanes,
 };
 
@@ -26,19 +26,18 @@ type Row = [f32; ROW];
 const DOUBT: f32 = 1.3;
 
 impl Lanes {
-    /// Finds the feet of queries on the zero set of what `evaluate` evaluates and `at_queries` holds already, where
-    /// |F|/|∇F| is at most `far`. The results, by query, are in `foot` and `distance`.
+    /// Finds the feet of those queries that are `near` on the zero set of what `evaluate` evaluates and `at_queries` holds
+    /// already, and perhaps of others. The results, by query, are in `foot` and `distance`.
     pub fn solve_known(
         &mut self,
         request: &Request,
         queries: &Points,
         at_queries: &Gradients,
-        far: f32,
+        near: &BlockMask,
         gradients: &mut Gradients,
         mut evaluate: impl FnMut(&Points, &mut Gradients),
     ) {
         self.distance.fill(f32::INFINITY);
-        let near = kernel::near(at_queries, queries.len, far);
         let mut rows = [0; BATCH / ROW];
         let mut count = 0;
         for row in 0..queries.len.div_ceil(ROW) {
