@@ -114,6 +114,7 @@ impl<T> Measured<T> {
         let goes = |tile: &InsideTile| outside(tile) || tile.edge == BLOCK_EDGE && changed(&tile.origin);
         band.inside_tiles.retain(|tile| !goes(tile));
         band.inside_tiles.extend(inside_tiles.into_iter().filter(|tile| changed(&tile.origin)));
+        // Two sorted lists in a row: those that stay, and those of what was measured again.
         band.inside_tiles.sort_by_key(|tile| block_order(tile.origin));
         report.thin.retain(|thin| !changed(&thin.origin));
         report.thin.extend(again.report.thin.into_iter().filter(|thin| changed(&thin.origin)));

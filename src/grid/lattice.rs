@@ -1,7 +1,5 @@
 //! Where voxels stand in the world. The world's origin is a voxel centre.
 
-use std::ops::Range;
-
 use glam::{DVec3, IVec3};
 
 use super::BLOCK_EDGE;
@@ -57,8 +55,7 @@ pub fn voxel_offset(voxel: IVec3) -> usize {
 pub fn block_order(origin: IVec3) -> u128 {
     // Less stays less where the sign's bit is turned.
     let place = origin.to_array().map(|along| (along as u32) ^ (1 << 31));
-    [12..32, 7..12, 0..7].into_iter().fold(0, |key, Range { start, end }| {
-        let width = end - start;
+    [(12, 20), (7, 5), (0, 7)].into_iter().fold(0, |key, (start, width)| {
         place.iter().fold(key, |key, along| key << width | u128::from(along >> start & ((1 << width) - 1)))
     })
 }

@@ -247,9 +247,9 @@ where
     /// Measures the blocks again to which later ones offered nearer feet, and then those to which these do.
     pub fn redo(&mut self) -> Result<(), Error> {
         for _ in 0..ROUNDS {
-            let late: Vec<(IVec3, Vec<Seed>)> = std::mem::take(&mut self.late).into_values().collect();
-            let origins: Vec<IVec3> = late.iter().map(|(origin, _)| *origin).collect();
-            for (origin, seeds) in late {
+            let late = std::mem::take(&mut self.late);
+            let origins: Vec<IVec3> = late.values().map(|(origin, _)| *origin).collect();
+            for (origin, seeds) in late.into_values() {
                 self.imports.entry(origin).or_default().push(seeds);
             }
             let worker = || (self.measuring.meter(), (self.visitor)());

@@ -67,8 +67,7 @@ pub(super) fn store<const N: usize>(lanes: [f32; N], to: &mut [f32; BATCH], firs
 pub(super) fn near(at: &Gradients, len: usize, far: f32) -> BlockMask {
     let mut near = [0; BATCH];
     for i in 0..whole_passes(len) {
-        let is_far = at.value[i] * at.value[i] > far * far * slope_squared(at, i);
-        near[i] = u8::from(!is_far);
+        near[i] = u8::from(!is_farther(at.value[i], slope_squared(at, i), far));
     }
     mask::pack(&near)
 }
@@ -77,22 +76,33 @@ pub(super) fn near(at: &Gradients, len: usize, far: f32) -> BlockMask {
 /// `farthest`.
 #[multiversion(targets = "simd")]
 pub(super) fn near_in_block(at: &Gradients, far: f32, farthest: f32) -> BlockMask {
-    let mut steepest = 0.0_f32;
-    for i in 0..BATCH {
-        steepest = steepest.max(slope_squared(at, i));
+    // Lane by lane: one number for all would be waited for at each step.
+    let mut steepest: Wide = [0.0; WIDTH];
+    for first in (0..BATCH).step_by(WIDTH) {
+        for l in 0..WIDTH {
+            steepest[l] = steepest[l].max(slope_squared(at, first + l));
+        }
     }
+    let steepest = steepest.into_iter().fold(0.0, f32::max);
     let mut near = [0; BATCH];
     for i in 0..BATCH {
-        let square = at.value[i] * at.value[i];
-        let is_far = (square > far * far * slope_squared(at, i)) | (square > farthest * farthest * steepest);
+        let value = at.value[i];
+        let is_far = is_farther(value, slope_squared(at, i), far) | is_farther(value, steepest, farthest);
         near[i] = u8::from(!is_far);
     }
     mask::pack(&near)
 }
 
+/// Whether |F| by the square of |∇F| puts the surface farther than `far`.
+#[inline(always)]
+fn is_farther(value: f32, slope_squared: f32, far: f32) -> bool {
+    value * value > far * far * slope_squared
+}
+
 #[inline(always)]
 fn slope_squared(at: &Gradients, i: usize) -> f32 {
-    at.dx[i] * at.dx[i] + at.dy[i] * at.dy[i] + at.dz[i] * at.dz[i]
+    let slope = [at.dx[i], at.dy[i], at.dz[i]];
+    dot(slope, slope)
 }
 
 /// Where the first `len` of `distances` are less than `others`, and than `most`. Bits past `len` are unspecified.
