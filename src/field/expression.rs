@@ -256,39 +256,33 @@ impl Evaluator for ExpressionEvaluator<'_> {
     fn branch(&mut self, branch: usize, points: &Points, out: &mut Gradients) {
         self.find_branches();
         let owner = self.owner();
-        let depth = self.depth;
-        let chosen = self.levels[depth].branches.borrow().list[branch];
+        let Self { program, externals, levels, machine, resolved, .. } = self;
+        let (outer, inner) = levels.split_at_mut(self.depth);
+        let Level { ops: own, branches, branch_tapes, .. } = &mut inner[0];
+        let ops = if owner == self.depth { own } else { &outer[owner].ops };
+        let branches = branches.get_mut();
+        let chosen = branches.list[branch];
         match chosen.part {
             Part::External(inner) => {
-                let op = self.levels[owner].ops[chosen.op as usize];
-                self.machine.read_branch(
-                    self.program,
-                    &mut self.externals,
-                    &self.levels[owner].ops,
-                    op,
-                    inner as usize,
-                    points,
-                    out,
-                );
+                let op = ops[chosen.op as usize];
+                machine.read_branch(program, externals, ops, op, inner as usize, points, out);
             }
             Part::Whole | Part::Sides(_) => {
-                let tapes = &mut self.levels[depth].branch_tapes;
-                if tapes.len() <= branch {
-                    tapes.resize_with(branch + 1, Default::default);
+                if branch_tapes.len() <= branch {
+                    branch_tapes.resize_with(branch + 1, Default::default);
                 }
-                let mut known = std::mem::take(&mut tapes[branch]);
-                let ops = &self.levels[owner].ops;
+                let known = &mut branch_tapes[branch];
                 if !known.compiled {
-                    let mut branches = self.levels[depth].branches.borrow_mut();
-                    branches.resolve(ops, chosen, zero_leaf(self.program), &mut self.resolved);
-                    known.compile(&self.resolved, chosen.op);
+                    branches.resolve(ops, chosen, zero_leaf(program), resolved);
+                    known.compile(resolved, chosen.op);
                 }
-                known.tape.settle(self.program, points.origin);
-                // Other branches' fields may be the dearest part of F.
-                let some = known.externals.iter().map(|index| ops[*index as usize]);
-                self.machine.read_some(self.program, &mut self.externals, ops, some, points, true);
-                self.machine.gradients(&known.tape, points, out);
-                self.levels[depth].branch_tapes[branch] = known;
+                known.tape.settle(program, points.origin);
+                if !known.externals.is_empty() {
+                    // Other branches' fields may be the dearest part of F.
+                    let some = known.externals.iter().map(|index| ops[*index as usize]);
+                    machine.read_some(program, externals, ops, some, points, true);
+                }
+                machine.gradients(&known.tape, points, out);
             }
         }
         if chosen.factor != 1.0 {

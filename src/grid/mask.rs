@@ -9,8 +9,14 @@ const NOT_LAST: u64 = !0x8080_8080_8080_8080;
 /// Packs flags of 0 or 1. Inlined, so that it is compiled for its caller's vector width.
 #[inline(always)]
 pub fn pack(flags: &[u8; BLOCK_VOXELS]) -> BlockMask {
+    pack_first(flags, BLOCK_VOXELS)
+}
+
+/// Packs so many flags and those up to the next multiple of 64; the others count as 0.
+#[inline(always)]
+pub fn pack_first(flags: &[u8; BLOCK_VOXELS], count: usize) -> BlockMask {
     let mut mask = [0; 8];
-    for (word, flags) in mask.iter_mut().zip(flags.as_chunks::<64>().0) {
+    for (word, flags) in mask.iter_mut().zip(flags.as_chunks::<64>().0).take(count.div_ceil(64)) {
         for (row, flags) in flags.as_chunks::<8>().0.iter().enumerate() {
             // Flag j, at bit 8j, goes to bit 56 + j by the factor's bit 7(8 − j).
             let bits = u64::from_le_bytes(*flags).wrapping_mul(0x0102_0408_1020_4080) >> 56;
@@ -74,6 +80,10 @@ mod tests {
             let mask = pack(&flags);
             let expected: Vec<usize> = (0..BLOCK_VOXELS).filter(|&i| flags[i] == 1).collect();
             assert!(expected.iter().all(|&i| super::super::is_active(&mask, i)));
+            for count in [0, 1, 64, 65, 512] {
+                let packed = (0..8).map(|x| if 64 * x < count { mask[x] } else { 0 });
+                assert!(pack_first(&flags, count).into_iter().eq(packed));
+            }
             assert_eq!(places(&mask).collect::<Vec<_>>(), expected);
             assert_eq!(count(&mask), expected.len());
             for place in 0..BLOCK_VOXELS {

@@ -198,7 +198,8 @@ impl DistanceObject {
         }
         let patch = self.patch(place);
         let tensor = patch::restrict(&patch.bernstein(), from, to);
-        patch::bounds(&tensor, std::array::from_fn(|axis| (to[axis] - from[axis]) * patch.edge), patch.edge)
+        let slopes = patch::slopes(&tensor, std::array::from_fn(|axis| (to[axis] - from[axis]) * patch.edge));
+        patch::bounds(&tensor, &slopes, patch.edge)
     }
 
     /// The part of the root that is nearest to a box, in smallest cells.
@@ -269,8 +270,9 @@ impl DistanceObject {
             .par_iter()
             .map(|&place| {
                 let patch = self.patch(place);
-                let (tensor, edges) = (patch.bernstein(), [patch.edge; 3]);
-                (patch::bounds(&tensor, edges, patch.edge), patch::steepest(&tensor, edges, patch.edge))
+                let tensor = patch.bernstein();
+                let slopes = patch::slopes(&tensor, [patch.edge; 3]);
+                (patch::bounds(&tensor, &slopes, patch.edge), patch::steepest(&tensor, &slopes, patch.edge))
             })
             .unzip();
         self.bounds = vec![Stored::NONE; self.nodes.len()];
@@ -292,8 +294,14 @@ impl DistanceObject {
     /// A bound of |∇F| in the root, a tenth above the truth or less: the steepest cells are cut until their bounds
     /// come near a slope that was met.
     fn steepest(&self, places: &[Place], slopes: &[f64]) -> f64 {
-        let mut open: BinaryHeap<Steep> = (places.iter().zip(slopes))
-            .map(|(&place, &slope)| Steep { slope, place, min: [0.0; 3], edge: 1.0 })
+        let mut leaves: Vec<usize> = (0..slopes.len()).collect();
+        if leaves.len() > STEEPEST_CUTS {
+            // Each cut takes one of them, and one is left to answer.
+            leaves.select_nth_unstable_by(STEEPEST_CUTS, |&a, &b| slopes[b].total_cmp(&slopes[a]).then(a.cmp(&b)));
+            leaves.truncate(STEEPEST_CUTS + 1);
+        }
+        let mut open: BinaryHeap<Steep> = (leaves.into_iter())
+            .map(|leaf| Steep { slope: slopes[leaf], place: places[leaf], min: [0.0; 3], edge: 1.0 })
             .collect();
         let mut met = 0.0_f64;
         for _ in 0..STEEPEST_CUTS {
@@ -310,7 +318,8 @@ impl DistanceObject {
                 let jet = patch.jet(min.map(|x| x + half / 2.0));
                 met = met.max((jet[4] * jet[4] + jet[2] * jet[2] + jet[1] * jet[1]).sqrt());
                 let part = patch::restrict(&tensor, min, min.map(|x| x + half));
-                let slope = patch::steepest(&part, [half * patch.edge; 3], patch.edge);
+                let slopes = patch::slopes(&part, [half * patch.edge; 3]);
+                let slope = patch::steepest(&part, &slopes, patch.edge);
                 open.push(Steep { slope, place: steep.place, min, edge: half });
             }
         }

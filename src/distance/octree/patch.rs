@@ -86,25 +86,35 @@ impl Patch {
         }
         let third = self.edge / 3.0;
         for axis in 0..3 {
-            let stride = [16, 4, 1][axis];
-            for start in starts(axis) {
-                let [near, rise, far, fall] = line(&out, start, stride);
-                out[start + stride] = near + third * rise;
-                out[start + 2 * stride] = far - third * fall;
-                out[start + 3 * stride] = far;
-            }
+            change_lines(&mut out, axis, |[near, rise, far, fall]| {
+                [near, near + third * rise, far - third * fall, far]
+            });
         }
         out
     }
 }
 
-fn line(tensor: &Tensor, start: usize, stride: usize) -> [f64; 4] {
-    std::array::from_fn(|i| tensor[start + i * stride])
+/// Replaces each line of four numbers along an axis.
+#[inline(always)]
+fn change_lines(tensor: &mut Tensor, axis: usize, change: impl Fn([f64; 4]) -> [f64; 4]) {
+    match axis {
+        0 => change_lines_apart::<16>(tensor, change),
+        1 => change_lines_apart::<4>(tensor, change),
+        _ => change_lines_apart::<1>(tensor, change),
+    }
 }
 
-fn starts(axis: usize) -> impl Iterator<Item = usize> {
-    let stride = [16, 4, 1][axis];
-    (0..64).filter(move |i| (i / stride) & 3 == 0)
+/// The same for numbers so far apart, which a vector loop has to know.
+#[inline(always)]
+fn change_lines_apart<const STRIDE: usize>(tensor: &mut Tensor, change: impl Fn([f64; 4]) -> [f64; 4]) {
+    for lines in tensor.chunks_exact_mut(4 * STRIDE) {
+        for start in 0..STRIDE {
+            let changed = change(std::array::from_fn(|i| lines[start + i * STRIDE]));
+            for (i, number) in changed.into_iter().enumerate() {
+                lines[start + i * STRIDE] = number;
+            }
+        }
+    }
 }
 
 /// The coefficients of a sub-interval of a cubic, by blossoming.
@@ -125,30 +135,24 @@ pub fn restrict(tensor: &Tensor, lo: [f64; 3], hi: [f64; 3]) -> Tensor {
         if lo[axis] <= 0.0 && hi[axis] >= 1.0 {
             continue;
         }
-        let stride = [16, 4, 1][axis];
-        for start in starts(axis) {
-            let part = cut(line(&out, start, stride), lo[axis], hi[axis]);
-            for (i, value) in part.into_iter().enumerate() {
-                out[start + i * stride] = value;
-            }
-        }
+        change_lines(&mut out, axis, |c| cut(c, lo[axis], hi[axis]));
     }
     out
 }
 
 /// The coefficients of ∂F along an axis, raised to degree 3 along it.
 fn slope(tensor: &Tensor, axis: usize, edge: f64) -> Tensor {
-    let mut out = [0.0; 64];
-    let stride = [16, 4, 1][axis];
-    for start in starts(axis) {
-        let c = line(tensor, start, stride);
+    let mut out = *tensor;
+    change_lines(&mut out, axis, |c| {
         let d: [f64; 3] = std::array::from_fn(|i| 3.0 * (c[i + 1] - c[i]) / edge);
-        let raised = [d[0], (d[0] + 2.0 * d[1]) / 3.0, (2.0 * d[1] + d[2]) / 3.0, d[2]];
-        for (i, value) in raised.into_iter().enumerate() {
-            out[start + i * stride] = value;
-        }
-    }
+        [d[0], (d[0] + 2.0 * d[1]) / 3.0, (2.0 * d[1] + d[2]) / 3.0, d[2]]
+    });
     out
+}
+
+/// The coefficients of ∂F along each axis, over a box of the given edges.
+pub fn slopes(tensor: &Tensor, edges: [f64; 3]) -> [Tensor; 3] {
+    std::array::from_fn(|axis| slope(tensor, axis, edges[axis]))
 }
 
 /// Bounds over a cell or a part of it.
@@ -161,9 +165,20 @@ pub struct PatchBounds {
 }
 
 fn range(tensor: &Tensor) -> Interval {
-    let lo = tensor.iter().copied().fold(f64::INFINITY, f64::min);
-    let hi = tensor.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    Interval::new(lo, hi)
+    Interval::new(extreme(tensor, f64::min), extreme(tensor, f64::max))
+}
+
+/// The least or greatest number, found in lanes: one number for all would be waited for at each step.
+#[inline(always)]
+fn extreme(tensor: &Tensor, choose: fn(f64, f64) -> f64) -> f64 {
+    let [first, rest @ ..] = tensor.as_chunks::<8>().0 else { unreachable!("a tensor has 64 numbers") };
+    let mut lanes = *first;
+    for row in rest {
+        for (lane, number) in lanes.iter_mut().zip(row) {
+            *lane = choose(*lane, *number);
+        }
+    }
+    lanes[1..].iter().copied().fold(lanes[0], choose)
 }
 
 /// Grows an interval by what the `f32` evaluation of a value or slope of that size may be off.
@@ -173,12 +188,12 @@ pub fn padded(interval: Interval, size: f64) -> Interval {
     Interval::new(interval.lo - pad, interval.hi + pad)
 }
 
-/// Bounds of F and its gradient from Bernstein coefficients over a box of the given edges: a polynomial stays in the
-/// hull of its coefficients. `cell` is the edge of the whole cell.
-pub fn bounds(tensor: &Tensor, edges: [f64; 3], cell: f64) -> PatchBounds {
+/// Bounds of F and its gradient from Bernstein coefficients over a box and those of its [`slopes`]: a polynomial stays in
+/// the hull of its coefficients. `cell` is the edge of the whole cell.
+pub fn bounds(tensor: &Tensor, slopes: &[Tensor; 3], cell: f64) -> PatchBounds {
     let value = range(tensor);
     let size = value.lo.abs().max(value.hi.abs());
-    let gradient = std::array::from_fn(|axis| padded(range(&slope(tensor, axis, edges[axis])), slope_size(size, cell)));
+    let gradient = std::array::from_fn(|axis| padded(range(&slopes[axis]), slope_size(size, cell)));
     PatchBounds { value: padded(value, size), gradient }
 }
 
@@ -188,17 +203,21 @@ fn slope_size(value: f64, cell: f64) -> f64 {
     1.0 + value / cell
 }
 
-/// The greatest |∇F| over a box of the given edges.
-pub fn steepest(tensor: &Tensor, edges: [f64; 3], cell: f64) -> f64 {
-    let slopes: [Tensor; 3] = std::array::from_fn(|axis| slope(tensor, axis, edges[axis]));
-    let greatest = (0..64).map(|i| slopes.iter().map(|s| s[i] * s[i]).sum::<f64>()).fold(0.0, f64::max).sqrt();
-    let size = tensor.iter().fold(0.0_f64, |all, x| all.max(x.abs()));
-    greatest + 4e-6 * slope_size(size, cell)
+/// The greatest |∇F| over a box, from the same.
+pub fn steepest(tensor: &Tensor, slopes: &[Tensor; 3], cell: f64) -> f64 {
+    let [x, y, z] = slopes;
+    let squares: Tensor = std::array::from_fn(|i| x[i] * x[i] + y[i] * y[i] + z[i] * z[i]);
+    let greatest = extreme(&squares, f64::max).sqrt();
+    greatest + 4e-6 * slope_size(largest(tensor), cell)
+}
+
+/// The greatest of the numbers without their signs.
+fn largest(tensor: &Tensor) -> f64 {
+    extreme(&tensor.map(f64::abs), f64::max)
 }
 
 /// The greatest mixed second derivative of a cell, and the third.
 pub fn mixed(tensor: &Tensor, edge: f64) -> (f64, f64) {
-    let largest = |tensor: &Tensor| tensor.iter().fold(0.0_f64, |all, x| all.max(x.abs()));
     let (x, y) = (slope(tensor, 0, edge), slope(tensor, 1, edge));
     let xy = slope(&x, 1, edge);
     let second = largest(&xy).max(largest(&slope(&x, 2, edge))).max(largest(&slope(&y, 2, edge)));

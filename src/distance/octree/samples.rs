@@ -15,6 +15,9 @@ use crate::distance::nearest::{ClosestPoint, Watch};
 /// enough to give all threads some.
 const BATCH: usize = 1024;
 
+/// Cells whose points are listed together before they are sought among those of all.
+const CELLS: usize = 256;
+
 /// The order of points along a Morton curve: bits of x, y, z interleaved, x the highest.
 fn morton(place: [u32; 3]) -> u64 {
     let spread = |v: u32| {
@@ -146,10 +149,18 @@ impl<'a> Samples<'a> {
         progress: impl Fn(f64) + Sync,
     ) -> Result<(), BuildError> {
         let index = &self.index;
-        let mut keys: Vec<u64> = cells
-            .par_iter()
-            .flat_map_iter(|cell| points(cell).into_iter().map(morton).filter(|key| !index.contains_key(key)))
-            .collect();
+        let missing = |cells: &[C]| {
+            let mut keys: Vec<u64> = Vec::new();
+            for cell in cells {
+                keys.extend(points(cell).into_iter().map(morton));
+            }
+            // Cells that lie together share most of their points.
+            keys.sort_unstable();
+            keys.dedup();
+            keys.retain(|key| !index.contains_key(key));
+            keys
+        };
+        let mut keys = cells.par_chunks(CELLS).map(missing).collect::<Vec<_>>().concat();
         keys.par_sort_unstable();
         keys.dedup();
         let none = Sample { value: 0.0, gradient: [0.0; 3], part: 0 };
@@ -176,6 +187,7 @@ impl<'a> Samples<'a> {
             progress(done as f64 / all as f64);
             Ok(())
         })?;
+        self.index.reserve(keys.len());
         for (i, key) in keys.iter().enumerate() {
             self.index.insert(*key, (start + i) as u32);
         }

@@ -32,6 +32,10 @@ const LEAST_GROUP: f64 = 1.0;
 /// of positions, larger leaves feet along creases short of where they belong.
 const SETTLED: f64 = 5e-4;
 
+/// The same as a share of the distance to the position: what directions may be wrong by. Of distances that is a
+/// hundred-thousandth. Larger, and cells far from the surface would be split for it.
+const SETTLED_SHARE: f64 = 4e-3;
+
 /// How often a foot is sought along its face or crease before it is sought from its position. More pays only for feet
 /// far from their seeds.
 const RELAXED: usize = 2;
@@ -61,9 +65,9 @@ impl Approach {
 
     /// Whether the last approach, from a stand-in `room` from the foot, tells that the foot is found. The foot of a
     /// stand-in has gone the stand-in's share of what is missing.
-    fn is_settled(&self, room: f64, tolerance: f64) -> bool {
+    fn is_settled(&self, room: f64, unit: f64) -> bool {
         let missing = self.foot.distance(self.before) * (self.before.distance(self.position) / room);
-        missing <= tolerance
+        missing <= (SETTLED * unit).max(SETTLED_SHARE * self.foot.distance(self.position))
     }
 }
 
@@ -135,11 +139,11 @@ impl Around {
             let room = ROOM * edge * unit;
             self.approach(evaluator, unit, edge, region, Aim::StandIn { relaxed: false }, open);
             // A position near the surface was its own stand-in.
-            open = kept(open, |open| open.before.distance(open.position) > room);
+            open = kept(open, |open| open.before.distance(open.position) > room && !open.is_settled(room, unit));
             for _ in 0..RELAXED {
                 self.approach(evaluator, unit, edge, region, Aim::StandIn { relaxed: true }, open);
                 self.approach(evaluator, unit, edge, region, Aim::StandIn { relaxed: false }, open);
-                open = kept(open, |open| !open.is_settled(room, SETTLED * unit));
+                open = kept(open, |open| !open.is_settled(room, unit));
             }
         }
         self.approach(evaluator, unit, edge, region, Aim::Position, open);

@@ -69,7 +69,7 @@ pub(super) fn near(at: &Gradients, len: usize, far: f32) -> BlockMask {
     for i in 0..whole_passes(len) {
         near[i] = u8::from(!is_farther(at.value[i], slope_squared(at, i), far));
     }
-    mask::pack(&near)
+    mask::pack_first(&near, len)
 }
 
 /// The same of the voxels of a block, less those that |F| and the steepest |∇F| of them all put farther than
@@ -112,7 +112,7 @@ pub(super) fn nearer(distances: &[f32; BATCH], others: &[f32; BATCH], most: f32,
     for i in 0..whole_passes(len) {
         nearer[i] = u8::from((distances[i] < others[i]) & (distances[i] < most));
     }
-    mask::pack(&nearer)
+    mask::pack_first(&nearer, len)
 }
 
 /// Where at least two of the lists of distances are less than the limits, of the first `len`.

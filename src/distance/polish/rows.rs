@@ -163,5 +163,5 @@ fn land(rows: &[usize], queries: &Points, gradients: &Gradients, request: &Reque
         store(height, distance, row);
         open[first..first + ROW].copy_from_slice(&goes_on);
     }
-    mask::pack(&open)
+    mask::pack_first(&open, ROW * rows.len())
 }
