@@ -12,6 +12,7 @@ background; and over the dense box around the band that the values are those of 
 * other float grids are finite, on the same voxels, and their background is their mean;
 * velocities are where the surface is, further outside or not, and nowhere inside of the band.
 """
+import multiprocessing
 import sys
 
 import numpy as np
@@ -38,6 +39,7 @@ def active_mask(grid, low, high):
 
 
 def check(path):
+    """What is to be said of a file, and whether it is good."""
     problems = []
 
     def must(condition, text):
@@ -120,11 +122,15 @@ def check(path):
         must(np.isfinite(dense(velocity, low, high, "vec3s")).all(), "velocities that are not finite")
     # The volume inside, by a step smoothed over one voxel.
     volume = float(np.clip(0.5 - values / voxel, 0, 1).sum() * voxel ** 3)
-    print("%s: %d voxels, volume %.6g, |grad| error %.4f, %s" % (
-        path, surface.activeVoxelCount(), volume, error, "; ".join(problems) if problems else "good"))
-    return not problems
+    said = "%s: %d voxels, volume %.6g, |grad| error %.4f, %s" % (
+        path, surface.activeVoxelCount(), volume, error, "; ".join(problems) if problems else "good")
+    return said, not problems
 
 
 if __name__ == "__main__":
-    results = [check(path) for path in sys.argv[1:]]
-    sys.exit(0 if results and all(results) else 1)
+    all_good = len(sys.argv) > 1
+    with multiprocessing.Pool() as pool:
+        for said, good in pool.imap(check, sys.argv[1:]):
+            print(said, flush=True)
+            all_good &= good
+    sys.exit(0 if all_good else 1)

@@ -81,25 +81,31 @@ pub(super) fn warnings(computed: &Computed) -> Vec<String> {
     }
     if let Some(Thin { at, .. }) = report.thin.first() {
         warnings.push(format!(
-            "features thinner than a voxel at {} voxels, one near ({:.4}, {:.4}, {:.4}); \
+            "features thinner than a voxel at {}, one near ({:.4}, {:.4}, {:.4}); \
              they need smaller voxels to hold",
-            report.thin.iter().map(|thin| u64::from(thin.voxels)).sum::<u64>(),
+            voxels(report.thin.iter().map(|thin| u64::from(thin.voxels)).sum()),
             at.x,
             at.y,
             at.z
         ));
     }
     if computed.bright_voxels > 0 {
-        warnings.push(format!("{} voxels have a colour above 1; they are kept", computed.bright_voxels));
+        warnings.push(format!("colours above 1 at {}; they are kept", voxels(computed.bright_voxels)));
     }
     if let Some(Velocities { held_voxels, max_speed, .. }) = &computed.velocities
         && *held_voxels > 0
     {
         warnings.push(format!(
-            "{held_voxels} voxels move faster than {max_speed:.6} units a second and are held to it (`output.max_speed`)"
+            "faster than {max_speed:.6} units a second at {}, and held to that (`output.max_speed`)",
+            voxels(*held_voxels)
         ));
     }
     warnings
+}
+
+/// So many voxels, in words.
+fn voxels(count: u64) -> String {
+    if count == 1 { "1 voxel".into() } else { format!("{count} voxels") }
 }
 
 /// A frame's file that has arrived, on its way to its name.
