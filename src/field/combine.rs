@@ -147,7 +147,7 @@ impl Graph {
         let (displacement, bounds) = match blend.bounds {
             None => {
                 let grown = self.linear(near, 1.0, 1.0);
-                (self.unary(Unary::Recip, grown), None)
+                (self.unary(Unary::Recip, grown), self.box_of_blend(operation, a, b, blend.amount))
             }
             Some(BlendBounds { solid, weight }) => {
                 let zero = self.constant(0.0);
@@ -161,6 +161,18 @@ impl Graph {
         let added = self.linear(displacement, blend.amount, 0.0);
         let node = self.add(base, added);
         self.declare(node, Facts { bounds, slope: Slope::Unknown })
+    }
+
+    /// The box of an unbounded blend of two distances. With p the lesser of the two outside, their R₀ union is no more
+    /// than −(2 − √2)p there, and what is added no more than its amount.
+    fn box_of_blend(&self, operation: Binary, a: Node, b: Node, amount: f64) -> Option<Aabb> {
+        let (a, b) = (self.facts(a), self.facts(b));
+        let is_distance = |slope: Slope| matches!(slope, Slope::Exact { outside: true, .. });
+        if operation != Binary::Union || !is_distance(a.slope) || !is_distance(b.slope) {
+            return None;
+        }
+        let both = a.bounds?.union(b.bounds?);
+        Some(both.grown(amount.max(0.0) / (2.0 - std::f64::consts::SQRT_2)))
     }
 
     fn sum_of_scaled_squares(&mut self, a: Node, b: Node, reach: [f64; 2]) -> Node {

@@ -6,6 +6,10 @@ use super::op::{Binary, Unary};
 /// argument m < 0 and M the sum m + √(m² + M²) is M² / (√(m² + M²) − m).
 pub(super) fn r0_union(a: f64, b: f64) -> f64 {
     let (lesser, greater) = (a.min(b), a.max(b));
+    // Bounds over endless boxes are infinite.
+    if greater.is_infinite() {
+        return greater;
+    }
     let both = (lesser * lesser + greater * greater).sqrt() + lesser.abs();
     greater + if lesser < 0.0 { greater * greater / both } else { both }
 }

@@ -89,20 +89,18 @@ pub fn inspect(path: impl AsRef<Path>) -> Result<FileInfo, Error> {
     })
 }
 
-/// The box of the active voxels' centres of all grids of a file, in world units; `None` where there are none. From the
-/// structure alone: no voxel is decompressed.
+/// The box of the active voxels' centres of a file's first level set, in world units; `None` where there are none. From
+/// the structure alone: no voxel is decompressed.
 ///
 /// # Errors
 /// Those of [`super::walk::walk`].
-pub fn active_box(path: impl AsRef<Path>) -> Result<Option<[[f64; 3]; 2]>, Error> {
-    let boxes = walk(path)?.grids.into_iter().filter_map(|grid| {
+pub fn level_set_box(path: impl AsRef<Path>) -> Result<Option<[[f64; 3]; 2]>, Error> {
+    let grids = walk(path)?.grids;
+    let level_set = grids.iter().find(|grid| StoredClass::of(&grid.metadata) == StoredClass::LevelSet);
+    Ok(level_set.and_then(|grid| {
         let (low, high) = grid.tree.as_ref()?.active_box?;
         grid.transform.world_box(low, high)
-    });
-    let union = |[a, b]: [[f64; 3]; 2], [c, d]: [[f64; 3]; 2]| {
-        [std::array::from_fn(|axis| a[axis].min(c[axis])), std::array::from_fn(|axis| b[axis].max(d[axis]))]
-    };
-    Ok(boxes.reduce(union))
+    }))
 }
 
 fn describe(opened: &Opened, grid: &GridLayout) -> Result<GridInfo, Error> {

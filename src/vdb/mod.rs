@@ -34,7 +34,7 @@ pub use clients::Client;
 pub use encode::{Encoded, encode};
 pub use error::Error;
 pub use frame::{Blocks, Class, Content, Frame, Grid, Values, VectorType};
-pub use inspect::{FileInfo, GridInfo, Range, active_box, inspect};
+pub use inspect::{FileInfo, GridInfo, Range, inspect, level_set_box};
 pub use level_set::LevelSet;
 pub use lint::{Finding, Lint, Severity, lint};
 pub use metadata::{Metadata, MetadataValue};

@@ -112,7 +112,7 @@ pub fn of_files(
     let mut bounds: Option<Aabb> = None;
     if inputs.len() > 1 {
         for path in inputs {
-            if let Some([least, greatest]) = vdb::active_box(path)? {
+            if let Some([least, greatest]) = vdb::level_set_box(path)? {
                 let world = Aabb::new(least.into(), greatest.into());
                 bounds = Some(bounds.map_or(world, |bounds| bounds.union(world)));
             }

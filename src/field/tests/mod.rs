@@ -3,6 +3,7 @@
 
 #![allow(clippy::needless_range_loop, reason = "points, values and gradients are walked side by side")]
 
+mod boxes;
 mod external;
 mod formulas;
 mod properties;

@@ -122,6 +122,10 @@ fn files_of_other_makers_are_read() {
     let empty = inspect(folder.path().join("empty.vdb")).unwrap();
     assert_eq!((empty.grids[0].active_voxels, &empty.grids[0].range), (Some(0), &None));
     assert!(read(folder.path().join("none.vdb")).unwrap().grids.is_empty());
+    // A picture frames the level set that it shows, not all that the file holds.
+    let shown = level_set_box(folder.path().join("many.vdb")).unwrap();
+    assert!(shown.is_some() && shown == info.grids[0].world_box && shown != info.grids[1].world_box, "{shown:?}");
+    assert_eq!(level_set_box(folder.path().join("none.vdb")).unwrap(), None);
 }
 
 #[test]
