@@ -9,6 +9,7 @@ mod common;
 use std::sync::atomic::AtomicBool;
 
 use common::clock::{pairs, timed};
+use common::fill::{fill_node, node};
 use common::report::{Goal, Row};
 use common::scenes::{self, Balls, HALF_WIDTH, Sampling};
 use common::{jit, threads};
@@ -16,7 +17,7 @@ use fidget::eval::Function;
 use fidget::jit::{JitFunction, JitShape};
 use fidget::types::Interval;
 use glam::IVec3;
-use hfvdb::distance::descent::{NODE_EDGE, Scope, descend};
+use hfvdb::distance::descent::{Scope, descend};
 use hfvdb::field::{BATCH, Evaluator, Field, Points};
 use hfvdb::grid::{BLOCK_EDGE, BLOCK_VOXELS};
 
@@ -41,16 +42,9 @@ fn apart(field: &dyn Field, scope: &Scope) -> Leaves {
     let origins = descend(field, scope, &AtomicBool::new(false)).expect("not cancelled").blocks;
     let mut values = vec![[0.0; BLOCK_VOXELS]; origins.len()];
     let mut evaluator = field.evaluator();
-    let node = |origin: IVec3| origin & IVec3::splat(!(NODE_EDGE - 1));
     let mut from = 0;
     for blocks in origins.chunk_by(|a, b| node(*a) == node(*b)) {
-        evaluator.enter(&scope.centres(node(blocks[0]), NODE_EDGE, HALF_WIDTH));
-        for (origin, values) in blocks.iter().zip(&mut values[from..]) {
-            evaluator.enter(&scope.centres(*origin, BLOCK_EDGE, HALF_WIDTH));
-            evaluator.values(&Points::of_block(*origin, &scope.lattice), values);
-            evaluator.leave();
-        }
-        evaluator.leave();
+        fill_node(&mut *evaluator, scope, blocks, &mut values[from..]);
         from += blocks.len();
     }
     Leaves { origins, values }

@@ -12,36 +12,26 @@ use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
 use common::clock::{Seconds, quartiles, timed};
+use common::fill::{fill_node, node};
 use common::scenes::{self, Sampling};
 use common::{bake, threads};
 use glam::IVec3;
-use hfvdb::distance::descent::{NODE_EDGE, Scope, descend};
-use hfvdb::field::{BATCH, Evaluator, Field, Points};
-use hfvdb::grid::BLOCK_EDGE;
+use hfvdb::distance::descent::{Scope, descend};
+use hfvdb::field::{BATCH, Evaluator, Field};
 use hfvdb::vdb::{self, Compression, Encoded};
 use rayon::prelude::*;
 
 const ROUNDS: usize = 9;
 
-/// Finds the blocks, and fills them with F, node by node as the program does.
+/// Finds the blocks, and fills them with F, node by node.
 fn fill(field: &dyn Field, scope: &Scope) -> Vec<Vec<[f32; BATCH]>> {
     let blocks = descend(field, scope, &AtomicBool::new(false)).expect("not cancelled").blocks;
-    let half_width = f64::from(scope.half_width);
-    let node = |origin: &IVec3| *origin & !(NODE_EDGE - 1);
     let of_node = |evaluator: &mut Box<dyn Evaluator + '_>, blocks: &[IVec3]| {
-        evaluator.enter(&scope.centres(node(&blocks[0]), NODE_EDGE, half_width));
-        let of_block = |origin: &IVec3| {
-            let mut values = [0.0; BATCH];
-            evaluator.enter(&scope.centres(*origin, BLOCK_EDGE, half_width));
-            evaluator.values(&Points::of_block(*origin, &scope.lattice), &mut values);
-            evaluator.leave();
-            values
-        };
-        let values = blocks.iter().map(of_block).collect();
-        evaluator.leave();
+        let mut values = vec![[0.0; BATCH]; blocks.len()];
+        fill_node(&mut **evaluator, scope, blocks, &mut values);
         values
     };
-    blocks.par_chunk_by(|a, b| node(a) == node(b)).map_init(|| field.evaluator(), of_node).collect()
+    blocks.par_chunk_by(|a, b| node(*a) == node(*b)).map_init(|| field.evaluator(), of_node).collect()
 }
 
 fn write(encoded: Encoded, folder: &Path) {

@@ -20,6 +20,8 @@ import pyopenvdb as vdb
 
 # Two distances that are each within the promised 0.05 voxel differ by this at most.
 STEP = 1.1
+# Files looked at side by side, at most: each takes some hundred megabytes.
+PROCESSES = 4
 
 
 def dense(grid, low, high, kind):
@@ -131,9 +133,10 @@ def check(path):
 
 
 if __name__ == "__main__":
-    all_good = len(sys.argv) > 1
-    with multiprocessing.Pool() as pool:
-        for said, good in pool.imap(check, sys.argv[1:]):
+    files = sys.argv[1:]
+    all_good = bool(files)
+    with multiprocessing.Pool(max(1, min(len(files), multiprocessing.cpu_count(), PROCESSES))) as pool:
+        for said, good in pool.imap(check, files):
             print(said, flush=True)
             all_good &= good
     sys.exit(0 if all_good else 1)

@@ -5,6 +5,7 @@
 
 pub mod bake;
 pub mod clock;
+pub mod fill;
 pub mod jit;
 pub mod memory;
 pub mod report;

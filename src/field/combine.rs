@@ -163,16 +163,15 @@ impl Graph {
         self.declare(node, Facts { bounds, slope: Slope::Unknown })
     }
 
-    /// The box of an unbounded blend of two distances. With p the lesser of the two outside, their R₀ union is no more
-    /// than −(2 − √2)p there, and what is added no more than its amount.
+    /// The box of an unbounded blend of two distances: that of their plain union, grown. Outside, with p the distance to
+    /// the nearer, their R₀ union is no more than −(2 − √2)p, and what is added no more than its amount.
     fn box_of_blend(&self, operation: Binary, a: Node, b: Node, amount: f64) -> Option<Aabb> {
-        let (a, b) = (self.facts(a), self.facts(b));
-        let is_distance = |slope: Slope| matches!(slope, Slope::Exact { outside: true, .. });
-        if operation != Binary::Union || !is_distance(a.slope) || !is_distance(b.slope) {
+        if operation != Binary::Union {
             return None;
         }
-        let both = a.bounds?.union(b.bounds?);
-        Some(both.grown(amount.max(0.0) / (2.0 - std::f64::consts::SQRT_2)))
+        let nearer = Facts::binary(Binary::Max, self.facts(a), self.facts(b));
+        let offset = amount / (2.0 - std::f64::consts::SQRT_2);
+        Facts::unary(Unary::Linear { scale: 1.0, offset }, nearer).bounds
     }
 
     fn sum_of_scaled_squares(&mut self, a: Node, b: Node, reach: [f64; 2]) -> Node {

@@ -68,7 +68,7 @@ pub(super) fn load<const N: usize>(
     let problem =
         |text: &str| Problem::new(source.grid_span, format!("grid '{}' of {}", name(source), file(source)) + text);
     let empty = || problem(" has no active voxels").help(format!("{} are taken from active voxels", wanted.plural));
-    let tree = opened.tree(layout).ok_or_else(empty)?;
+    let tree = opened.layout.tree(layout).ok_or_else(empty)?;
     if tree.active_voxels == 0 {
         return Err(empty());
     }

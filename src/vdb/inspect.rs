@@ -95,10 +95,10 @@ pub fn inspect(path: impl AsRef<Path>) -> Result<FileInfo, Error> {
 /// # Errors
 /// Those of [`super::walk::walk`].
 pub fn level_set_box(path: impl AsRef<Path>) -> Result<Option<[[f64; 3]; 2]>, Error> {
-    let grids = walk(path)?.grids;
-    let level_set = grids.iter().find(|grid| StoredClass::of(&grid.metadata) == StoredClass::LevelSet);
+    let layout = walk(path)?;
+    let level_set = layout.grids.iter().find(|grid| StoredClass::of(&grid.metadata) == StoredClass::LevelSet);
     Ok(level_set.and_then(|grid| {
-        let (low, high) = grid.tree.as_ref()?.active_box?;
+        let (low, high) = layout.tree(grid)?.active_box?;
         grid.transform.world_box(low, high)
     }))
 }
@@ -107,7 +107,7 @@ fn describe(opened: &Opened, grid: &GridLayout) -> Result<GridInfo, Error> {
     let class = StoredClass::of(&grid.metadata);
     let owner = grid.shares_tree_of.as_ref();
     let owner = owner.and_then(|name| opened.layout.grids.iter().find(|other| other.unique_name == *name));
-    let tree = opened.tree(grid);
+    let tree = opened.layout.tree(grid);
     let voxels = opened.voxels(grid)?;
     // Values are told as they stand in the file, where level sets are negative inside.
     let sign = if class == StoredClass::LevelSet { -1.0 } else { 1.0 };

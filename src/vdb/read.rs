@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use glam::IVec3;
 
 use super::bridge::ffi;
-use super::walk::{GridLayout, Layout, Transform, TreeLayout, walk_bytes};
+use super::walk::{GridLayout, Layout, Transform, walk_bytes};
 use super::{Error, Metadata, MetadataValue};
 use crate::grid::{BLOCK_VOXELS, Band, BlockMask, InsideTile, Lattice, VoxelSize, block_order, block_origin};
 
@@ -166,11 +166,6 @@ impl Opened {
         self.bytes.len() as u64
     }
 
-    /// What a grid's tree holds, which may be another's; `None` for a type that is not walked.
-    pub fn tree<'g>(&'g self, grid: &'g GridLayout) -> Option<&'g TreeLayout> {
-        self.owner(grid).tree.as_ref()
-    }
-
     /// One of the layout's grids, decoded; `None` for a type that is not read.
     ///
     /// # Errors
@@ -185,18 +180,10 @@ impl Opened {
         }))
     }
 
-    /// The grid whose tree a grid has.
-    fn owner<'g>(&'g self, grid: &'g GridLayout) -> &'g GridLayout {
-        match &grid.shares_tree_of {
-            Some(parent) => self.layout.grids.iter().find(|other| other.unique_name == *parent).unwrap_or(grid),
-            None => grid,
-        }
-    }
-
     /// A grid's voxels; `None` for a type that is not read.
     pub(super) fn voxels(&self, grid: &GridLayout) -> Result<Option<Voxels>, Error> {
         let flip = StoredClass::of(&grid.metadata) == StoredClass::LevelSet;
-        let owner = self.owner(grid);
+        let owner = self.layout.owner(grid);
         let read = |error: cxx::Exception| Error::File {
             path: self.path.clone(),
             message: format!("grid '{}': {}", grid.name, error.what()),

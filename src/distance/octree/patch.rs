@@ -204,7 +204,7 @@ pub fn padded(interval: Interval, size: f64) -> Interval {
 /// the hull of its coefficients. `cell` is the edge of the whole cell.
 pub fn bounds(tensor: &Tensor, slopes: &[Tensor; 3], cell: f64) -> PatchBounds {
     let value = range(tensor);
-    let size = value.lo.abs().max(value.hi.abs());
+    let size = magnitude(value);
     let gradient = std::array::from_fn(|axis| padded(range(&slopes[axis]), slope_size(size, cell)));
     PatchBounds { value: padded(value, size), gradient }
 }
@@ -225,7 +225,11 @@ pub fn steepest(tensor: &Tensor, slopes: &[Tensor; 3], cell: f64) -> f64 {
 
 /// The greatest of the numbers without their signs.
 fn largest(tensor: &Tensor) -> f64 {
-    extreme(&tensor.map(f64::abs), greater)
+    magnitude(range(tensor))
+}
+
+fn magnitude(range: Interval) -> f64 {
+    range.lo.abs().max(range.hi.abs())
 }
 
 /// The greatest mixed second derivative of a cell, and the third.

@@ -150,10 +150,7 @@ impl<'a> Samples<'a> {
     ) -> Result<(), BuildError> {
         let index = &self.index;
         let missing = |cells: &[C]| {
-            let mut keys: Vec<u64> = Vec::new();
-            for cell in cells {
-                keys.extend(points(cell).into_iter().map(morton));
-            }
+            let mut keys: Vec<u64> = cells.iter().flat_map(&points).map(morton).collect();
             // Cells that lie together share most of their points.
             keys.sort_unstable();
             keys.dedup();

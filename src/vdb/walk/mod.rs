@@ -43,6 +43,21 @@ pub struct Layout {
     pub(super) delayed_load: Vec<Range<usize>>,
 }
 
+impl Layout {
+    /// The grid whose tree a grid has.
+    pub(super) fn owner<'g>(&'g self, grid: &'g GridLayout) -> &'g GridLayout {
+        match &grid.shares_tree_of {
+            Some(parent) => self.grids.iter().find(|other| other.unique_name == *parent).unwrap_or(grid),
+            None => grid,
+        }
+    }
+
+    /// What a grid's tree holds, which may be another's; `None` for a type that is not walked.
+    pub fn tree<'g>(&'g self, grid: &'g GridLayout) -> Option<&'g TreeLayout> {
+        self.owner(grid).tree.as_ref()
+    }
+}
+
 /// What the walk found of one grid.
 #[derive(Clone, Debug)]
 pub struct GridLayout {
