@@ -1,9 +1,13 @@
 //! Flags of a block's voxels as bits, 64 at a time.
 
+use glam::IVec3;
+
 use super::{BLOCK_VOXELS, BlockMask};
 
+/// The first voxel of each row along z.
+const FIRST: u64 = 0x0101_0101_0101_0101;
 /// No z at either end of a row: what a shift by a voxel may not carry into the next row.
-const NOT_FIRST: u64 = 0xfefe_fefe_fefe_fefe;
+const NOT_FIRST: u64 = !FIRST;
 const NOT_LAST: u64 = !0x8080_8080_8080_8080;
 
 /// Packs flags of 0 or 1. Inlined, so that it is compiled for its caller's vector width.
@@ -36,6 +40,39 @@ pub fn dilated(mask: &BlockMask) -> BlockMask {
     })
 }
 
+/// For each voxel of a word, whether those across its six faces are in the block and flagged.
+fn across_faces(mask: &BlockMask, x: usize) -> [u64; 6] {
+    let (word, at) = (mask[x], |x: usize| mask.get(x).copied().unwrap_or(0));
+    let (after, before) = ((word & NOT_LAST) << 1, (word & NOT_FIRST) >> 1);
+    [after, before, word << 8, word >> 8, at(x.wrapping_sub(1)), at(x + 1)]
+}
+
+/// The flagged voxels with the 6 across their faces, in the block.
+pub fn spread(mask: &BlockMask) -> BlockMask {
+    std::array::from_fn(|x| across_faces(mask, x).into_iter().fold(mask[x], |all, one| all | one))
+}
+
+/// Those of the flagged voxels whose 6 neighbours across faces are all in the block and flagged.
+pub fn enclosed(mask: &BlockMask) -> BlockMask {
+    std::array::from_fn(|x| across_faces(mask, x).into_iter().fold(mask[x], |all, one| all & one))
+}
+
+/// The flags of the 64 voxels at a face, such as `IVec3::NEG_X`: those that touch across two blocks' faces in the same
+/// bits.
+pub fn side(mask: &BlockMask, face: IVec3) -> u64 {
+    let column = |by: u32, of: u64, wide: u32| {
+        (0u32..).zip(mask).fold(0, |side, (x, word)| side | (word >> by & of) << (wide * x))
+    };
+    match face.to_array() {
+        [-1, ..] => mask[0],
+        [1, ..] => mask[7],
+        [_, -1, _] => column(0, 0xFF, 8),
+        [_, 1, _] => column(56, 0xFF, 8),
+        [_, _, -1] => column(0, FIRST, 1),
+        _ => column(7, FIRST, 1),
+    }
+}
+
 /// The places of the flagged voxels, in order.
 pub fn places(mask: &BlockMask) -> impl Iterator<Item = usize> + use<> {
     mask.map(|word| word).into_iter().enumerate().flat_map(|(x, mut word)| {
@@ -64,6 +101,52 @@ pub fn rank(mask: &BlockMask, place: usize) -> usize {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::grid::is_active;
+
+    #[test]
+    fn spreading_and_enclosing_are_by_faces() {
+        for flags in patterns() {
+            let mask = pack(&flags);
+            let (spread, enclosed) = (spread(&mask), enclosed(&mask));
+            for i in 0..BLOCK_VOXELS {
+                let at = [(i >> 6) as i32, (i >> 3 & 7) as i32, (i & 7) as i32];
+                let across = (0..6).map(|face| {
+                    let mut at = at;
+                    at[face / 2] += if face % 2 == 0 { 1 } else { -1 };
+                    at.iter()
+                        .all(|place| (0..8).contains(place))
+                        .then(|| flags[(at[0] << 6 | at[1] << 3 | at[2]) as usize])
+                });
+                let (any, all) =
+                    across.fold((false, true), |(any, all), flag| (any | (flag == Some(1)), all & (flag == Some(1))));
+                let own = flags[i] == 1;
+                assert_eq!(is_active(&spread, i), own | any);
+                assert_eq!(is_active(&enclosed, i), own & all);
+            }
+        }
+    }
+
+    #[test]
+    fn sides_are_the_voxels_at_a_face() {
+        for flags in patterns() {
+            let mask = pack(&flags);
+            for axis in 0..3 {
+                for (sign, end) in [(-1, 0), (1, 7)] {
+                    let side = side(&mask, IVec3::AXES[axis] * sign);
+                    let at_end = |i: &usize| [i >> 6, i >> 3 & 7, i & 7][axis] == end;
+                    let flagged = (0..BLOCK_VOXELS).filter(at_end).filter(|&i| flags[i] == 1).count();
+                    assert_eq!(side.count_ones() as usize, flagged);
+                    for other in (0..BLOCK_VOXELS).filter(at_end) {
+                        let mut beyond = [0; BLOCK_VOXELS];
+                        let across = [64, 8, 1][axis] * 7;
+                        beyond[if sign == 1 { other - across } else { other + across }] = 1;
+                        let touches = side & super::side(&pack(&beyond), -IVec3::AXES[axis] * sign) != 0;
+                        assert_eq!(touches, flags[other] == 1);
+                    }
+                }
+            }
+        }
+    }
 
     /// Voxels of a few blocks' worth of patterns, by a multiplicative hash.
     fn patterns() -> impl Iterator<Item = [u8; BLOCK_VOXELS]> {
@@ -79,7 +162,7 @@ mod tests {
         for flags in patterns() {
             let mask = pack(&flags);
             let expected: Vec<usize> = (0..BLOCK_VOXELS).filter(|&i| flags[i] == 1).collect();
-            assert!(expected.iter().all(|&i| super::super::is_active(&mask, i)));
+            assert!(expected.iter().all(|&i| is_active(&mask, i)));
             for count in [0, 1, 64, 65, 512] {
                 let packed = (0..8).map(|x| if 64 * x < count { mask[x] } else { 0 });
                 assert!(pack_first(&flags, count).into_iter().eq(packed));
@@ -99,7 +182,7 @@ mod tests {
             let near = |a: usize, b: usize| (0..3).all(|axis| at(a)[axis].abs_diff(at(b)[axis]) <= 1);
             let expected = |i: usize| (0..BLOCK_VOXELS).any(|j| flags[j] == 1 && near(i, j));
             let grown = dilated(&pack(&flags));
-            assert!((0..BLOCK_VOXELS).all(|i| super::super::is_active(&grown, i) == expected(i)));
+            assert!((0..BLOCK_VOXELS).all(|i| is_active(&grown, i) == expected(i)));
         }
     }
 }

@@ -1,8 +1,7 @@
 //! Finding blocks and tiles by position.
 
-use std::collections::HashMap;
-
 use glam::IVec3;
+use rustc_hash::FxHashMap;
 
 use crate::grid::{BLOCK_EDGE, Band, block_origin, voxel_offset};
 
@@ -28,8 +27,8 @@ pub(super) enum Place {
 /// Tables that find blocks and tiles. They are asked, never walked, so their order cannot reach a result.
 pub(super) struct Lookup<'a> {
     band: &'a Band,
-    blocks: HashMap<IVec3, usize>,
-    tiles: HashMap<(IVec3, i32), usize>,
+    blocks: FxHashMap<IVec3, usize>,
+    tiles: FxHashMap<(IVec3, i32), usize>,
 }
 
 impl<'a> Lookup<'a> {
@@ -68,10 +67,14 @@ pub(super) struct Surroundings<'a> {
 }
 
 impl Surroundings<'_> {
+    /// What stands at the least voxel of a neighbour, so many blocks on.
+    pub(super) fn neighbour(&self, step: IVec3) -> Place {
+        self.places[((step.x + 1) * 9 + (step.y + 1) * 3 + step.z + 1) as usize]
+    }
+
     /// What stands at a voxel, given from the block's origin: −8 to 15 on each axis.
     pub(super) fn at(&self, local: IVec3) -> Place {
-        let step = (local + BLOCK_EDGE) / BLOCK_EDGE;
-        match self.places[(step.x * 9 + step.y * 3 + step.z) as usize] {
+        match self.neighbour((local + BLOCK_EDGE) / BLOCK_EDGE - 1) {
             Place::Voxel { block, .. } => Place::Voxel { block, offset: voxel_offset(local) },
             uniform => uniform,
         }

@@ -7,8 +7,8 @@
 use glam::IVec3;
 use rayon::prelude::*;
 
-use super::lookup::{Lookup, Place, local_of};
-use crate::grid::{BLOCK_EDGE, BLOCK_VOXELS, Band, BlockMask};
+use super::lookup::{Lookup, Place, Surroundings, local_of};
+use crate::grid::{BLOCK_VOXELS, Band, BlockMask, is_active, mask};
 
 /// One step each way along each axis.
 const FACES: [IVec3; 6] = [IVec3::X, IVec3::Y, IVec3::Z, IVec3::NEG_X, IVec3::NEG_Y, IVec3::NEG_Z];
@@ -38,14 +38,11 @@ pub fn voxels_of_pieces(band: &Band, dropped: impl Fn(usize, f64) -> bool) -> Ve
         return Vec::new();
     }
     let mut voxels = Vec::new();
-    for (block, labels) in pieces.labels.iter().enumerate() {
-        let mut mask = BlockMask::default();
-        for (offset, label) in labels.local.iter().enumerate() {
-            let drops = label.is_some_and(|label| drops[pieces.rank[pieces.first_node[block] + usize::from(label)]]);
-            mask[offset >> 6] |= u64::from(drops) << (offset & 63);
-        }
+    for ((&origin, of_block), &first) in band.origins.iter().zip(&pieces.of_blocks).zip(&pieces.first_node) {
+        let dropped = of_block.iter().zip(&pieces.rank[first..]).filter(|(_, rank)| drops[**rank]);
+        let mask = dropped.map(|(voxels, _)| voxels).fold(BlockMask::default(), joined);
         if mask != BlockMask::default() {
-            voxels.push((band.origins[block], mask));
+            voxels.push((origin, mask));
         }
     }
     for (index, tile) in band.inside_tiles.iter().enumerate() {
@@ -58,7 +55,8 @@ pub fn voxels_of_pieces(band: &Band, dropped: impl Fn(usize, f64) -> bool) -> Ve
 
 /// Which piece everything inside belongs to. Nodes are the pieces of single blocks, then the tiles.
 struct Pieces {
-    labels: Vec<Labels>,
+    /// The voxels of each piece, by block.
+    of_blocks: Vec<Vec<BlockMask>>,
     first_node: Vec<usize>,
     first_tile: usize,
     /// Of each node: the rank of its piece.
@@ -74,125 +72,149 @@ impl Pieces {
     }
 
     fn of(band: &Band) -> Self {
-        let labels: Vec<Labels> = band.distances.par_iter().map(Labels::of).collect();
-        let mut first_node = Vec::with_capacity(labels.len() + 1);
+        let of_blocks: Vec<Vec<BlockMask>> = band.distances.par_iter().map(pieces_of_block).collect();
+        let mut first_node = Vec::with_capacity(of_blocks.len());
         let mut sizes: Vec<u64> = Vec::new();
-        for labels in &labels {
+        for pieces in &of_blocks {
             first_node.push(sizes.len());
-            sizes.resize(sizes.len() + labels.count, 0);
-            let base = first_node[first_node.len() - 1];
-            labels.local.iter().flatten().for_each(|&label| sizes[base + usize::from(label)] += 1);
+            sizes.extend(pieces.iter().map(|piece| mask::count(piece) as u64));
         }
         let first_tile = sizes.len();
         sizes.extend(band.inside_tiles.iter().map(|tile| (tile.edge as u64).pow(3)));
 
-        let lookup = Lookup::new(band);
-        let node = |place: Place| match place {
-            Place::Outside => None,
-            Place::Tile(index) => Some(first_tile + index),
-            Place::Voxel { block, offset } => {
-                labels[block].local[offset].map(|label| first_node[block] + usize::from(label))
-            }
-        };
-        let of_blocks: Vec<Vec<(usize, usize)>> = (0..band.origins.len())
-            .into_par_iter()
-            .map(|block| if labels[block].count == 0 { Vec::new() } else { block_links(band, &lookup, block, &node) })
-            .collect();
+        let nodes =
+            Nodes { band, lookup: Lookup::new(band), of_blocks: &of_blocks, first_node: &first_node, first_tile };
+        let links: Vec<Vec<(usize, usize)>> =
+            (0..band.origins.len()).into_par_iter().map(|block| nodes.links(block)).collect();
         let mut forest = Forest::new(sizes.len());
-        of_blocks.into_iter().flatten().for_each(|(a, b)| forest.join(a, b));
+        links.into_iter().flatten().for_each(|(a, b)| forest.join(a, b));
         for (index, tile) in band.inside_tiles.iter().enumerate() {
             for face in FACES {
                 // One voxel beyond the face finds a tile of this size or larger; smaller ones find this tile.
                 let step = if face.min_element() < 0 { face } else { face * tile.edge };
-                if let Some(Place::Tile(other)) = tile.origin.checked_add(step).map(|voxel| lookup.at(voxel)) {
+                if let Some(Place::Tile(other)) = tile.origin.checked_add(step).map(|voxel| nodes.lookup.at(voxel)) {
                     forest.join(first_tile + index, first_tile + other);
                 }
             }
         }
         let (rank, sizes) = forest.ranks(&sizes);
-        Self { labels, first_node, first_tile, rank, sizes }
+        Self { of_blocks, first_node, first_tile, rank, sizes }
     }
 }
 
-/// The joins of a block's pieces with those around it, and of its own along diagonals.
-fn block_links(
-    band: &Band,
-    lookup: &Lookup<'_>,
-    block: usize,
-    node: &impl Fn(Place) -> Option<usize>,
-) -> Vec<(usize, usize)> {
-    let around = lookup.around(block);
-    // Two voxels in, every neighbour of a distance's voxel is inside too.
-    let deep = (2.0 * band.lattice.voxel_size.get()) as f32;
-    let mut links = Vec::new();
-    for (offset, &value) in band.distances[block].iter().enumerate() {
-        let local = local_of(offset);
-        let Some(own) = node(Place::Voxel { block, offset }) else { continue };
+/// What is joined.
+struct Nodes<'a> {
+    band: &'a Band,
+    lookup: Lookup<'a>,
+    of_blocks: &'a [Vec<BlockMask>],
+    first_node: &'a [usize],
+    first_tile: usize,
+}
+
+impl Nodes<'_> {
+    /// The node that holds a voxel.
+    fn at(&self, place: Place) -> Option<usize> {
+        match place {
+            Place::Outside => None,
+            Place::Tile(index) => Some(self.first_tile + index),
+            Place::Voxel { block, offset } => {
+                let holds = |piece: &BlockMask| is_active(piece, offset);
+                self.of_blocks[block].iter().position(holds).map(|piece| self.first_node[block] + piece)
+            }
+        }
+    }
+
+    /// The joins of a block's pieces with those around it, and of its own along diagonals.
+    fn links(&self, block: usize) -> Vec<(usize, usize)> {
+        let mut links = Vec::new();
+        if !self.of_blocks[block].is_empty() {
+            let around = self.lookup.around(block);
+            self.across_faces(block, &around, &mut links);
+            self.along_diagonals(block, &around, &mut links);
+        }
+        links
+    }
+
+    fn across_faces(&self, block: usize, around: &Surroundings, links: &mut Vec<(usize, usize)>) {
+        let nodes = |block: usize| (self.first_node[block]..).zip(&self.of_blocks[block]);
         for face in FACES {
-            let beyond = local + face;
-            let leaves = beyond.min_element() < 0 || beyond.max_element() >= BLOCK_EDGE;
-            if leaves && let Some(other) = node(around.at(beyond)) {
-                links.push((own, other));
-            }
-        }
-        if value > deep {
-            continue;
-        }
-        for (first, second) in DIAGONALS {
-            let Some(other) = node(around.at(local + first + second)) else { continue };
-            let (b, c) = (around.value(local + first), around.value(local + second));
-            let saddle =
-                f64::from(value) * f64::from(around.value(local + first + second)) - f64::from(b) * f64::from(c);
-            if b < 0.0 && c < 0.0 && saddle > 0.0 {
-                links.push((own, other));
-            }
-        }
-    }
-    links.sort_unstable();
-    links.dedup();
-    links
-}
-
-/// Which piece of its block each voxel inside belongs to, joined across faces.
-struct Labels {
-    /// At most 256 pieces, as in a chequered block.
-    local: Box<[Option<u8>; BLOCK_VOXELS]>,
-    count: usize,
-}
-
-impl Labels {
-    fn of(block: &[f32; BLOCK_VOXELS]) -> Self {
-        let mut local = Box::new([None; BLOCK_VOXELS]);
-        let mut count = 0;
-        let mut open = Vec::new();
-        for seed in 0..BLOCK_VOXELS {
-            if block[seed] >= 0.0 && local[seed].is_none() {
-                let label = Some(count as u8);
-                local[seed] = label;
-                open.push(seed);
-                while let Some(offset) = open.pop() {
-                    for next in face_neighbours(offset) {
-                        if block[next] >= 0.0 && local[next].is_none() {
-                            local[next] = label;
-                            open.push(next);
-                        }
+            match around.neighbour(face) {
+                Place::Outside => {}
+                Place::Tile(index) => {
+                    let reaching = nodes(block).filter(|(_, voxels)| mask::side(voxels, face) != 0);
+                    links.extend(reaching.map(|(node, _)| (node, self.first_tile + index)));
+                }
+                // Of two blocks one sees the other in this direction.
+                Place::Voxel { .. } if face.min_element() < 0 => {}
+                Place::Voxel { block: other, .. } => {
+                    for (node, voxels) in nodes(block) {
+                        let side = mask::side(voxels, face);
+                        let touching = nodes(other).filter(|(_, voxels)| side & mask::side(voxels, -face) != 0);
+                        links.extend(touching.map(|(beyond, _)| (node, beyond)));
                     }
                 }
-                count += 1;
             }
         }
-        Self { local, count }
+    }
+
+    fn along_diagonals(&self, block: usize, around: &Surroundings, links: &mut Vec<(usize, usize)>) {
+        let inside = self.of_blocks[block].iter().fold(BlockMask::default(), joined);
+        let enclosed = mask::enclosed(&inside);
+        // No voxel beside an enclosed one is outside. Two voxels in, none around a distance's voxel is either.
+        let deep = (2.0 * self.band.lattice.voxel_size.get()) as f32;
+        for offset in mask::places(&std::array::from_fn(|word| inside[word] & !enclosed[word])) {
+            let value = self.band.distances[block][offset];
+            if value > deep {
+                continue;
+            }
+            let local = local_of(offset);
+            for (first, second) in DIAGONALS {
+                let (b, c) = (around.value(local + first), around.value(local + second));
+                if b >= 0.0 || c >= 0.0 {
+                    continue;
+                }
+                let across = f64::from(around.value(local + first + second));
+                if f64::from(value) * across - f64::from(b) * f64::from(c) > 0.0
+                    && let Some(other) = self.at(around.at(local + first + second))
+                    && let Some(own) = self.at(Place::Voxel { block, offset })
+                {
+                    links.push((own, other));
+                }
+            }
+        }
     }
 }
 
-/// The offsets of a voxel's neighbours in its block.
-fn face_neighbours(offset: usize) -> impl Iterator<Item = usize> {
-    [64, 8, 1].into_iter().flat_map(move |stride| {
-        let along = offset / stride % 8;
-        let before = (along > 0).then(|| offset - stride);
-        let after = (along < 7).then(|| offset + stride);
-        before.into_iter().chain(after)
-    })
+/// The voxels of either.
+fn joined(one: BlockMask, two: &BlockMask) -> BlockMask {
+    std::array::from_fn(|word| one[word] | two[word])
+}
+
+/// The voxels of a block's pieces, joined across faces: at most 256 of them, as in a chequered block.
+fn pieces_of_block(distances: &[f32; BLOCK_VOXELS]) -> Vec<BlockMask> {
+    let mut rest = inside(distances);
+    let mut pieces = Vec::new();
+    while let Some(word) = rest.iter().position(|word| *word != 0) {
+        let mut piece = BlockMask::default();
+        piece[word] = rest[word] & rest[word].wrapping_neg();
+        loop {
+            let spread = mask::spread(&piece);
+            let grown = std::array::from_fn(|word| spread[word] & rest[word]);
+            if grown == piece {
+                break;
+            }
+            piece = grown;
+        }
+        rest = std::array::from_fn(|word| rest[word] & !piece[word]);
+        pieces.push(piece);
+    }
+    pieces
+}
+
+/// The voxels that are not outside.
+#[multiversion::multiversion(targets = "simd")]
+fn inside(distances: &[f32; BLOCK_VOXELS]) -> BlockMask {
+    mask::pack(&distances.map(|distance| u8::from(distance >= 0.0)))
 }
 
 /// Disjoint sets; each set's root is its least node, whatever the order of joins.
@@ -302,17 +324,63 @@ mod tests {
         assert!(voxels_of_pieces(&band, |_, _| false).is_empty());
     }
 
+    /// Crumbs at random around a ball, against a flood from voxel to voxel.
+    #[test]
+    fn pieces_are_those_of_a_flood() {
+        let noise = |p: DVec3| {
+            let at = p.round().as_ivec3();
+            let mixed =
+                (at.x.wrapping_mul(73_856_093) ^ at.y.wrapping_mul(19_349_663) ^ at.z.wrapping_mul(83_492_791)) as u32;
+            f64::from(mixed.wrapping_mul(0x9e37_79b1) >> 8) / f64::from(1 << 24) - 0.75
+        };
+        let field = |p: DVec3| (20.3 - p.length()).max(noise(p).min(27.6 - p.length()));
+        let band = band_of(field, 30.0, 1.0);
+        assert!(!band.inside_tiles.is_empty());
+        let value = |at: IVec3| field(at.as_dvec3()).clamp(-3.0, 3.0) as f32;
+        let mut rest: std::collections::BTreeSet<[i32; 3]> = std::collections::BTreeSet::new();
+        for x in -32..32 {
+            for y in -32..32 {
+                rest.extend((-32..32).filter(|&z| value(IVec3::new(x, y, z)) >= 0.0).map(|z| [x, y, z]));
+            }
+        }
+        let mut sizes = Vec::new();
+        while let Some(seed) = rest.pop_first() {
+            let mut open = vec![IVec3::from(seed)];
+            let mut size = 0;
+            while let Some(at) = open.pop() {
+                size += 1;
+                let mut take = |next: IVec3| {
+                    if rest.remove(&next.to_array()) {
+                        open.push(next);
+                    }
+                };
+                FACES.into_iter().for_each(|face| take(at + face));
+                for (first, second) in DIAGONALS.into_iter().flat_map(|(a, b)| [(a, b), (-a, -b)]) {
+                    let [own, b, c, across] =
+                        [IVec3::ZERO, first, second, first + second].map(|step| f64::from(value(at + step)));
+                    if b < 0.0 && c < 0.0 && own * across > b * c {
+                        take(at + first + second);
+                    }
+                }
+            }
+            sizes.push(f64::from(size));
+        }
+        sizes.sort_by(|a, b| b.total_cmp(a));
+        assert!(sizes.len() > 500, "{}", sizes.len());
+        assert_eq!(pieces(&band), sizes);
+    }
+
     #[test]
     fn an_empty_band_has_no_pieces() {
         assert!(pieces(&sphere(DVec3::splat(0.05), 0.01, 0.1)).is_empty());
     }
 
     #[test]
-    fn a_chequered_block_fits_its_labels() {
+    fn each_voxel_of_a_chequered_block_is_a_piece() {
         let mut block = [-1.0; BLOCK_VOXELS];
         for offset in (0..BLOCK_VOXELS).filter(|&offset| local_of(offset).element_sum() % 2 == 0) {
             block[offset] = 1.0;
         }
-        assert_eq!(Labels::of(&block).count, 256);
+        assert_eq!(pieces_of_block(&block).len(), 256);
     }
 }
