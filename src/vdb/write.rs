@@ -119,10 +119,10 @@ impl Encoded {
         check_target(path, overwrite)?;
         let mut temporary = Temporary::beside(path)?;
         // What is hashed and walked is what was meant to be written; that it arrived is checked byte by byte.
-        let (sent, sha256) = rayon::join(|| self.send(&mut temporary, path), || self.sha256());
+        let check = || walk_pieces(&self.pieces, path).map(|_| self.sha256());
+        let (sent, checked) = rayon::join(|| self.send(&mut temporary, path), check);
         sent?;
-        walk_pieces(&self.pieces, path)?;
-        let written = Written { bytes: self.bytes(), sha256 };
+        let written = Written { bytes: self.bytes(), sha256: checked? };
         Ok(Arrived { temporary, path: path.into(), overwrite, written })
     }
 
