@@ -3,8 +3,8 @@
 //! A section hardly changes in its first and last moments, but F_b becomes flat inside the surface there, and cannot be
 //! measured: F_b there goes over into the object's distance, which its zero set ends in.
 
+use super::curves::Curves;
 use super::dual::Dual;
-use super::pace::Curve;
 use super::real::Real;
 use super::section::{Kernel, Slopes};
 use super::settings::FLOW_TIME_SCALE;
@@ -21,12 +21,8 @@ pub(super) const LEAST_TIME: f64 = 1e-3;
 pub(super) struct Course {
     /// Units of D that a unit of t is worth.
     time_scale: f64,
-    /// STB's t.
-    time: Curve,
-    /// a₀ over t(1 − t), which neither vanishes nor grows at the ends.
-    amount: Curve,
-    /// 1/(a₁²q), which is also 1/(a₂²q).
-    reach: Curve,
+    /// STB's t; a₀ over t(1 − t), which neither vanishes nor grows at the ends; and 1/(a₁²q), which is also 1/(a₂²q).
+    curves: Curves<3>,
 }
 
 /// One solved section: t, a₀ and 1/(a₁²q).
@@ -76,35 +72,27 @@ impl Course {
 
     /// From the sections solved at the nodes. `None` where one is not finite.
     pub(super) fn new(solved: &[Solution]) -> Option<Self> {
-        let curve = |of: &dyn Fn(&Solution) -> f64| {
-            Curve::through(Self::nodes().iter().zip(solved).map(|(node, one)| [*node, of(one)]).collect())
-        };
-        Some(Self {
-            time_scale: FLOW_TIME_SCALE,
-            time: curve(&|one| one.time)?,
-            amount: curve(&|one| one.a0 / (one.time * (1.0 - one.time)))?,
-            reach: curve(&|one| one.reach)?,
-        })
+        let at = |one: &Solution| [one.time, one.a0 / (one.time * (1.0 - one.time)), one.reach];
+        let points = Self::nodes().into_iter().zip(solved).map(|(node, one)| (node, at(one))).collect();
+        Some(Self { time_scale: FLOW_TIME_SCALE, curves: Curves::through(points)? })
     }
 
     /// a₀ at a progress.
     pub(super) fn a0(&self, progress: f64) -> f64 {
-        let time = self.time.at(progress);
-        self.amount.at(progress) * time * (1.0 - time)
+        let [time, amount, _] = self.curves.at(progress);
+        amount * time * (1.0 - time)
     }
 
     /// The blend at a progress.
     pub(super) fn at(&self, progress: f64) -> Place<f64> {
-        let of = |curve: &Curve| curve.at(progress);
-        Place::new(self.time_scale, [of(&self.time), of(&self.amount), of(&self.reach)], ends(progress))
+        Place::new(self.time_scale, self.curves.at(progress), ends(progress))
     }
 
     /// The blend's derivative by the progress, of distances in units of D.
     pub(super) fn rate(&self, progress: f64, first: f64, second: f64) -> f64 {
-        let of = |curve: &Curve| Dual::new(curve.at(progress), curve.rate(progress));
         let [[one, one_rate], [two, two_rate]] = [end(progress), end(1.0 - progress)];
         let ends = [Dual::new(one, one_rate), Dual::new(two, -two_rate)];
-        let place = Place::new(self.time_scale, [of(&self.time), of(&self.amount), of(&self.reach)], ends);
+        let place = Place::new(self.time_scale, self.curves.at_with_rates(progress), ends);
         place.value(Dual::of(first), Dual::of(second)).rate
     }
 
@@ -113,8 +101,7 @@ impl Course {
         if ![first.lo, first.hi, second.lo, second.hi].iter().all(|end| end.is_finite()) {
             return Interval::ALL;
         }
-        let time = self.time.range(progress);
-        let (amount, reach) = (self.amount.range(progress), self.reach.range(progress));
+        let [time, amount, reach] = self.curves.range(progress);
         // t(1 − t) is least at an end, and at most a quarter.
         let left = [time.lo, time.hi].map(|time| time * (1.0 - time));
         let most = if time.contains(0.5) { 0.25 } else { left[0].max(left[1]) };

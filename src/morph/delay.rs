@@ -39,7 +39,16 @@ fn rate(eased: f64, delay: f64) -> f64 {
 /// never beyond the values around, and so with bounds over any box.
 pub(super) struct DelayGrid {
     grid: CoarseGrid,
+    /// By x, y and z, with a cell more at each end, which has its neighbour's.
     values: Vec<f32>,
+}
+
+/// The values of a grid's cells as a [`DelayGrid`] keeps them.
+fn beyond_faces(grid: &CoarseGrid, values: &[f32]) -> Vec<f32> {
+    let last = grid.size() - 1;
+    let along = |axis: usize| -1..=last[axis] + 1;
+    let value = |cell: IVec3| values[grid.cell(cell.clamp(IVec3::ZERO, last))];
+    along(0).flat_map(|x| along(1).flat_map(move |y| along(2).map(move |z| IVec3::new(x, y, z)))).map(value).collect()
 }
 
 /// The progress of a place, and its gradient in world units.
@@ -65,14 +74,14 @@ impl DelayGrid {
         );
         match values.iter().find(|value| !(0.0..=LONGEST as f32).contains(*value)) {
             Some(value) => Err(Error::Setting { name: "delay", value: f64::from(*value), least: 0.0, most: LONGEST }),
-            None => Ok(Self { grid: grid.clone(), values }),
+            None => Ok(Self { grid: grid.clone(), values: beyond_faces(grid, &values) }),
         }
     }
 
-    /// How long the place of a coarse cell waits.
-    fn at_cell(&self, cell: IVec3) -> f64 {
-        let last = self.grid.size() - 1;
-        f64::from(self.values[self.grid.cell(cell.clamp(IVec3::ZERO, last))])
+    /// Where the value of a coarse cell stands, or of one a step beyond the grid.
+    fn place(&self, cell: IVec3) -> usize {
+        let ([x, y, z], size) = ((cell + 1).to_array().map(|at| at as usize), self.grid.size() + 2);
+        (x * size.y as usize + y) * size.z as usize + z
     }
 
     /// The progress at a place in the world, when the morph's is `eased`.
@@ -91,25 +100,31 @@ impl DelayGrid {
     fn at(&self, position: DVec3) -> (f64, DVec3) {
         let place = self.in_cells(position);
         let nearest = place.round();
+        let first = nearest.as_ivec3() - 1;
+        let around = [0, 1, 2].map(|x| {
+            [0, 1, 2].map(|y| {
+                let row = self.place(first + IVec3::new(x, y, 0));
+                [0, 1, 2].map(|z| f64::from(self.values[row + z]))
+            })
+        });
         let from = place - nearest;
         // The three weights along each axis, and their rates.
         let (before, after) = (0.5 - from, 0.5 + from);
         let weights = [before * before * 0.5, 0.75 - from * from, after * after * 0.5];
         let rates = [-before, -2.0 * from, after];
-        let (mut delay, mut slope) = (0.0, DVec3::ZERO);
-        for x in 0..3 {
-            for y in 0..3 {
-                for z in 0..3 {
-                    let step = IVec3::new(x, y, z) - 1;
-                    let value = self.at_cell(nearest.as_ivec3() + step);
-                    let [x, y, z] = [x, y, z].map(|i| i as usize);
-                    let (wx, wy, wz) = (weights[x].x, weights[y].y, weights[z].z);
-                    delay += value * wx * wy * wz;
-                    slope += value * DVec3::new(rates[x].x * wy * wz, wx * rates[y].y * wz, wx * wy * rates[z].z);
-                }
-            }
-        }
-        (delay, slope / self.grid.edge())
+        let along = |values: [f64; 3], by: &[DVec3; 3], axis: usize| {
+            values[0] * by[0][axis] + values[1] * by[1][axis] + values[2] * by[2][axis]
+        };
+        let along_z = |by: &[DVec3; 3]| around.map(|plane| plane.map(|row| along(row, by, 2)));
+        let along_y = |plane: [[f64; 3]; 3], by: &[DVec3; 3]| plane.map(|row| along(row, by, 1));
+        let plane = along_z(&weights);
+        let row = along_y(plane, &weights);
+        let slope = DVec3::new(
+            along(row, &rates, 0),
+            along(along_y(plane, &rates), &weights, 0),
+            along(along_y(along_z(&rates), &weights), &weights, 0),
+        );
+        (along(row, &weights, 0), slope / self.grid.edge())
     }
 
     /// Bounds of the progress over a box of the world.
@@ -120,7 +135,7 @@ impl DelayGrid {
         for x in first.x..=last.x {
             for y in first.y..=last.y {
                 for z in first.z..=last.z {
-                    let delay = self.at_cell(IVec3::new(x, y, z));
+                    let delay = f64::from(self.values[self.place(IVec3::new(x, y, z))]);
                     delays = delays.union(Interval::new(delay, delay));
                 }
             }

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
-use super::both::{Both, scaled};
+use super::both::{Both, has_both_signs, scaled};
 use super::course::Course;
 use super::delay::DelayGrid;
 use crate::distance::Distance;
@@ -42,7 +42,6 @@ impl Field for DelayedStb {
         Box::new(DelayedEvaluator {
             field: self,
             both: Both::new(self.first.evaluator(), self.second.evaluator(), self.unit),
-            regions: Vec::new(),
             values: [0.0; BATCH],
             gradients: Gradients::new(),
         })
@@ -52,26 +51,27 @@ impl Field for DelayedStb {
 struct DelayedEvaluator<'a> {
     field: &'a DelayedStb,
     both: Both<'a>,
-    regions: Vec<Aabb>,
     values: [f32; BATCH],
     gradients: Gradients,
 }
 
 impl Evaluator for DelayedEvaluator<'_> {
     fn enter(&mut self, region: &Aabb) {
-        self.regions.push(*region);
         self.both.enter(region);
     }
 
     fn bounds(&mut self) -> Interval {
-        let Some(region) = self.regions.last() else { return Interval::ALL };
         let DelayedStb { unit, eased, delay, course, .. } = self.field;
-        let [first, second] = self.both.bounds();
-        scaled(course.bounds(delay.bounds(region, *eased), first, second), *unit)
+        let blend =
+            |part: &Aabb, [first, second]: [Interval; 2]| course.bounds(delay.bounds(part, *eased), first, second);
+        scaled(self.both.bounds_of(blend), *unit)
+    }
+
+    fn vanishes(&mut self) -> bool {
+        self.both.region().is_some_and(|region| has_both_signs(self, &region))
     }
 
     fn leave(&mut self) {
-        self.regions.pop();
         self.both.leave();
     }
 
@@ -96,7 +96,11 @@ impl Evaluator for DelayedEvaluator<'_> {
             let local = delay.local(points.position(i), *eased);
             let [first, second] = [out.value[i], self.gradients.value[i]].map(|value| f64::from(value) * per_unit);
             let slopes = course.at(local.progress).slopes(first, second);
-            let waiting = local.gradient * (course.rate(local.progress, first, second) * unit);
+            let waiting = if local.gradient == DVec3::ZERO {
+                DVec3::ZERO
+            } else {
+                local.gradient * (course.rate(local.progress, first, second) * unit)
+            };
             let gradient = out.gradient(i).as_dvec3() * slopes.by_first
                 + self.gradients.gradient(i).as_dvec3() * slopes.by_second
                 + waiting;

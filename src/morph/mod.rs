@@ -7,6 +7,7 @@
 mod both;
 mod coarse;
 mod course;
+mod curves;
 mod delay;
 mod delayed;
 mod dual;

@@ -2,8 +2,6 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::field::Interval;
-
 /// How often t is re-timed. One pass leaves steps several times the mean where the change is concentrated.
 const PASSES: usize = 3;
 
@@ -41,22 +39,13 @@ impl Curve {
         y0 * rest * rest * (1.0 + 2.0 * s) + y1 * s * s * (3.0 - 2.0 * s) + s * rest * (m0 * rest - m1 * s)
     }
 
-    /// The rate at x; beyond the ends, 0.
-    pub(super) fn rate(&self, x: f64) -> f64 {
-        let after = self.points.partition_point(|point| point[0] <= x);
-        let (Some(left), Some(right)) = (after.checked_sub(1), self.points.get(after)) else { return 0.0 };
-        let width = right[0] - self.points[left][0];
-        let s = (x - self.points[left][0]) / width;
-        let rest = 1.0 - s;
-        let along = 6.0 * s * rest * self.secant(left);
-        along + self.slope(left) * rest * (rest - 2.0 * s) + self.slope(after) * s * (s - 2.0 * rest)
-    }
-
-    /// The least and the greatest value over a range of x: between points the curve stays within theirs.
-    pub(super) fn range(&self, x: Interval) -> Interval {
-        let (lo, hi) = (self.at(x.lo), self.at(x.hi));
-        let between = self.points.iter().filter(|point| x.contains(point[0])).map(|point| point[1]);
-        between.fold(Interval::new(lo.min(hi), lo.max(hi)), |range, y| range.union(Interval::new(y, y)))
+    /// From each point to the next: the c of c₀ + s(c₁ + s(c₂ + s·c₃)) at the share s of the way.
+    pub(super) fn pieces(&self) -> impl Iterator<Item = [f64; 4]> {
+        self.points.windows(2).enumerate().map(|(i, pair)| {
+            let [[x0, y0], [x1, y1]] = [pair[0], pair[1]];
+            let [m0, m1] = [self.slope(i), self.slope(i + 1)].map(|slope| slope * (x1 - x0));
+            [y0, m0, 3.0 * (y1 - y0) - 2.0 * m0 - m1, 2.0 * (y0 - y1) + m0 + m1]
+        })
     }
 
     fn secant(&self, i: usize) -> f64 {

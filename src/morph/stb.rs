@@ -2,9 +2,9 @@
 
 use std::sync::Arc;
 
-use glam::{DVec3, Vec3};
+use glam::DVec3;
 
-use super::both::{Both, scaled};
+use super::both::{Both, has_both_signs, scaled};
 use super::section::{Kernel, Section};
 use crate::distance::Distance;
 use crate::field::{Aabb, BATCH, Evaluator, Field, Gradients, Interval, Points, Slope};
@@ -74,110 +74,34 @@ impl Field for Stb {
         Box::new(StbEvaluator {
             stb: self,
             both: Both::new(self.first.evaluator(), self.second.evaluator(), self.unit),
-            regions: Vec::new(),
             values: [0.0; BATCH],
             gradients: Gradients::new(),
         })
     }
 }
 
-/// How often parts of a region are halved to bound what they hold. More costs more than blocks opened in vain.
-const HALVINGS: usize = 5;
-
 struct StbEvaluator<'a> {
     stb: &'a Stb,
     both: Both<'a>,
-    regions: Vec<Aabb>,
     values: [f32; BATCH],
     gradients: Gradients,
 }
 
-impl StbEvaluator<'_> {
-    /// Bounds from the distances in the middles of the region's parts, in units of D: over a part neither changes by more
-    /// than its slope allows on the way to a corner. Narrower than those of the ends of both distances over the region,
-    /// which are met in different places of it. Parts that may hold a zero are halved; `None` where some still may.
-    fn bounds_by_parts(&mut self, region: &Aabb) -> Option<Interval> {
-        let steepest = [self.both.first.steepest()?, self.both.second.steepest()?];
-        let mut bounds = Interval::new(f64::INFINITY, f64::NEG_INFINITY);
-        let mut part = region.size();
-        let mut parts = Points::new(region.centre());
-        parts.push(Vec3::ZERO);
-        for _ in 0..HALVINGS {
-            // The rounding of an f32 value is far below a thousandth of a part.
-            let reach = 0.5005 * part.length() / self.stb.unit;
-            self.both.first.values(&parts, &mut self.gradients.value);
-            self.both.second.values(&parts, &mut self.values);
-            part *= 0.5;
-            let corners = Aabb::new(-part * 0.5, part * 0.5).corners();
-            let mut halves = Points::new(parts.origin);
-            for i in 0..parts.len {
-                let values = [(self.gradients.value[i], steepest[0]), (self.values[i], steepest[1])];
-                let [first, second] = values.map(|(value, slope)| {
-                    let value = f64::from(value) / self.stb.unit;
-                    Interval::new(value - slope * reach, value + slope * reach)
-                });
-                let found = self.stb.exact.bounds(first, second);
-                if !found.contains(0.0) {
-                    bounds = bounds.union(found);
-                } else if halves.len + 8 <= BATCH {
-                    corners.iter().for_each(|step| halves.push(parts.offset(i) + step.as_vec3()));
-                } else {
-                    return None;
-                }
-            }
-            if bounds.contains(0.0) {
-                return None;
-            }
-            if halves.len == 0 {
-                return Some(bounds);
-            }
-            parts = halves;
-        }
-        None
-    }
-}
-
 impl Evaluator for StbEvaluator<'_> {
     fn enter(&mut self, region: &Aabb) {
-        self.regions.push(*region);
         self.both.enter(region);
     }
 
     fn bounds(&mut self) -> Interval {
-        let Some(region) = self.regions.last().copied() else { return Interval::ALL };
-        let unit = self.stb.unit;
-        let [first, second] = self.both.bounds();
-        let mut bounds = self.stb.exact.bounds(first, second);
-        if bounds.contains(0.0)
-            && let Some(other) = self.bounds_by_parts(&region)
-        {
-            bounds = Interval::new(bounds.lo.max(other.lo), bounds.hi.min(other.hi));
-        }
-        scaled(bounds, unit)
+        let exact = &self.stb.exact;
+        scaled(self.both.bounds_of(|_, [first, second]| exact.bounds(first, second)), self.stb.unit)
     }
 
-    /// Two signs in a box have a zero between them: a few values cost less than bounds of two objects' cells.
     fn vanishes(&mut self) -> bool {
-        let Some(region) = self.regions.last() else { return false };
-        let centre = region.centre();
-        let mut points = Points::new(centre);
-        let half = (region.size() * 0.5).as_vec3();
-        points.push(Vec3::ZERO);
-        for corner in region.corners() {
-            points.push((corner - centre).as_vec3());
-        }
-        for axis in Vec3::AXES {
-            points.push(half * axis);
-            points.push(half * -axis);
-        }
-        let mut values = [0.0; BATCH];
-        self.values(&points, &mut values);
-        let values = &values[..points.len];
-        values.iter().any(|value| *value >= 0.0) && values.iter().any(|value| *value < 0.0)
+        self.both.region().is_some_and(|region| has_both_signs(self, &region))
     }
 
     fn leave(&mut self) {
-        self.regions.pop();
         self.both.leave();
     }
 
