@@ -15,14 +15,15 @@ pub const LUMINANCE: [f64; 3] = [0.2126, 0.7152, 0.0722];
 /// How many colours a vector loop takes at a time; a batch is a whole number of times as many.
 pub(super) const LANES: usize = 64;
 
-/// Converts every lane. A macro, because a function that is handed over is not always inlined, and then no vector code.
+/// Converts every lane of the first into the second, or of one in its place. A macro, because a function that is handed
+/// over is not always inlined, and then no vector code.
 macro_rules! each {
-    ($lanes:expr, $convert:path) => {{
-        let [a, b, c] = $lanes;
-        for ((a, b), c) in a.iter_mut().zip(b).zip(c) {
-            [*a, *b, *c] = $convert([*a, *b, *c]);
+    ($from:expr => $to:expr, $convert:path) => {
+        for i in 0..$from[0].len() {
+            let [a, b, c] = $convert([$from[0][i], $from[1][i], $from[2][i]]);
+            ($to[0][i], $to[1][i], $to[2][i]) = (a, b, c);
         }
-    }};
+    };
 }
 pub(super) use each;
 
@@ -81,10 +82,10 @@ impl ColourSpace {
     pub(super) fn encode_lanes<const N: usize>(self, lanes: &mut Lanes<N>) {
         match self {
             Self::Rgb => {}
-            Self::Hsv => each!(lanes, conversion::hsv_of_linear),
-            Self::Lab => each!(lanes, conversion::lab_of_linear),
-            Self::Lch => each!(lanes, conversion::lch_of_linear),
-            Self::Oklab => each!(lanes, conversion::oklab_of_linear),
+            Self::Hsv => each!(lanes => lanes, conversion::hsv_of_linear),
+            Self::Lab => each!(lanes => lanes, conversion::lab_of_linear),
+            Self::Lch => each!(lanes => lanes, conversion::lch_of_linear),
+            Self::Oklab => each!(lanes => lanes, conversion::oklab_of_linear),
         }
     }
 
@@ -93,10 +94,10 @@ impl ColourSpace {
     pub(super) fn decode_lanes<const N: usize>(self, lanes: &mut Lanes<N>) {
         match self {
             Self::Rgb => return,
-            Self::Hsv => each!(lanes, conversion::linear_of_hsv),
-            Self::Lab => each!(lanes, conversion::linear_of_lab),
-            Self::Lch => each!(lanes, conversion::linear_of_lch),
-            Self::Oklab => each!(lanes, conversion::linear_of_oklab),
+            Self::Hsv => each!(lanes => lanes, conversion::linear_of_hsv),
+            Self::Lab => each!(lanes => lanes, conversion::linear_of_lab),
+            Self::Lch => each!(lanes => lanes, conversion::linear_of_lch),
+            Self::Oklab => each!(lanes => lanes, conversion::linear_of_oklab),
         }
         // What is below 0 less itself: a choice between 0 and what is there becomes a masked store (see `lane_math`).
         for value in lanes.as_flattened_mut() {

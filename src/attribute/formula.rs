@@ -1,5 +1,6 @@
 //! Colour by three formulas, scalars by one.
 
+use std::hint::select_unpredictable;
 use std::sync::Arc;
 
 use super::colour_space::{LANES, Lanes, each};
@@ -23,46 +24,52 @@ impl Components {
     /// scene-linear numbers to 0 and above; a hue may be any number of degrees. Where one of them is not a number,
     /// or a hue is infinite, they come back as they are: no colour.
     pub fn colour(self, numbers: [f32; 3]) -> LinearRgb {
-        let mut lanes = numbers.map(|number| [number]);
-        self.convert(&mut lanes);
-        lanes.map(|[component]| component)
+        self.convert(&numbers.map(|number| [number])).map(|[component]| component)
     }
 
     /// As [`Self::colour`]. Inlined, so that it is compiled for its caller's vector width.
     #[inline(always)]
-    fn convert<const N: usize>(self, lanes: &mut Lanes<N>) {
+    fn convert<const N: usize>(self, numbers: &Lanes<N>) -> Lanes<N> {
+        // Elsewhere than the numbers, which may be kept: see `lane_math`.
+        let mut colours = [[0.0; N]; 3];
         match self {
-            Self::Linear => each!(lanes, linear),
-            Self::Srgb => each!(lanes, srgb),
-            Self::Hsv => each!(lanes, hsv),
+            Self::Linear => each!(numbers => colours, linear),
+            Self::Srgb => each!(numbers => colours, srgb),
+            Self::Hsv => each!(numbers => colours, hsv),
         }
+        colours
     }
 }
 
 #[inline(always)]
 fn linear(numbers: [f32; 3]) -> LinearRgb {
     let [a, b, c] = numbers;
-    let held = [not_below_0(a), not_below_0(b), not_below_0(c)];
-    if any_nan(numbers) { numbers } else { held }
+    chosen(any_nan(numbers), numbers, [not_below_0(a), not_below_0(b), not_below_0(c)])
 }
 
 #[inline(always)]
 fn srgb(numbers: [f32; 3]) -> LinearRgb {
     let [red, green, blue] = numbers;
     let colour = conversion::linear_of_srgb([clamp01(red), clamp01(green), clamp01(blue)]);
-    if any_nan(numbers) { numbers } else { colour }
+    chosen(any_nan(numbers), numbers, colour)
 }
 
 #[inline(always)]
 fn hsv(numbers: [f32; 3]) -> LinearRgb {
     let [hue, saturation, value] = numbers;
-    let colour = conversion::linear_of_hsv([hue, clamp01(saturation), clamp01(value)]);
-    if any_nan(numbers) | hue.is_infinite() { numbers } else { colour }
+    let colour = conversion::linear_of_hsv_up_to_1([hue, clamp01(saturation), clamp01(value)]);
+    chosen(any_nan(numbers) | hue.is_infinite(), numbers, colour)
+}
+
+/// The first or else the second; see `lane_math` for why not by `if`.
+#[inline(always)]
+fn chosen(first: bool, [a, b, c]: [f32; 3], [d, e, f]: [f32; 3]) -> [f32; 3] {
+    [select_unpredictable(first, a, d), select_unpredictable(first, b, e), select_unpredictable(first, c, f)]
 }
 
 #[inline(always)]
 fn not_below_0(number: f32) -> f32 {
-    if number > 0.0 { number } else { 0.0 }
+    select_unpredictable(number > 0.0, number, 0.0)
 }
 
 #[inline(always)]
@@ -145,9 +152,9 @@ fn colours(meaning: Components, numbers: &[[f32; BATCH]; 3], len: usize, out: &m
         for (lanes, numbers) in lanes.iter_mut().zip(numbers) {
             lanes.copy_from_slice(&numbers[at * LANES..][..LANES]);
         }
-        meaning.convert(&mut lanes);
+        let [red, green, blue] = meaning.convert(&lanes);
         for i in 0..LANES {
-            out[i] = [lanes[0][i], lanes[1][i], lanes[2][i]];
+            out[i] = [red[i], green[i], blue[i]];
         }
     }
 }

@@ -122,14 +122,16 @@ impl Mixer {
         if mixing {
             self.mix_encoded(&self.encoded(from), &self.encoded(to), weights, &mut mixed);
         }
-        let before = *from;
+        // Not into `from`, which may be kept: see `lane_math`.
+        let mut out = [[0.0; 3]; N];
         for i in 0..N {
             let (stays, goes) = ((weights[i] <= 0.0) | same(from[i], to[i]), weights[i] >= 1.0);
             for channel in 0..3 {
                 let moved = select_unpredictable(goes, to[i][channel], mixed[channel][i]);
-                from[i][channel] = select_unpredictable(stays, before[i][channel], moved);
+                out[i][channel] = select_unpredictable(stays, from[i][channel], moved);
             }
         }
+        *from = out;
     }
 
     /// Colours in the mixer's space; neighbours often share theirs, which is then encoded once.

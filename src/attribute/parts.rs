@@ -1,5 +1,6 @@
 //! An attribute of a union of parts that have it, and of a blend.
 
+use std::hint::select_unpredictable;
 use std::sync::Arc;
 
 use multiversion::multiversion;
@@ -86,29 +87,47 @@ impl<const N: usize> Parts<N> {
     }
 }
 
+/// So many points at a time, whose least and last so far stay in registers: what is chosen in memory, or else kept, becomes
+/// a masked store (see `lane_math`).
+const LANES: usize = 16;
+
+#[inline(always)]
+fn row(values: &[f32; BATCH], at: usize) -> &[f32; LANES] {
+    &values.as_chunks().0[at]
+}
+
+#[inline(always)]
+fn row_mut(values: &mut [f32; BATCH], at: usize) -> &mut [f32; LANES] {
+    &mut values.as_chunks_mut().0[at]
+}
+
 /// 1/|f_j| over their sum; the later part alone where several are 0.
 #[multiversion(targets = "simd")]
 fn inverse_distances(distances: &[[f32; BATCH]], weights: &mut [[f32; BATCH]], len: usize) {
-    let len = len.min(BATCH);
-    let (mut nearest, mut touched, mut sum) = ([f32::INFINITY; BATCH], [0; BATCH], [0.0; BATCH]);
-    for (part, distance) in (0u32..).zip(distances) {
-        for i in 0..len {
-            let near = distance[i].abs();
-            touched[i] = if near <= nearest[i] { part } else { touched[i] };
-            nearest[i] = if near < nearest[i] { near } else { nearest[i] };
+    for at in 0..len.min(BATCH).div_ceil(LANES) {
+        let (mut nearest, mut touched, mut sum) = ([f32::INFINITY; LANES], [0; LANES], [0.0; LANES]);
+        for (part, distances) in (0u32..).zip(distances) {
+            let distances = row(distances, at);
+            for i in 0..LANES {
+                let near = distances[i].abs();
+                touched[i] = select_unpredictable(near <= nearest[i], part, touched[i]);
+                nearest[i] = if near < nearest[i] { near } else { nearest[i] };
+            }
         }
-    }
-    for ((part, distance), weight) in (0u32..).zip(distances).zip(&mut *weights) {
-        for i in 0..len {
-            let alone = if touched[i] == part { 1.0 } else { 0.0 };
-            let share = nearest[i] / distance[i].abs();
-            weight[i] = if nearest[i] < f32::MIN_POSITIVE { alone } else { share };
-            sum[i] += weight[i];
+        for ((part, distances), weights) in (0u32..).zip(distances).zip(&mut *weights) {
+            let (distances, weights) = (row(distances, at), row_mut(weights, at));
+            for i in 0..LANES {
+                let alone = if touched[i] == part { 1.0 } else { 0.0 };
+                let share = nearest[i] / distances[i].abs();
+                weights[i] = select_unpredictable(nearest[i] < f32::MIN_POSITIVE, alone, share);
+                sum[i] += weights[i];
+            }
         }
-    }
-    for weight in weights {
-        for i in 0..len {
-            weight[i] /= sum[i];
+        for weights in &mut *weights {
+            let weights = row_mut(weights, at);
+            for i in 0..LANES {
+                weights[i] /= sum[i];
+            }
         }
     }
 }
@@ -116,17 +135,20 @@ fn inverse_distances(distances: &[[f32; BATCH]], weights: &mut [[f32; BATCH]], l
 /// The part whose distance is greatest takes it all, the later of two.
 #[multiversion(targets = "simd")]
 fn nearest(distances: &[[f32; BATCH]], weights: &mut [[f32; BATCH]], len: usize) {
-    let len = len.min(BATCH);
-    let (mut greatest, mut nearest) = ([f32::NEG_INFINITY; BATCH], [0; BATCH]);
-    for (part, distance) in (0u32..).zip(distances) {
-        for i in 0..len {
-            nearest[i] = if distance[i] >= greatest[i] { part } else { nearest[i] };
-            greatest[i] = if distance[i] >= greatest[i] { distance[i] } else { greatest[i] };
+    for at in 0..len.min(BATCH).div_ceil(LANES) {
+        let (mut greatest, mut nearest) = ([f32::NEG_INFINITY; LANES], [0; LANES]);
+        for (part, distances) in (0u32..).zip(distances) {
+            let distances = row(distances, at);
+            for i in 0..LANES {
+                nearest[i] = select_unpredictable(distances[i] >= greatest[i], part, nearest[i]);
+                greatest[i] = if distances[i] > greatest[i] { distances[i] } else { greatest[i] };
+            }
         }
-    }
-    for (part, weight) in (0u32..).zip(weights) {
-        for i in 0..len {
-            weight[i] = if nearest[i] == part { 1.0 } else { 0.0 };
+        for (part, weights) in (0u32..).zip(&mut *weights) {
+            let weights = row_mut(weights, at);
+            for i in 0..LANES {
+                weights[i] = if nearest[i] == part { 1.0 } else { 0.0 };
+            }
         }
     }
 }
@@ -189,8 +211,8 @@ fn soft_union(distances: &[[f32; BATCH]], weights: &mut [[f32; BATCH]], len: usi
             let cover = cover(distance[i]);
             let own = cover * above[i];
             above[i] *= 1.0 - cover;
-            let shared = weight[i] + (own / painted - weight[i]) * share;
-            weight[i] = if painted > 0.0 { shared } else { weight[i] };
+            let shared = (own / painted - weight[i]) * share;
+            weight[i] += select_unpredictable(painted > 0.0, shared, 0.0);
         }
     }
 }
@@ -207,9 +229,9 @@ fn add<const N: usize>(
     for i in 0..len.min(BATCH) {
         let counts = weights[i] > 0.0;
         for channel in 0..N {
-            let (part, sum, most) = (values[i][channel], out[i][channel], greatest[i][channel]);
-            out[i][channel] = if counts { sum + weights[i] * part } else { sum };
-            greatest[i][channel] = if counts & (part > most) { part } else { most };
+            let part = values[i][channel];
+            out[i][channel] += select_unpredictable(counts, weights[i] * part, 0.0);
+            greatest[i][channel] = greatest[i][channel].max(select_unpredictable(counts, part, f32::NEG_INFINITY));
         }
     }
 }

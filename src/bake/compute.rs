@@ -3,12 +3,14 @@
 use std::fmt;
 use std::sync::Arc;
 
+use glam::DVec3;
+
 use super::velocity::{self, BlockVelocities, Velocities};
 use crate::attribute::{Attribute, Colour, LinearRgb, Sampler, Scalar};
 use crate::distance::band::{self, MeasuredBlock, Report, Settings};
 use crate::distance::without::{Keep, measure_kept};
 use crate::field::{Aabb, BATCH, Field, Points};
-use crate::grid::{Band, Channel, mask};
+use crate::grid::{Band, Channel};
 use crate::morph::Movement;
 
 /// A frame's grids, and what to tell about them.
@@ -109,11 +111,14 @@ pub fn compute(
         let mut scalars: Vec<Visitor<1>> = all.map(|(_, scalar)| Visitor::new(scalar.as_ref(), f32::MIN)).collect();
         let mut velocity =
             attributes.movement.map(|movement| velocity::Visitor::new(movement, settings.lattice.voxel_size.get()));
+        let mut feet = Points::new(DVec3::ZERO);
         move |block: &MeasuredBlock| {
             if colour.is_none() && scalars.is_empty() && velocity.is_none() {
                 return BlockAttributes { colour: None, scalars: Vec::new(), velocities: None };
             }
-            let feet = active_feet(block);
+            // An attribute taken at the feet is constant along the surface's normals, so that a mesh of the level set which
+            // samples it trilinearly meets the surface's own.
+            block.feet_into(&mut feet);
             BlockAttributes {
                 colour: colour.as_mut().map(|colour| colour.sample(&feet, block)),
                 scalars: scalars.iter_mut().map(|scalar| scalar.sample(&feet, block)).collect(),
@@ -157,18 +162,6 @@ pub fn compute(
 fn channel<const N: usize>(name: &str, blocks: Vec<Sampled<N>>, band: &Band) -> Channel<[f32; N]> {
     let background = mean(&blocks, band.active_voxels());
     Channel { name: name.into(), values: blocks.into_iter().map(|block| block.active).collect(), background }
-}
-
-/// The feet of a block's active voxels alone, one after the other: there is no foot at others, and they are most of a
-/// block. An attribute taken there is constant along the surface's normals, so that a mesh of the level set which
-/// samples it trilinearly meets the surface's own.
-fn active_feet(block: &MeasuredBlock) -> Points {
-    let mut feet = block.feet();
-    feet.len = 0;
-    for at in mask::places(block.active) {
-        feet.push(feet.offset(at));
-    }
-    feet
 }
 
 /// Samples one attribute in one block after the other.

@@ -20,7 +20,7 @@ use super::band;
 use super::polish::around::{Approach, Around, box_of};
 use super::{Distance, Foot};
 use crate::field::{Aabb, BATCH, Evaluator, Field, Gradients, Points, Slope};
-use crate::grid::{Lattice, VoxelSize, mask};
+use crate::grid::{Lattice, VoxelSize};
 
 /// Answers closest points, in batches, from any thread.
 pub trait ClosestPoint: Sync {
@@ -92,9 +92,10 @@ impl<'a> FieldFeet<'a> {
                 progress: watch.progress,
             };
             let measured = band::measure(field, &settings, || {
-                |block: &band::MeasuredBlock| -> Vec<DVec3> {
-                    let feet = block.feet();
-                    mask::places(block.active).map(|i| feet.position(i)).collect()
+                let mut feet = Points::new(DVec3::ZERO);
+                move |block: &band::MeasuredBlock| -> Vec<DVec3> {
+                    block.feet_into(&mut feet);
+                    (0..feet.len).map(|i| feet.position(i)).collect()
                 }
             })?;
             points = measured.visits.concat();

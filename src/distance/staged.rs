@@ -4,8 +4,8 @@ use glam::{DVec3, IVec3, Vec3};
 use multiversion::multiversion;
 
 use crate::{
-    field::{Aabb, Points},
-    grid::{BLOCK_EDGE, BLOCK_VOXELS, BlockMask, Lattice, is_active},
+    field::{Aabb, BATCH, Points},
+    grid::{BLOCK_EDGE, BLOCK_VOXELS, BlockMask, Lattice},
 };
 
 use super::{descent::Scope, facing::Side};
@@ -45,13 +45,11 @@ impl<'a> MeasuredBlock<'a> {
         Self { origin: *origin, lattice: scope.lattice, region, node_region, distances, active, normals }
     }
 
-    /// The closest surface point of each active voxel; an inactive voxel's own centre.
-    pub fn feet(&self) -> Points {
-        let mut feet = Points::of_block(self.origin, &self.lattice);
-        for (feet, normals) in [&mut feet.x, &mut feet.y, &mut feet.z].into_iter().zip(self.normals) {
-            walk_to_feet(self.distances, self.active, normals, feet);
-        }
-        feet
+    /// Puts the closest surface points of the active voxels into `feet`, one after the other: most voxels of a block have
+    /// none. What `feet` held is forgotten.
+    pub fn feet_into(&self, feet: &mut Points) {
+        feet.origin = Points::middle_of_block(self.origin, &self.lattice);
+        walk_to_feet(self, &Points::offsets_in_block(&self.lattice), feet);
     }
 }
 
@@ -106,16 +104,42 @@ fn clamped(distances: &[f32; BLOCK_VOXELS], background: f32) -> [f32; BLOCK_VOXE
     distances.map(|distance| distance.clamp(-background, background))
 }
 
-/// Moves active voxels along one axis to their feet.
+/// Puts in the feet of the active voxels, row after row along z. `places` are the offsets of a row's voxels.
 #[multiversion(targets = "simd")]
-fn walk_to_feet(
-    distances: &[f32; BLOCK_VOXELS],
-    active: &BlockMask,
-    normals: &[f32; BLOCK_VOXELS],
-    positions: &mut [f32; BLOCK_VOXELS],
-) {
-    for i in 0..BLOCK_VOXELS {
-        let step = if is_active(active, i) { distances[i] * normals[i] } else { 0.0 };
-        positions[i] -= step;
+fn walk_to_feet(block: &MeasuredBlock, places: &[f32; BLOCK_EDGE as usize], feet: &mut Points) {
+    const ROW: usize = BLOCK_EDGE as usize;
+    let distances = block.distances.as_chunks::<ROW>().0;
+    let normals = block.normals.each_ref().map(|normals| normals.as_chunks::<ROW>().0);
+    let mut len = 0;
+    for row in 0..BLOCK_VOXELS / ROW {
+        let flags = block.active[row / ROW] >> (ROW * (row % ROW)) & 0xFF;
+        if flags == 0 {
+            continue;
+        }
+        let mut found = [[places[row / ROW]; ROW], [places[row % ROW]; ROW], *places];
+        for (found, normals) in found.iter_mut().zip(normals) {
+            for i in 0..ROW {
+                found[i] -= distances[row][i] * normals[row][i];
+            }
+        }
+        let offsets = [&mut feet.x, &mut feet.y, &mut feet.z];
+        if flags == 0xFF && len + ROW <= BATCH {
+            for (offsets, found) in offsets.into_iter().zip(&found) {
+                offsets[len..len + ROW].copy_from_slice(found);
+            }
+            len += ROW;
+            continue;
+        }
+        let [x, y, z] = offsets;
+        // Each is written to the next place, which only an active one takes up: no branch that could be guessed wrong.
+        for i in 0..ROW {
+            let at = len % BATCH;
+            (x[at], y[at], z[at]) = (found[0][i], found[1][i], found[2][i]);
+            len += (flags >> i & 1) as usize;
+        }
+    }
+    feet.len = len;
+    if len < BATCH {
+        (feet.x[len], feet.y[len], feet.z[len]) = (0.0, 0.0, 0.0);
     }
 }

@@ -33,14 +33,12 @@ impl Points {
 
     /// The 512 voxel centres of a leaf block, in the block's own order, around the block's middle.
     pub fn of_block(origin: glam::IVec3, lattice: &crate::grid::Lattice) -> Self {
-        let edge = lattice.voxel_size.get();
-        let half = f64::from(BLOCK_EDGE - 1) / 2.0;
         let mut points = Self::new(Self::middle_of_block(origin, lattice));
-        let offset = |i: usize| ((i as f64 - half) * edge) as f32;
+        let offsets = Self::offsets_in_block(lattice);
         for i in 0..BLOCK_VOXELS {
-            points.x[i] = offset(i >> 6);
-            points.y[i] = offset((i >> 3) & 7);
-            points.z[i] = offset(i & 7);
+            points.x[i] = offsets[i >> 6];
+            points.y[i] = offsets[(i >> 3) & 7];
+            points.z[i] = offsets[i & 7];
         }
         points.len = BLOCK_VOXELS;
         points
@@ -50,6 +48,12 @@ impl Points {
     /// there are those of any block.
     pub fn middle_of_block(origin: glam::IVec3, lattice: &crate::grid::Lattice) -> DVec3 {
         (origin.as_dvec3() + f64::from(BLOCK_EDGE - 1) / 2.0) * lattice.voxel_size.get()
+    }
+
+    /// The offsets of a block's voxel centres from its middle, along any axis.
+    pub fn offsets_in_block(lattice: &crate::grid::Lattice) -> [f32; BLOCK_EDGE as usize] {
+        let half = f64::from(BLOCK_EDGE - 1) / 2.0;
+        std::array::from_fn(|i| ((i as f64 - half) * lattice.voxel_size.get()) as f32)
     }
 
     /// Appends a point given by its offset from the origin. Panics when full.
@@ -62,13 +66,12 @@ impl Points {
 
     /// The box of all points; `None` of none.
     pub fn bounding_box(&self) -> Option<Aabb> {
-        let side = |values: &[f32; BATCH], choose: fn(f32, f32) -> f32| {
-            values[..self.len].iter().copied().reduce(choose).map(f64::from)
-        };
-        let corner = |choose| {
-            Some(DVec3::new(side(&self.x, choose)?, side(&self.y, choose)?, side(&self.z, choose)?) + self.origin)
-        };
-        Some(Aabb::new(corner(f32::min)?, corner(f32::max)?))
+        if self.len == 0 {
+            return None;
+        }
+        let [x, y, z] = [&self.x, &self.y, &self.z].map(|values| range(&values[..self.len]).map(f64::from));
+        let corner = |i: usize| DVec3::new(x[i], y[i], z[i]) + self.origin;
+        Some(Aabb::new(corner(0), corner(1)))
     }
 
     /// The offset of a point from the origin.
@@ -80,6 +83,23 @@ impl Points {
     pub fn position(&self, i: usize) -> DVec3 {
         self.origin + self.offset(i).as_dvec3()
     }
+}
+
+/// The least and the greatest of some numbers; ±∞ of none.
+#[multiversion::multiversion(targets = "simd")]
+fn range(values: &[f32]) -> [f32; 2] {
+    const LANES: usize = 32;
+    let (mut least, mut greatest) = ([f32::INFINITY; LANES], [f32::NEG_INFINITY; LANES]);
+    for values in values.chunks(LANES) {
+        // The first again in the place of those that are missing.
+        let mut row = [values[0]; LANES];
+        row[..values.len()].copy_from_slice(values);
+        for i in 0..LANES {
+            least[i] = if row[i] < least[i] { row[i] } else { least[i] };
+            greatest[i] = if row[i] > greatest[i] { row[i] } else { greatest[i] };
+        }
+    }
+    [least.into_iter().fold(f32::INFINITY, f32::min), greatest.into_iter().fold(f32::NEG_INFINITY, f32::max)]
 }
 
 /// Values and gradients at a batch of points.

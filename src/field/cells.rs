@@ -5,6 +5,8 @@
 
 use std::fmt::{self, Display, Formatter};
 
+mod near;
+
 use glam::{DVec3, IVec3};
 
 use super::{Aabb, Evaluator, Field};
@@ -250,57 +252,6 @@ impl Cells {
         best.1
     }
 
-    /// The leaves on the surface among which the nearest one of any position in a region is, in the order of
-    /// [`Cells::cells`].
-    pub fn surface_leaves_near(&self, region: &Aabb) -> Vec<CellId> {
-        let (mut within, mut near) = (f64::INFINITY, Vec::new());
-        self.collect_near(self.nodes[0], self.root, region, &mut within, &mut near);
-        let mut near: Vec<CellId> =
-            near.into_iter().filter(|(distance, _)| *distance <= within).map(|(_, id)| id).collect();
-        near.sort_unstable();
-        near
-    }
-
-    /// Collects leaves on the surface with their squared distances to a region. No position of the region is farther
-    /// than `within`, squared, from some leaf, so that leaves beyond are nearest to none; it shrinks on the way.
-    fn collect_near(&self, node: Node, bounds: Aabb, region: &Aabb, within: &mut f64, near: &mut Vec<(f64, CellId)>) {
-        let distance = distance_squared(region, &bounds);
-        if distance > *within {
-            return;
-        }
-        match node {
-            Node::Leaf(id) if self.cell(id).place == Place::Surface => {
-                let away = (bounds.min - region.min).max(region.max - bounds.max).max(DVec3::ZERO);
-                *within = within.min(away.length_squared());
-                near.push((distance, id));
-            }
-            Node::Split { first, has_surface: true } => {
-                let nearest = octant_of(region.centre(), bounds.centre());
-                for octant in (0..8).map(|i| i ^ nearest) {
-                    let child = self.nodes[first as usize + octant];
-                    self.collect_near(child, octant_bounds(bounds, octant), region, within, near);
-                }
-            }
-            _ => {}
-        }
-    }
-
-    /// [`Cells::surface_leaf_at`] for a position in a region that has these leaves near.
-    pub fn surface_leaf_among(&self, position: DVec3, near: &[CellId]) -> CellId {
-        if let Some(leaf) = self.surface_leaf_around(position) {
-            return leaf;
-        }
-        let mut best = (f64::INFINITY, self.surface[0]);
-        for &id in near {
-            let bounds = self.cell(id).bounds;
-            let distance = position.distance_squared(position.clamp(bounds.min, bounds.max));
-            if distance < best.0 {
-                best = (distance, id);
-            }
-        }
-        best.1
-    }
-
     /// The leaf that holds a position, where that is on the surface.
     fn surface_leaf_around(&self, position: DVec3) -> Option<CellId> {
         let leaf = self.leaf_at(position);
@@ -345,11 +296,6 @@ impl Cells {
             _ => {}
         }
     }
-}
-
-/// The squared distance between two boxes.
-fn distance_squared(a: &Aabb, b: &Aabb) -> f64 {
-    (b.min - a.max).max(a.min - b.max).max(DVec3::ZERO).length_squared()
 }
 
 struct Builder<'a> {
@@ -523,19 +469,33 @@ mod tests {
         }
     }
 
+    /// Also where a batch is spread so wide that each point is looked up by itself, and on the borders of leaves.
     #[test]
-    fn few_leaves_are_near_a_region_and_the_nearest_is_among_them() {
-        let cells = Cells::build(&Ball(DVec3::ZERO), &OPTIONS).unwrap();
+    fn a_batch_has_the_leaves_of_its_points() {
+        let options = CellOptions { depth: [2, 6], ..OPTIONS };
+        let cells = Cells::build(&Ball(DVec3::ZERO), &options).unwrap();
         let mut random = Random::new(2, 1, Purpose::Facet);
         for _ in 0..200 {
-            let middle = random.direction() * random.range(0.0, 2.0);
-            let region = Aabb::new(middle, middle).grown(random.range(0.0, 0.2));
-            let near = cells.surface_leaves_near(&region);
-            assert!(near.is_sorted() && !near.is_empty() && near.len() < cells.surface().len());
-            for _ in 0..20 {
-                let [x, y, z] = std::array::from_fn(|axis| random.range(region.min[axis], region.max[axis]));
-                let p = DVec3::new(x, y, z);
-                assert_eq!(cells.surface_leaf_among(p, &near), cells.surface_leaf_at(p));
+            let mut points = Points::new(random.direction() * random.range(0.0, 2.0));
+            let reach = random.range(0.0, 1.0).powi(4);
+            let grid = |offset: f64| ((offset * 256.0).round() / 256.0) as f32;
+            for i in 0..random.index(BATCH) {
+                let offset = random.direction() * reach;
+                points.push(if i % 2 == 0 { offset.as_vec3() } else { glam::Vec3::from(offset.to_array().map(grid)) });
+            }
+            if random.index(2) == 0 {
+                points.origin = (points.origin * 256.0).round() / 256.0;
+            }
+            let mut found = [0; BATCH];
+            cells.surface_leaves_at(&points, &mut found);
+            for i in 0..points.len {
+                let (batch, one) = (CellId(found[i]), cells.surface_leaf_at(points.position(i)));
+                let distance = |id: CellId| {
+                    let bounds = cells.cell(id).bounds;
+                    points.position(i).distance(points.position(i).clamp(bounds.min, bounds.max))
+                };
+                let on_grid = points.origin == (points.origin * 256.0).round() / 256.0 && i % 2 == 1;
+                assert!(batch == one || !on_grid && distance(batch) < distance(one) + 1e-6, "{batch:?} {one:?}");
             }
         }
     }

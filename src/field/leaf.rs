@@ -57,22 +57,21 @@ impl Affine {
         if self.is_constant() {
             return Interval::checked(self.constant, self.constant);
         }
-        let (mut lo, mut hi) = (self.constant, self.constant);
-        let (mut below, mut above) = (self.constant.abs(), self.constant.abs());
-        for axis in 0..3 {
-            let slope = self.slope[axis];
-            if slope == 0.0 {
-                continue;
-            }
-            let (from, to) = (slope * region.min[axis], slope * region.max[axis]);
-            lo += from.min(to);
-            hi += from.max(to);
-            below += from.min(to).abs();
-            above += from.max(to).abs();
+        let (from, to) = (self.slope * region.min, self.slope * region.max);
+        let (mut least, mut most) = (from.min(to), from.max(to));
+        if !(region.min.is_finite() && region.max.is_finite()) {
+            // A form that does not change along an axis does not at its far ends either.
+            let changes = self.slope.cmpne(DVec3::ZERO);
+            (least, most) = (DVec3::select(changes, least, DVec3::ZERO), DVec3::select(changes, most, DVec3::ZERO));
         }
+        let (below, above) = (least.abs(), most.abs());
+        let size = self.constant.abs();
         // Three products and three sums round to within 6 half-ulps of the largest magnitude that occurs.
         const SLACK: f64 = 4.0 * f64::EPSILON;
-        Interval::checked(lo - SLACK * below, hi + SLACK * above)
+        Interval::checked(
+            self.constant + least.x + least.y + least.z - SLACK * (size + below.x + below.y + below.z),
+            self.constant + most.x + most.y + most.z + SLACK * (size + above.x + above.y + above.z),
+        )
     }
 
     /// The `f32` form for offsets from an origin: three coefficients and the constant there.
@@ -138,12 +137,27 @@ impl Quadric {
 
     /// Bounds over a box, rounded outward; tight where the forms vary independently.
     pub fn bounds(&self, region: &Aabb) -> Interval {
-        self.terms
-            .iter()
-            .filter(|(weight, _)| *weight != 0.0)
-            .fold(Interval::new(self.constant, self.constant), |sum, (weight, form)| {
-                sum + form.bounds(region).square().linear(*weight, 0.0)
-            })
+        if self.used() == 0 {
+            return Interval::checked(self.constant, self.constant);
+        }
+        let (mut lo, mut hi) = (self.constant, self.constant);
+        let (mut below, mut above) = (self.constant.abs(), self.constant.abs());
+        for (weight, form) in self.terms.iter().filter(|(weight, _)| *weight != 0.0) {
+            let ends = form.bounds(region);
+            let (one, two) = (ends.lo * ends.lo, ends.hi * ends.hi);
+            let least = if ends.contains(0.0) { 0.0 } else { one.min(two) };
+            // A square too small for a number is still one.
+            let most = if ends == Interval::ZERO { 0.0 } else { one.max(two).max(f64::MIN_POSITIVE) };
+            let (one, two) = (weight * least, weight * most);
+            let (from, to) = (one.min(two), one.max(two));
+            lo += from;
+            hi += to;
+            below += from.abs();
+            above += to.abs();
+        }
+        // Two products a term, and three sums, round to within 6 half-ulps of the largest magnitude that occurs.
+        const SLACK: f64 = 8.0 * f64::EPSILON;
+        Interval::checked(lo - SLACK * below, hi + SLACK * above)
     }
 
     /// A bound of the slope of `√self`, where `self` is a sum of squares without a constant.

@@ -11,7 +11,8 @@ use crate::{
         accuracy::exact,
         testing::{Joined, Leaf, Saturated},
     },
-    grid::VoxelSize,
+    field::Points,
+    grid::{VoxelSize, mask},
     scene::{Overrides, PrepareOptions, Prepared, Source, load},
 };
 
@@ -28,7 +29,8 @@ fn measure_at(field: &dyn Field, size: f64, chunk: usize) -> Measured<Vec<f32>> 
     let visitor = || {
         |block: &MeasuredBlock| {
             check_feet(block, size);
-            block.feet().x.to_vec()
+            let feet = feet_of(block);
+            feet.x[..feet.len].to_vec()
         }
     };
     let start = std::time::Instant::now();
@@ -37,19 +39,24 @@ fn measure_at(field: &dyn Field, size: f64, chunk: usize) -> Measured<Vec<f32>> 
     measured
 }
 
+fn feet_of(block: &MeasuredBlock) -> Points {
+    let mut feet = Points::new(DVec3::ZERO);
+    block.feet_into(&mut feet);
+    feet
+}
+
 /// Feet and normals agree with the distances.
 fn check_feet(block: &MeasuredBlock, size: f64) {
-    let (points, feet) = (crate::field::Points::of_block(block.origin, &block.lattice), block.feet());
-    for i in 0..BLOCK_VOXELS {
-        if block.active[i >> 6] >> (i & 63) & 1 == 0 {
-            assert_eq!(feet.offset(i), points.offset(i));
-            continue;
-        }
+    let (points, feet) = (Points::of_block(block.origin, &block.lattice), feet_of(block));
+    assert_eq!(feet.len, mask::count(block.active));
+    for (at, i) in mask::places(block.active).enumerate() {
         let normal = Vec3::from(std::array::from_fn::<f32, 3, _>(|axis| block.normals[axis][i]));
-        let foot = feet.offset(i) - (points.offset(i) - normal * block.distances[i]);
+        let foot = feet.offset(at) - (points.offset(i) - normal * block.distances[i]);
         assert!((normal.length() - 1.0).abs() < 1e-5 && f64::from(foot.length()) < 1e-5 * size);
-        assert!(block.region.contains(feet.position(i)));
+        assert!(block.region.contains(feet.position(at)));
     }
+    let unused = [&feet.x, &feet.y, &feet.z].map(|offsets| &offsets[feet.len..]);
+    assert!(unused.into_iter().flatten().all(|offset| offset.is_finite()));
 }
 
 /// Compares every voxel of every block with the truth.
@@ -58,7 +65,7 @@ fn judge(measured: &Measured<Vec<f32>>, truth: impl Fn(DVec3) -> f64) -> Errors 
     let size = band.lattice.voxel_size.get();
     let (mut sum, mut max, mut judged) = (0.0, 0.0f64, 0u64);
     for ((&origin, distances), active) in band.origins.iter().zip(&band.distances).zip(&band.active) {
-        let points = crate::field::Points::of_block(origin, &band.lattice);
+        let points = Points::of_block(origin, &band.lattice);
         for i in 0..BLOCK_VOXELS {
             let exact = truth(points.position(i));
             let error = (f64::from(distances[i]) - exact.clamp(-3.0 * size, 3.0 * size)).abs() / size;
@@ -124,7 +131,7 @@ fn a_ball_smaller_than_a_voxel_is_found_and_reported() {
     let settings = Settings { lattice, half_width: 3.0, region, cancel: &cancel, progress: &|_| {} };
     let measured = measure(&field, &settings, || |_: &MeasuredBlock| ()).unwrap();
     for (origin, distances) in measured.band.origins.iter().zip(&measured.band.distances) {
-        let points = crate::field::Points::of_block(*origin, &lattice);
+        let points = Points::of_block(*origin, &lattice);
         for i in 0..BLOCK_VOXELS {
             let exact = exact::sphere(points.position(i), centre, radius).max(-3.0);
             assert!((f64::from(distances[i]) - exact).abs() < 0.02, "{} for {exact}", distances[i]);

@@ -4,9 +4,6 @@ use super::super::cells::{CellId, Cells};
 use super::super::{Aabb, BATCH, Expression, Field, Points};
 use super::cut::{OVERLAP, Piece};
 
-/// Looking at so many cells one after the other takes less time than a search of their tree.
-const MOST_IN_TURN: usize = 48;
-
 /// The pieces of a faceted shape.
 ///
 /// A piece reaches a little over the border of its cell ([`OVERLAP`]), so the wall of a step lies in the cell in front
@@ -30,16 +27,10 @@ impl Pieces {
     /// The surface cell that each point belongs to: the one it lies in, or the one beside it whose piece holds a point
     /// that its own cell's piece does not.
     pub fn cells_at(&self, cells: &Cells, points: &Points, out: &mut [u32; BATCH]) {
+        cells.surface_leaves_at(points, out);
         let mut values = None;
-        let mut own = cells.surface()[0];
-        let near = points.bounding_box().map_or_else(Vec::new, |region| cells.surface_leaves_near(&region));
         for i in 0..points.len {
-            let position = points.position(i);
-            own = match near.len() {
-                ..=MOST_IN_TURN => cells.surface_leaf_among(position, &near),
-                _ => cells.surface_leaf_from(position, own),
-            };
-            out[i] = own.0;
+            let (position, own) = (points.position(i), CellId(out[i]));
             // No piece but its own reaches as far as this, or none at all.
             let bounds = cells.cell(own).bounds;
             if bounds.grown(-self.reach).contains(position) || !bounds.grown(2.0 * self.reach).contains(position) {
