@@ -40,7 +40,7 @@ measure() {
     done
     cargo bench --quiet --locked --features rivals --bench growth | tee -a "$logs/1.txt"
     program cubism-256 target/release/hfvdb bake cubism --output "$logs/m.####.vdb" --overwrite | tee -a "$logs/1.txt"
-    program cubism-1024 target/release/hfvdb bake cubism --resolution 1024 --frames 24 --output "$logs/m.vdb" --overwrite \
+    program cubism-1024 target/release/hfvdb bake cubism --resolution 1024 --frames 24 --output "$logs/one.vdb" --overwrite \
         | tee -a "$logs/1.txt"
     rm -f "$logs"/*.vdb
 }
