@@ -7,10 +7,8 @@
 
 use std::cmp::Reverse;
 
-use glam::Vec4;
 use rayon::prelude::*;
 
-use super::kernel::Numbers;
 use super::patch::{AXIS_BIT, Jet, Patch};
 use super::refine::middles_of;
 use super::samples::Samples;
@@ -21,11 +19,14 @@ const NONE: u32 = u32::MAX;
 /// Leaves whose hanging corners are worked out at once: enough to share, few enough to hold.
 const HANGING_AT_ONCE: usize = 1 << 14;
 
+/// A corner's jet, rounded.
+pub type Numbers = [f32; 8];
+
 /// The leaves in Morton order with their corners.
 pub struct Corners {
     /// Every leaf's corners.
     pub leaves: Vec<[u32; 8]>,
-    /// The jet of each corner, rounded.
+    /// The numbers of each corner.
     pub numbers: Vec<Numbers>,
     /// The part that each corner's foot lies on.
     pub parts: Vec<u32>,
@@ -105,12 +106,11 @@ impl Corners {
 
 /// A corner's numbers in `f64`.
 pub fn jet(numbers: &Numbers) -> Jet {
-    std::array::from_fn(|i| f64::from(numbers[i / 4][i % 4]))
+    numbers.map(f64::from)
 }
 
 fn rounded(jet: Jet) -> Numbers {
-    let [a, b, c, d, e, f, g, h] = jet.map(|number| number as f32);
-    [Vec4::new(a, b, c, d), Vec4::new(e, f, g, h)]
+    jet.map(|number| number as f32)
 }
 
 fn neighbours(leaves: &[[u32; 8]], coarse_first: &[u32], corners: usize) -> [Vec<[u32; 2]>; 3] {

@@ -60,13 +60,7 @@ pub(super) struct OctreeEvaluator<'a> {
 
 impl<'a> OctreeEvaluator<'a> {
     pub(super) fn new(object: &'a DistanceObject) -> Self {
-        let located = Located {
-            at: [[0.0; BATCH]; 3],
-            cell: [[0; BATCH]; 3],
-            t: [[0.0; BATCH]; 3],
-            leaf: [0; BATCH],
-            edge: [0.0; BATCH],
-        };
+        let located = Located { at: [[0.0; BATCH]; 3], cell: [[0; BATCH]; 3], t: [[0.0; BATCH]; 3], leaf: [0; BATCH] };
         Self { object, regions: Vec::new(), located: Box::new(located) }
     }
 
@@ -107,14 +101,14 @@ impl<'a> OctreeEvaluator<'a> {
 
     fn place_each(&mut self, len: usize, start: Place) {
         let nodes = &self.object.nodes;
-        let Located { at, cell, t, leaf, edge } = &mut *self.located;
+        let Located { at, cell, t, leaf } = &mut *self.located;
         let top = start.size.trailing_zeros() as usize;
         // The nodes around the cell before, by how often their edge doubles that of a smallest cell.
         let mut path = [start.node; i32::BITS as usize];
         // No cell is its own yet, so the first point looks one up.
         let (mut before, mut level) = ([-1; 3], 0);
         let (mut origin, mut scale) = ([0.0; 3], 0.0);
-        let (mut this_leaf, mut this_edge) = (0, 0.0);
+        let mut this_leaf = 0;
         for i in 0..len.min(BATCH) {
             let here = [cell[0][i], cell[1][i], cell[2][i]];
             let apart = (here[0] ^ before[0]) | (here[1] ^ before[1]) | (here[2] ^ before[2]);
@@ -133,13 +127,11 @@ impl<'a> OctreeEvaluator<'a> {
                 origin = here.map(|cell| f64::from(cell & -size));
                 scale = 1.0 / f64::from(size);
                 this_leaf = node & !LEAF;
-                this_edge = (f64::from(size) * self.object.step) as f32;
             }
             for axis in 0..3 {
                 t[axis][i] = ((at[axis][i] - origin[axis]) * scale) as f32;
             }
             leaf[i] = this_leaf;
-            edge[i] = this_edge;
         }
     }
 }
@@ -168,11 +160,9 @@ impl Evaluator for OctreeEvaluator<'_> {
         let located = &self.located;
         match cell {
             Some(place) => {
-                let corners = object.corners_of(place.node);
-                let edge = (f64::from(place.size) * object.step) as f32;
-                kernel::values_in_cell(&corners, &located.t, edge, out, points.len);
+                kernel::values_in_cell(object.polynomial(place), &located.t, out, points.len);
             }
-            None => kernel::values(&object.leaves, &object.numbers, located, &mut out[..points.len]),
+            None => kernel::values(&object.polynomials, located, &mut out[..points.len]),
         }
         if outside {
             let mut last = None;
@@ -192,15 +182,12 @@ impl Evaluator for OctreeEvaluator<'_> {
         let len = points.len;
         match cell {
             Some(place) => {
-                let corners = object.corners_of(place.node);
-                let edge = (f64::from(place.size) * object.step) as f32;
                 let Gradients { value, dx, dy, dz } = out;
-                kernel::gradients_in_cell(&corners, &located.t, edge, [value, dx, dy, dz], len);
+                kernel::gradients_in_cell(object.polynomial(place), &located.t, [value, dx, dy, dz], len);
             }
             None => {
                 let Gradients { value, dx, dy, dz } = out;
-                let out = [value, dx, dy, dz];
-                kernel::gradients(&object.leaves, &object.numbers, located, out, len);
+                kernel::gradients(&object.polynomials, located, [value, dx, dy, dz], len);
             }
         }
         if outside {

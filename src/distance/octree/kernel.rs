@@ -1,92 +1,69 @@
-//! The inner loops: value and gradient of a Hermite patch in `f32`, one point at a time over the numbers of the
-//! corners, or many points at a time in one cell.
+//! The inner loops: value and gradient of a cell's polynomial in `f32`, one point at a time over coefficients side by
+//! side, or many points at a time.
 //!
 //! Both ways do the same operations in the same order, so a point's answer has the same bits whichever way its
 //! batch went, and at any vector width (no fused multiply-add).
 
-use std::ops::{Add, Mul, Neg, Sub};
+use std::array::from_fn;
+use std::ops::{Add, Mul};
 
 use glam::{Mat4, Vec4};
 use multiversion::multiversion;
 
+use super::patch::Patch;
 use crate::field::{BATCH, Points};
 
-/// The eight numbers of a corner: F, Fz, Fy, Fyz, then Fx, Fxz, Fxy, Fxyz.
-pub type Numbers = [Vec4; 2];
-
-/// The cubic Hermite basis along one axis: value and slope of the near corner, then of the far one. Slopes count
-/// in world units.
-type Weights = [f32; 4];
-
-/// Of a number along one axis, or of several axes side by side.
-#[inline(always)]
-fn basis<T: Copy + Mul<Output = T> + Neg<Output = T>>(t: T, edge: f32) -> [T; 4]
-where
-    f32: Add<T, Output = T> + Sub<T, Output = T> + Mul<T, Output = T>,
-{
-    let s = 1.0_f32 - t;
-    let (tt, ss) = (t * t, s * s);
-    [(1.0_f32 + 2.0_f32 * t) * ss, edge * (t * ss), tt * (3.0_f32 - 2.0_f32 * t), -(edge * (tt * s))]
+/// A cell's polynomial over its \[0, 1\]³.
+#[derive(Clone, Copy, Debug)]
+pub struct Polynomial {
+    /// By the powers of x and of y: the coefficients of 1, z, z² and z³.
+    coefficients: [[[f32; 4]; 4]; 4],
+    /// One over the cell's edge, in world units.
+    inverse_edge: f32,
 }
 
-/// The derivative of the basis in world units.
-#[inline(always)]
-fn basis_slope<T: Copy + Mul<Output = T> + Neg<Output = T> + Sub<f32, Output = T>>(t: T, inverse_edge: f32) -> [T; 4]
-where
-    f32: Sub<T, Output = T> + Mul<T, Output = T>,
-{
-    let s = 1.0_f32 - t;
-    let down = inverse_edge * (-6.0_f32 * (t * s));
-    [down, s * (1.0_f32 - 3.0_f32 * t), -down, t * (3.0_f32 * t - 2.0)]
+impl Polynomial {
+    /// That of a patch.
+    pub fn of(patch: &Patch) -> Self {
+        let mut coefficients = [[[0.0; 4]; 4]; 4];
+        for (to, from) in coefficients.as_flattened_mut().as_flattened_mut().iter_mut().zip(patch.powers()) {
+            *to = from as f32;
+        }
+        Self { coefficients, inverse_edge: (1.0 / patch.edge) as f32 }
+    }
+
+    #[inline(always)]
+    fn value_at(&self, [x, y, z]: [f32; 3]) -> f32 {
+        let by_y = from_fn(|j| cubic(from_fn(|i| Vec4::from_array(self.coefficients[i][j])), x));
+        cubic(cubic(by_y, y).to_array(), z)
+    }
+
+    /// F, ∂x, ∂y, ∂z.
+    #[inline(always)]
+    fn gradient_at(&self, [x, y, z]: [f32; 3]) -> [f32; 4] {
+        let by_y: [_; 4] = from_fn(|j| cubic_and_slope(from_fn(|i| Vec4::from_array(self.coefficients[i][j])), x));
+        let (value, dy) = cubic_and_slope(by_y.map(|(value, _)| value), y);
+        let dx = cubic(by_y.map(|(_, slope)| slope), y);
+        // F, ∂x and ∂y side by side, by the powers of z.
+        let by_z = Mat4::from_cols(value, dx, dy, Vec4::ZERO).transpose();
+        let (sums, slopes) = cubic_and_slope([by_z.x_axis, by_z.y_axis, by_z.z_axis, by_z.w_axis], z);
+        [sums.x, sums.y * self.inverse_edge, sums.z * self.inverse_edge, slopes.x * self.inverse_edge]
+    }
 }
 
-/// The four pairs of corners along z, each made one.
+/// a + t(b + t(c + t·d)), of numbers or of several side by side.
 #[inline(always)]
-fn along_z(corners: &[&Numbers; 8], [a, b, c, d]: Weights) -> [Numbers; 4] {
-    let (near, far) = (Vec4::new(a, b, a, b), Vec4::new(c, d, c, d));
-    let pair = |i: usize| {
-        let (low, high) = (corners[2 * i], corners[2 * i + 1]);
-        [low[0] * near + high[0] * far, low[1] * near + high[1] * far]
-    };
-    [pair(0), pair(1), pair(2), pair(3)]
+fn cubic<T: Copy + Add<Output = T> + Mul<f32, Output = T>>([a, b, c, d]: [T; 4], t: f32) -> T {
+    a + (b + (c + d * t) * t) * t
 }
 
+/// The same, and its slope.
 #[inline(always)]
-fn along_y(v: &[Numbers; 4], [a, b, c, d]: Weights) -> [Numbers; 2] {
-    let (near, far) = (Vec4::new(a, a, b, b), Vec4::new(c, c, d, d));
-    let pair = |i: usize| [v[2 * i][0] * near + v[2 * i + 1][0] * far, v[2 * i][1] * near + v[2 * i + 1][1] * far];
-    [pair(0), pair(1)]
-}
-
-#[inline(always)]
-fn along_x(v: &[Numbers; 2], [a, b, c, d]: Weights) -> Vec4 {
-    (v[0][0] * a + v[1][0] * c) + (v[0][1] * b + v[1][1] * d)
-}
-
-#[inline(always)]
-fn value_at(corners: &[&Numbers; 8], t: [f32; 3], edge: f32) -> f32 {
-    let [wx, wy, wz] = t.map(|t| basis(t, edge));
-    let sum = along_x(&along_y(&along_z(corners, wz), wy), wx);
-    (sum.x + sum.z) + (sum.y + sum.w)
-}
-
-/// F, ∂x, ∂y, ∂z.
-#[inline(always)]
-fn gradient_at(corners: &[&Numbers; 8], [x, y, z]: [f32; 3], edge: f32) -> [f32; 4] {
-    let t = Vec4::new(x, y, z, 0.0);
-    let (basis, slope) = (basis(t, edge), basis_slope(t, 1.0 / edge));
-    let (wx, wy, wz) = (basis.map(|w| w.x), basis.map(|w| w.y), basis.map(|w| w.z));
-    let (z0, z1) = (along_z(corners, wz), along_z(corners, slope.map(|w| w.z)));
-    let y00 = along_y(&z0, wy);
-    let sums = Mat4::from_cols(
-        along_x(&y00, wx),
-        along_x(&y00, slope.map(|w| w.x)),
-        along_x(&along_y(&z0, slope.map(|w| w.y)), wx),
-        along_x(&along_y(&z1, wy), wx),
-    );
-    // The four sums of four, side by side.
-    let terms = sums.transpose();
-    ((terms.x_axis + terms.z_axis) + (terms.y_axis + terms.w_axis)).to_array()
+fn cubic_and_slope<T: Copy + Add<Output = T> + Mul<f32, Output = T>>([a, b, c, d]: [T; 4], t: f32) -> (T, T) {
+    let highest = d * t;
+    let last = c + highest;
+    let first = b + last * t;
+    (a + first * t, first + (last + highest) * t)
 }
 
 /// A batch of points in cells.
@@ -99,8 +76,6 @@ pub struct Located {
     pub t: [[f32; BATCH]; 3],
     /// The leaf.
     pub leaf: [u32; BATCH],
-    /// The leaf's edge in world units.
-    pub edge: [f32; BATCH],
 }
 
 /// Where a batch lies: the least and greatest smallest cell by axis, and whether some points are out of the root.
@@ -157,114 +132,56 @@ pub fn place_in_cell(located: &mut Located, origin: [i32; 3], size: i32, len: us
     }
 }
 
-#[inline(always)]
-fn corners_of<'a>(leaves: &[[u32; 8]], numbers: &'a [Numbers], leaf: u32) -> [&'a Numbers; 8] {
-    let [a, b, c, d, e, f, g, h] = leaves[leaf as usize];
-    let of = |corner: u32| &numbers[corner as usize];
-    // Written out: `map` is a call, for each point.
-    [of(a), of(b), of(c), of(d), of(e), of(f), of(g), of(h)]
-}
-
 /// Values at points in any cells, as many as `out` holds.
 #[multiversion(targets("x86_64+avx+avx2", "x86_64+sse4.1"))]
-pub fn values(leaves: &[[u32; 8]], numbers: &[Numbers], located: &Located, out: &mut [f32]) {
+pub fn values(polynomials: &[Polynomial], located: &Located, out: &mut [f32]) {
     for (i, out) in out.iter_mut().enumerate().take(BATCH) {
-        let corners = corners_of(leaves, numbers, located.leaf[i]);
         let t = [located.t[0][i], located.t[1][i], located.t[2][i]];
-        *out = value_at(&corners, t, located.edge[i]);
+        *out = polynomials[located.leaf[i] as usize].value_at(t);
     }
 }
 
 /// Values and gradients at points in any cells: F, ∂x, ∂y, ∂z at the first `len`.
 #[multiversion(targets("x86_64+avx512f+avx512vl", "x86_64+avx+avx2", "x86_64+sse4.1"))]
-pub fn gradients(leaves: &[[u32; 8]], numbers: &[Numbers], located: &Located, out: [&mut [f32; BATCH]; 4], len: usize) {
+pub fn gradients(polynomials: &[Polynomial], located: &Located, out: [&mut [f32; BATCH]; 4], len: usize) {
     let [value, dx, dy, dz] = out;
     for i in 0..len.min(BATCH) {
-        let corners = corners_of(leaves, numbers, located.leaf[i]);
         let t = [located.t[0][i], located.t[1][i], located.t[2][i]];
-        [value[i], dx[i], dy[i], dz[i]] = gradient_at(&corners, t, located.edge[i]);
+        [value[i], dx[i], dy[i], dz[i]] = polynomials[located.leaf[i] as usize].gradient_at(t);
     }
-}
-
-// The same operations for one point after the other, in plain numbers, so that the compiler can put points side by
-// side. `V4[corner along the axes not yet contracted][number]`.
-
-type Plain = [f32; 8];
-
-#[inline(always)]
-fn plain_pair(low: &Plain, high: &Plain, w: Weights, bit: usize) -> Plain {
-    let mut out = [0.0; 8];
-    for d in 0..8 {
-        let order = usize::from(d & bit != 0);
-        out[d] = low[d] * w[order] + high[d] * w[2 + order];
-    }
-    out
-}
-
-#[inline(always)]
-fn plain_z(c: &[Plain; 8], w: Weights) -> [Plain; 4] {
-    [
-        plain_pair(&c[0], &c[1], w, 1),
-        plain_pair(&c[2], &c[3], w, 1),
-        plain_pair(&c[4], &c[5], w, 1),
-        plain_pair(&c[6], &c[7], w, 1),
-    ]
-}
-
-#[inline(always)]
-fn plain_y(v: &[Plain; 4], w: Weights) -> [Plain; 2] {
-    [plain_pair(&v[0], &v[1], w, 2), plain_pair(&v[2], &v[3], w, 2)]
-}
-
-#[inline(always)]
-fn plain_x(v: &[Plain; 2], w: Weights) -> f32 {
-    let n = plain_pair(&v[0], &v[1], w, 4);
-    let sum = [n[0] + n[4], n[1] + n[5], n[2] + n[6], n[3] + n[7]];
-    (sum[0] + sum[2]) + (sum[1] + sum[3])
-}
-
-fn plain(corners: &[&Numbers; 8]) -> [Plain; 8] {
-    corners.map(|[low, high]| {
-        let ([a, b, c, d], [e, f, g, h]) = (low.to_array(), high.to_array());
-        [a, b, c, d, e, f, g, h]
-    })
 }
 
 /// Values at so many points that all lie in one cell; entries of `out` past them are unspecified.
 #[multiversion(targets("x86_64+avx512f+avx512vl", "x86_64+avx+avx2", "x86_64+sse4.1"))]
-pub fn values_in_cell(corners: &[&Numbers; 8], t: &[[f32; BATCH]; 3], edge: f32, out: &mut [f32; BATCH], len: usize) {
-    let c = plain(corners);
-    let [x, y, z] = t;
-    for i in 0..lanes(len) {
-        let (wx, wy, wz) = (basis(x[i], edge), basis(y[i], edge), basis(z[i], edge));
-        out[i] = plain_x(&plain_y(&plain_z(&c, wz), wy), wx);
+pub fn values_in_cell(polynomial: &Polynomial, t: &[[f32; BATCH]; 3], out: &mut [f32; BATCH], len: usize) {
+    let c = polynomial.coefficients;
+    for n in 0..lanes(len) {
+        let [x, y, z] = [t[0][n], t[1][n], t[2][n]];
+        let by_z = from_fn(|k| cubic(from_fn(|j| cubic(from_fn(|i| c[i][j][k]), x)), y));
+        out[n] = cubic(by_z, z);
     }
 }
 
 /// Values and gradients at so many points that all lie in one cell; entries of `out` past them are unspecified.
 #[multiversion(targets("x86_64+avx512f+avx512vl", "x86_64+avx+avx2", "x86_64+sse4.1"))]
-pub fn gradients_in_cell(
-    corners: &[&Numbers; 8],
-    t: &[[f32; BATCH]; 3],
-    edge: f32,
-    out: [&mut [f32; BATCH]; 4],
-    len: usize,
-) {
-    let inverse_edge = 1.0 / edge;
-    let c = plain(corners);
-    let [x, y, z] = t;
+pub fn gradients_in_cell(polynomial: &Polynomial, t: &[[f32; BATCH]; 3], out: [&mut [f32; BATCH]; 4], len: usize) {
+    let Polynomial { coefficients: c, inverse_edge } = *polynomial;
     let [value, dx, dy, dz] = out;
-    let len = lanes(len);
-    for i in 0..len {
-        let (wx, wy, wz) = (basis(x[i], edge), basis(y[i], edge), basis(z[i], edge));
-        let z0 = plain_z(&c, wz);
-        let y00 = plain_y(&z0, wy);
-        value[i] = plain_x(&y00, wx);
-        dx[i] = plain_x(&y00, basis_slope(x[i], inverse_edge));
-        dy[i] = plain_x(&plain_y(&z0, basis_slope(y[i], inverse_edge)), wx);
-    }
-    for i in 0..len {
-        let z1 = plain_z(&c, basis_slope(z[i], inverse_edge));
-        dz[i] = plain_x(&plain_y(&z1, basis(y[i], edge)), basis(x[i], edge));
+    for n in 0..lanes(len) {
+        let [x, y, z] = [t[0][n], t[1][n], t[2][n]];
+        let (mut values, mut by_x, mut by_y) = ([0.0; 4], [0.0; 4], [0.0; 4]);
+        for k in 0..4 {
+            let (mut along_x, mut slopes) = ([0.0; 4], [0.0; 4]);
+            for j in 0..4 {
+                (along_x[j], slopes[j]) = cubic_and_slope([c[0][j][k], c[1][j][k], c[2][j][k], c[3][j][k]], x);
+            }
+            (values[k], by_y[k]) = cubic_and_slope(along_x, y);
+            by_x[k] = cubic(slopes, y);
+        }
+        let (sum, slope) = cubic_and_slope(values, z);
+        value[n] = sum;
+        dx[n] = cubic(by_x, z) * inverse_edge;
+        dy[n] = cubic(by_y, z) * inverse_edge;
+        dz[n] = slope * inverse_edge;
     }
 }

@@ -26,11 +26,13 @@ mod tree;
 mod tests;
 
 use glam::DVec3;
+use rayon::prelude::*;
 
 use self::beyond::Border;
 pub use self::bounds::Bounded;
+use self::corners::Numbers;
 use self::evaluate::{OctreeEvaluator, Place};
-use self::kernel::Numbers;
+use self::kernel::Polynomial;
 use self::patch::{Jet, Patch};
 use self::samples::Samples;
 use self::tree::Tree;
@@ -181,6 +183,8 @@ pub struct DistanceObject {
     bounds: Vec<bounds::Stored>,
     leaves: Vec<[u32; 8]>,
     numbers: Vec<Numbers>,
+    /// By leaf: what points are evaluated by.
+    polynomials: Vec<Polynomial>,
     parts: Vec<u32>,
     border: Border,
     slope: f64,
@@ -196,7 +200,8 @@ impl DistanceObject {
         let mut tree = Tree::new(1 << depth);
         let memory = |tree: &Tree, samples: &Samples| {
             // Beside the samples: cells while building, and what is kept.
-            let needed = samples.bytes() + tree.cells.len() * (size_of::<tree::Cell>() + 4 + 40 + 3 * 64);
+            let kept = 40 + 3 * 64 + size_of::<Polynomial>();
+            let needed = samples.bytes() + tree.cells.len() * (size_of::<tree::Cell>() + 4 + kept);
             if needed > settings.memory_limit {
                 return Err(BuildError::Memory { needed, limit: settings.memory_limit });
             }
@@ -221,6 +226,10 @@ impl DistanceObject {
         }
         (watch.progress)(MADE);
         let smallest = order.iter().map(|&node| tree.cells[node as usize].size).min().unwrap_or(1);
+        let polynomial = |(leaf, &node): (usize, &u32)| {
+            Polynomial::of(&made.patch(leaf, f64::from(tree.cells[node as usize].size) * settings.smallest_cell))
+        };
+        let polynomials = order.par_iter().enumerate().map(polynomial).collect();
         drop(tree);
         let mut object = Self {
             origin,
@@ -231,6 +240,7 @@ impl DistanceObject {
             bounds: Vec::new(),
             leaves: made.leaves,
             numbers: made.numbers,
+            polynomials,
             parts: made.parts,
             border: Border::default(),
             slope: 0.0,
@@ -289,13 +299,20 @@ impl DistanceObject {
         place.cmpge(DVec3::ZERO).all() && place.cmple(DVec3::splat(f64::from(self.root_size()))).all()
     }
 
-    fn corners_of(&self, leaf: u32) -> [&Numbers; 8] {
-        self.leaves[(self.nodes[leaf as usize] & !LEAF) as usize].map(|corner| &self.numbers[corner as usize])
+    /// The number of a leaf among the leaves.
+    fn leaf(&self, place: Place) -> usize {
+        (self.nodes[place.node as usize] & !LEAF) as usize
     }
 
-    /// The patch of a leaf's node.
+    /// The patch of a leaf.
     fn patch(&self, place: Place) -> Patch {
-        Patch { corners: self.corners_of(place.node).map(corners::jet), edge: f64::from(place.size) * self.step }
+        let corners = self.leaves[self.leaf(place)].map(|corner| corners::jet(&self.numbers[corner as usize]));
+        Patch { corners, edge: f64::from(place.size) * self.step }
+    }
+
+    /// The polynomial of a leaf.
+    fn polynomial(&self, place: Place) -> &Polynomial {
+        &self.polynomials[self.leaf(place)]
     }
 
     /// The leaf that holds a position of the root, and where in it.
@@ -351,7 +368,6 @@ impl DistanceObject {
     }
 
     fn measure(&mut self, samples: &Samples) {
-        use rayon::prelude::*;
         let errors = |(place, sample): &([u32; 3], samples::Sample)| {
             let position = self.origin + DVec3::from(place.map(f64::from)) * self.step;
             let error = (self.jet(position)[0] - sample.value).abs();
@@ -369,6 +385,7 @@ impl DistanceObject {
             + size_of_val(&self.bounds[..])
             + size_of_val(&self.leaves[..])
             + size_of_val(&self.numbers[..])
+            + size_of_val(&self.polynomials[..])
             + size_of_val(&self.parts[..]);
     }
 }

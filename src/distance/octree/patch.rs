@@ -76,19 +76,30 @@ impl Patch {
 
     /// The Bernstein coefficients of the whole cell.
     pub fn bernstein(&self) -> Tensor {
+        let third = self.edge / 3.0;
+        self.changed(|[near, rise, far, fall]| [near, near + third * rise, far - third * fall, far])
+    }
+
+    /// The coefficients of the powers of places in the cell's own \[0, 1\]³.
+    pub fn powers(&self) -> Tensor {
+        self.changed(|[near, rise, far, fall]| {
+            let (rise, fall, step) = (self.edge * rise, self.edge * fall, far - near);
+            [near, rise, 3.0 * step - 2.0 * rise - fall, rise + fall - 2.0 * step]
+        })
+    }
+
+    /// The jets with each line along an axis changed, of value and slope at the near corner, then at the far one.
+    #[inline(always)]
+    fn changed(&self, change: impl Fn([f64; 4]) -> [f64; 4] + Copy) -> Tensor {
         let mut out = [0.0; 64];
         for (corner, jet) in self.corners.iter().enumerate() {
             for (slot, number) in jet.iter().enumerate() {
-                // Along each axis: value and slope at the near corner, then at the far one.
                 let place = |bit: usize| 2 * usize::from(corner & bit != 0) + usize::from(slot & bit != 0);
                 out[place(4) * 16 + place(2) * 4 + place(1)] = *number;
             }
         }
-        let third = self.edge / 3.0;
         for axis in 0..3 {
-            change_lines(&mut out, axis, |[near, rise, far, fall]| {
-                [near, near + third * rise, far - third * fall, far]
-            });
+            change_lines(&mut out, axis, change);
         }
         out
     }
@@ -274,12 +285,17 @@ mod tests {
         let at = |t: [f64; 3]| polynomial(std::array::from_fn(|axis| origin[axis] + t[axis] * edge));
         let corner = |corner: usize| at(std::array::from_fn(|axis| f64::from(corner as u32 >> (2 - axis) & 1)));
         let patch = Patch { corners: std::array::from_fn(corner), edge };
-        let tensor = patch.bernstein();
+        let (tensor, powers) = (patch.bernstein(), patch.powers());
         for t in [[0.1, 0.2, 0.9], [0.5, 0.5, 0.5], [1.0, 0.0, 0.3]] {
             let (got, want) = (patch.jet(t), at(t));
             for slot in 0..8 {
                 assert!((got[slot] - want[slot]).abs() < 1e-11 * (1.0 + want[slot].abs()), "{slot}: {got:?} {want:?}");
             }
+            let term = |i: usize| {
+                powers[i] * t[0].powi(i as i32 >> 4) * t[1].powi(i as i32 >> 2 & 3) * t[2].powi(i as i32 & 3)
+            };
+            let sum: f64 = (0..64).map(term).sum();
+            assert!((sum - want[0]).abs() < 1e-11 * (1.0 + want[0].abs()), "{sum} for {}", want[0]);
             // A coefficient at a corner of a part is the value there.
             let part = restrict(&tensor, t.map(|t| t * 0.5), t.map(|t| 0.5 + t * 0.5));
             let want = at(t.map(|t| t * 0.5))[0];

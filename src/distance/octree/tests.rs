@@ -411,7 +411,7 @@ fn same_bits_on_any_number_of_threads() {
     assert_eq!(one.parts, two.parts);
     assert_eq!(one.slope.to_bits(), two.slope.to_bits());
     let bits = |object: &DistanceObject| -> Vec<u32> {
-        object.numbers.iter().flatten().flat_map(|v| v.to_array()).map(f32::to_bits).collect()
+        object.numbers.iter().flatten().map(|number| number.to_bits()).collect()
     };
     assert_eq!(bits(&one), bits(&two));
 }
