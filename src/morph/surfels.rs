@@ -90,11 +90,12 @@ impl Surfels {
         let (before, after) = self.discs.split_at(middle);
         let mut nearest = f64::INFINITY;
         let mut look = |disc: &Disc| {
-            let near = (disc.point.x - point.x).abs() - self.radius <= nearest;
-            if near {
+            // No disc is nearer than its middle less its radius: few are looked at closely.
+            let reach = nearest + self.radius;
+            if (disc.point - point).length_squared() <= reach * reach {
                 nearest = nearest.min(to_disc(disc, point, self.radius));
             }
-            near
+            (disc.point.x - point.x).abs() <= nearest + self.radius
         };
         before.iter().rev().take_while(|disc| look(disc)).for_each(drop);
         after.iter().take_while(|disc| look(disc)).for_each(drop);
