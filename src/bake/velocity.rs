@@ -4,10 +4,10 @@
 //! each surface point's velocity is carried outward along with the point, as far as it moves in one frame.
 
 use std::cmp::Ordering;
-use std::collections::HashMap;
 
 use glam::{DVec3, IVec3, Vec3};
 use rayon::prelude::*;
+use rustc_hash::FxHashMap;
 
 use crate::distance::band::MeasuredBlock;
 use crate::field::{BATCH, Points};
@@ -92,7 +92,8 @@ type Block = (BlockMask, Box<[[f32; 3]; BLOCK_VOXELS]>);
 pub(super) fn grid(band: &Band, blocks: Vec<BlockVelocities>, movement: &Movement) -> Velocities {
     let held_voxels = blocks.iter().map(|block| block.held).sum();
     let mut front = Vec::new();
-    let mut all: HashMap<IVec3, Block> = HashMap::with_capacity(blocks.len());
+    // Asked, and sorted in the end: its order cannot reach a result.
+    let mut all: FxHashMap<IVec3, Block> = FxHashMap::with_capacity_and_hasher(blocks.len(), Default::default());
     for (i, block) in blocks.into_iter().enumerate() {
         let (origin, active) = (band.origins[i], band.active[i]);
         let middle = Points::middle_of_block(origin, &band.lattice);
@@ -137,7 +138,7 @@ fn outward<'a>(
     carried: Carried,
     band: &'a Band,
     movement: &'a Movement,
-    known: &'a HashMap<IVec3, Block>,
+    known: &'a FxHashMap<IVec3, Block>,
 ) -> impl Iterator<Item = Carried> + 'a {
     let speed = Vec3::from(carried.velocity).as_dvec3().length();
     let reach = speed * movement.frame_seconds;

@@ -4,9 +4,8 @@
 //! [`ROOM`]: negative around all of them, so that nothing of the piece that a voxel could see remains, and far from them
 //! F′ = F to the last bit.
 
-use std::collections::{HashMap, HashSet};
-
 use glam::{DVec3, IVec3};
+use rustc_hash::{FxHashMap, FxHashSet};
 
 use crate::{
     field::{Aabb, BATCH, Evaluator, Field, Gradients, Interval, Points, Slope},
@@ -70,7 +69,7 @@ where
     // A voxel is no farther than the half width from its foot, nor this from the voxels of the piece it is on than `FAR`.
     let rings = ((f64::from(settings.half_width) + FAR) / f64::from(BLOCK_EDGE)).ceil() as i32;
     let near = blocks_around(without.voxels.keys(), rings);
-    let changed: HashSet<IVec3> = blocks.iter().copied().filter(|origin| near.contains(origin)).collect();
+    let changed: FxHashSet<IVec3> = blocks.iter().copied().filter(|origin| near.contains(origin)).collect();
     // The blocks beside those offer their feet.
     let seen = blocks_around(&changed, 1);
     let blocks: Vec<IVec3> = blocks.into_iter().filter(|origin| seen.contains(origin)).collect();
@@ -82,8 +81,8 @@ where
 }
 
 /// The blocks no more than so many blocks away from some.
-fn blocks_around<'a>(blocks: impl IntoIterator<Item = &'a IVec3>, rings: i32) -> HashSet<IVec3> {
-    let mut around = HashSet::new();
+fn blocks_around<'a>(blocks: impl IntoIterator<Item = &'a IVec3>, rings: i32) -> FxHashSet<IVec3> {
+    let mut around = FxHashSet::default();
     for block in blocks {
         let edge = 2 * rings + 1;
         around.extend((0..edge.pow(3)).map(|number| {
@@ -97,7 +96,7 @@ fn blocks_around<'a>(blocks: impl IntoIterator<Item = &'a IVec3>, rings: i32) ->
 impl<T> Measured<T> {
     /// Puts what was measured again of some of the opened blocks in the place of what was known of them, and leaves out
     /// the tiles that are inside no more.
-    fn replace(&mut self, again: Self, blocks: &HashSet<IVec3>, outside: impl Fn(&InsideTile) -> bool) {
+    fn replace(&mut self, again: Self, blocks: &FxHashSet<IVec3>, outside: impl Fn(&InsideTile) -> bool) {
         let changed = |origin: &IVec3| blocks.contains(origin);
         let stays = |origin: &IVec3| !changed(origin) || place_of(&again.band.origins, *origin).is_ok();
         let stays: Vec<bool> = self.band.origins.iter().map(stays).collect();
@@ -131,14 +130,14 @@ fn retain<E>(all: &mut Vec<E>, stays: &[bool]) {
 pub struct Without<'a> {
     field: &'a dyn Field,
     lattice: Lattice,
-    voxels: HashMap<IVec3, BlockMask>,
+    voxels: FxHashMap<IVec3, BlockMask>,
 }
 
 impl<'a> Without<'a> {
     /// Takes the pieces away whose voxels are given block by block; see
     /// [`voxels_of_pieces`](crate::grid::measure::voxels_of_pieces).
     pub fn new(field: &'a dyn Field, lattice: Lattice, voxels: &[(IVec3, BlockMask)]) -> Self {
-        let mut all: HashMap<IVec3, BlockMask> = HashMap::new();
+        let mut all: FxHashMap<IVec3, BlockMask> = FxHashMap::default();
         for (origin, mask) in voxels {
             let known = all.entry(*origin).or_default();
             known.iter_mut().zip(mask).for_each(|(known, word)| *known |= word);
@@ -359,7 +358,7 @@ mod tests {
         assert_eq!((&part.band.origins, &part.band.active), (&whole.band.origins, &whole.band.active));
         assert_eq!(part.visits, part.band.origins);
         assert_eq!(part.band.distances, whole.band.distances);
-        let inside = |band: &Band| band.inside_tiles.iter().flat_map(InsideTile::blocks).collect::<HashSet<IVec3>>();
+        let inside = |band: &Band| band.inside_tiles.iter().flat_map(InsideTile::blocks).collect::<FxHashSet<IVec3>>();
         assert!(inside(&part.band).len() < inside(&all).len());
         assert_eq!(inside(&part.band), inside(&whole.band));
         assert_eq!(part.report.cut_voxels, whole.report.cut_voxels);
