@@ -208,12 +208,12 @@ impl DistanceObject {
             Ok(())
         };
         refine::refine(&mut tree, &mut samples, settings, memory, watch)?;
+        let edge = |cell: &tree::Cell| f64::from(cell.size) * settings.smallest_cell;
         let (mut nodes, mut order) = flatten(&tree);
         let mut made = corners::corners(&tree, &order, &samples, settings.smallest_cell);
         for look in 0..SECOND_LOOKS {
             (watch.progress)(REFINING + (MADE - REFINING) * (look + 1) as f64 / (SECOND_LOOKS + 1) as f64);
-            let patch =
-                |leaf: usize, cell: &tree::Cell| made.patch(leaf, f64::from(cell.size) * settings.smallest_cell);
+            let patch = |leaf: usize, cell: &tree::Cell| made.patch(leaf, edge(cell));
             if !refine::refine_again(&mut tree, &order, patch, &mut samples, settings)? {
                 break;
             }
@@ -226,9 +226,8 @@ impl DistanceObject {
         }
         (watch.progress)(MADE);
         let smallest = order.iter().map(|&node| tree.cells[node as usize].size).min().unwrap_or(1);
-        let polynomial = |(leaf, &node): (usize, &u32)| {
-            Polynomial::of(&made.patch(leaf, f64::from(tree.cells[node as usize].size) * settings.smallest_cell))
-        };
+        let polynomial =
+            |(leaf, &node): (usize, &u32)| Polynomial::of(&made.patch(leaf, edge(&tree.cells[node as usize])));
         let polynomials = order.par_iter().enumerate().map(polynomial).collect();
         drop(tree);
         let mut object = Self {

@@ -220,8 +220,8 @@ pub fn bounds(tensor: &Tensor, slopes: &[Tensor; 3], cell: f64) -> PatchBounds {
     PatchBounds { value: padded(value, size), gradient }
 }
 
-/// What the rounding of slopes is relative to: slopes are differences of values over the cell's edge, so they carry
-/// the values' rounding.
+/// What the rounding of slopes is relative to, at most: as differences of values over the cell's edge they would carry the
+/// values' rounding, of which the powers' coefficients, made in `f64`, carry less.
 fn slope_size(value: f64, cell: f64) -> f64 {
     1.0 + value / cell
 }
