@@ -66,6 +66,26 @@ fn files_of_several_names_stand_side_by_side() {
     assert_eq!(files.stdout, "each.0001.png\neach.0002.png\n");
 }
 
+/// A pattern is the frames that are there, in the order of their numbers, whatever else lies beside them.
+#[test]
+fn a_pattern_is_the_frames_that_are_there() {
+    let place = workplace();
+    place.hfvdb("bake ball.toml --resolution 24 --frames 9,12,24 -o ball.#.vdb").ok();
+    place.write("ball.notes.vdb", "no frame");
+    let shown = |rest: &str| {
+        let told = json(&place.hfvdb(&format!("preview {rest} --size 64 -o sheet.png --json")).ok().stdout);
+        let frames = told["frames"].as_array().expect("frames").clone();
+        frames.iter().map(|frame| frame["frame"].as_i64().expect("a number")).collect::<Vec<_>>()
+    };
+    for pattern in ["ball.#.vdb", "ball.%d.vdb", "ball.$F.vdb"] {
+        assert_eq!(shown(pattern), [9, 12, 24]);
+    }
+    assert_eq!(shown("ball.#.vdb --frames 9-24x15"), [9, 24]);
+    let fails = |arguments: &str, told: &[&str]| place.hfvdb(&format!("preview {arguments} -o no.png")).fails(1, told);
+    fails("ball.#.vdb --frames 10-12", &["ball.#.vdb: no frame 10-11; there is 9,12,24"]);
+    fails("egg.####.vdb", &["egg.####.vdb: there is no frame with such a name"]);
+}
+
 #[test]
 fn layers_go_into_an_exr() {
     let place = workplace();

@@ -1,5 +1,6 @@
 //! `hfvdb preview`: pictures of a scene, a `.vdb` file or a sequence, without any DCC.
 
+mod files;
 mod picture;
 mod source;
 mod target;
@@ -36,9 +37,10 @@ Examples:
   hfvdb preview cubism -o cubism.png --pictures 12   a contact sheet; curves of all 48 frames
   hfvdb preview cubism -o cubism.apng                the morph, moving
   hfvdb preview cubism -o inside.png --slice z=0     colours inside, lines of equal distance
-  hfvdb preview out/cubism.*.vdb -o cubism.apng      files of any maker")]
+  hfvdb preview 'out/cubism.####.vdb' -o cubism.apng files that are there, of any maker
+  hfvdb preview a.vdb b.vdb -o both.png              files of several names, side by side")]
 pub struct Arguments {
-    /// A scene file, the name of a built-in scene, or .vdb files (several are a sequence)
+    /// A scene file, the name of a built-in scene, or .vdb files, by name or frame pattern (several are a sequence)
     #[arg(value_name = "SCENE or FILE.vdb", required = true)]
     inputs: Vec<String>,
 
@@ -46,7 +48,7 @@ pub struct Arguments {
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
 
-    /// Frames of a scene [default: the whole shot]
+    /// Frames of a scene or a frame pattern [default: the whole shot, or all that are there]
     #[arg(long, value_name = "FRAMES", allow_hyphen_values = true)]
     frames: Option<Frames>,
 
@@ -91,7 +93,7 @@ pub fn run(arguments: &Arguments, global: &Global) -> Result<(), Failure> {
     if arguments.slice.is_some() && target.kind == Kind::Exr {
         return Err(Failure::usage("a slice is a .png or an .apng: the layers of an .exr are those of a camera"));
     }
-    let files = arguments.inputs.iter().filter(|input| source::is_vdb(input)).count();
+    let files = arguments.inputs.iter().filter(|input| files::is_vdb(input)).count();
     let interrupt = job::interrupt()?;
     if files == arguments.inputs.len() {
         return source::of_files(arguments, global, |source, progress| {

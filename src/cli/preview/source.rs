@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use glam::{DVec3, IVec3};
 
-use super::Arguments;
+use super::{Arguments, files};
 use crate::attribute::{Colour, LinearRgb};
 use crate::bake::{self, Interrupt};
 use crate::cli::failure::Failure;
@@ -93,21 +93,13 @@ pub fn of_scene(
     show(&Source { name, numbers: numbers.clone(), labels: None, bounds, compute: &compute }, &progress)
 }
 
-/// Whether an input is a file of voxels.
-pub fn is_vdb(input: &str) -> bool {
-    Path::new(input).extension().is_some_and(|end| end.eq_ignore_ascii_case("vdb"))
-}
-
 /// Calls `show` with files of any maker, read one after the other.
 pub fn of_files(
     arguments: &Arguments,
     global: &Global,
     show: impl FnOnce(&Source<'_>, &Progress) -> Result<(), Failure>,
 ) -> Result<(), Failure> {
-    let inputs = &arguments.inputs;
-    if arguments.frames.is_some() {
-        return Err(Failure::usage("--frames picks from a scene; of files, name those to show"));
-    }
+    let inputs = &files::named(&arguments.inputs, arguments.frames.as_ref())?;
     let progress = Progress::new(inputs.len(), global);
     let mut bounds: Option<Aabb> = None;
     if inputs.len() > 1 {

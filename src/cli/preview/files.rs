@@ -1,0 +1,47 @@
+//! The files that a command line names, one by one or by the pattern that they were baked with.
+
+use std::path::Path;
+
+use crate::bake::{FramePattern, Frames, Sequence};
+use crate::cli::failure::Failure;
+
+/// Whether an input is a file of voxels, or a pattern of such files.
+pub fn is_vdb(input: &str) -> bool {
+    Path::new(input).extension().is_some_and(|end| end.eq_ignore_ascii_case("vdb"))
+}
+
+/// The files of all inputs. A frame pattern stands for its frames that are in the folder, by number, or for `frames`.
+pub fn named(inputs: &[String], frames: Option<&Frames>) -> Result<Vec<String>, Failure> {
+    let mut files = Vec::new();
+    for input in inputs {
+        // A file is what its name says, even a name that could be a pattern.
+        let pattern = if Path::new(input).exists() { None } else { Some(FramePattern::new(Path::new(input), "vdb")?) };
+        match pattern.filter(FramePattern::has_token) {
+            Some(pattern) => files.extend(of_pattern(&Sequence { pattern }, frames)?),
+            None if frames.is_some() => {
+                let problem = "--frames picks from a scene or a frame pattern; of files, name those to show";
+                return Err(Failure::usage(format!("{input}: {problem}")));
+            }
+            None => files.push(input.clone()),
+        }
+    }
+    Ok(files)
+}
+
+fn of_pattern(sequence: &Sequence, frames: Option<&Frames>) -> Result<Vec<String>, Failure> {
+    let pattern = &sequence.pattern;
+    let mut numbers: Vec<i64> = sequence.names()?.iter().filter_map(|name| pattern.frame_of(name)).collect();
+    numbers.sort_unstable();
+    if numbers.is_empty() {
+        return Err(Failure::work(format!("{}: there is no frame with such a name", sequence.display())));
+    }
+    if let Some(frames) = frames {
+        let missing = frames.numbers().iter().copied().filter(|frame| numbers.binary_search(frame).is_err());
+        if let Some(missing) = Frames::of_numbers(missing) {
+            let there = Frames::of_numbers(numbers).map(|there| there.to_string()).unwrap_or_default();
+            return Err(Failure::work(format!("{}: no frame {missing}; there is {there}", sequence.display())));
+        }
+        numbers = frames.numbers().to_vec();
+    }
+    Ok(numbers.into_iter().map(|number| pattern.file(number).display().to_string()).collect())
+}
