@@ -19,15 +19,14 @@ pub fn pack(flags: &[u8; BLOCK_VOXELS]) -> BlockMask {
 /// Packs so many flags and those up to the next multiple of 64; the others count as 0.
 #[inline(always)]
 pub fn pack_first(flags: &[u8; BLOCK_VOXELS], count: usize) -> BlockMask {
-    let mut mask = [0; 8];
-    for (word, flags) in mask.iter_mut().zip(flags.as_chunks::<64>().0).take(count.div_ceil(64)) {
-        for (row, flags) in flags.as_chunks::<8>().0.iter().enumerate() {
-            // Flag j, at bit 8j, goes to bit 56 + j by the factor's bit 7(8 − j).
-            let bits = u64::from_le_bytes(*flags).wrapping_mul(0x0102_0408_1020_4080) >> 56;
-            *word |= bits << (8 * row);
-        }
+    // Row by row into bytes side by side: word by word the compiler gathers.
+    let mut bytes = [0; BLOCK_VOXELS / 8];
+    for (byte, flags) in bytes.iter_mut().zip(flags.as_chunks::<8>().0).take(count.next_multiple_of(64) / 8) {
+        // Flag j, at bit 8j, goes to bit 56 + j by the factor's bit 7(8 − j).
+        *byte = (u64::from_le_bytes(*flags).wrapping_mul(0x0102_0408_1020_4080) >> 56) as u8;
     }
-    mask
+    let (words, _) = bytes.as_chunks::<8>();
+    std::array::from_fn(|x| u64::from_le_bytes(words[x]))
 }
 
 /// The flagged voxels with their 26 neighbours in the block.

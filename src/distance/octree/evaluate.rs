@@ -60,7 +60,13 @@ pub(super) struct OctreeEvaluator<'a> {
 
 impl<'a> OctreeEvaluator<'a> {
     pub(super) fn new(object: &'a DistanceObject) -> Self {
-        let located = Located { at: [[0.0; BATCH]; 3], cell: [[0; BATCH]; 3], t: [[0.0; BATCH]; 3], leaf: [0; BATCH] };
+        let located = Located {
+            at: [[0.0; BATCH]; 3],
+            cell: [[0; BATCH]; 3],
+            t: [[0.0; BATCH]; 3],
+            leaf: [0; BATCH],
+            inverse_edge: [0.0; BATCH],
+        };
         Self { object, regions: Vec::new(), located: Box::new(located) }
     }
 
@@ -100,8 +106,8 @@ impl<'a> OctreeEvaluator<'a> {
     }
 
     fn place_each(&mut self, len: usize, start: Place) {
-        let nodes = &self.object.nodes;
-        let Located { at, cell, t, leaf } = &mut *self.located;
+        let DistanceObject { nodes, inverse_step, .. } = self.object;
+        let Located { at, cell, t, leaf, inverse_edge } = &mut *self.located;
         let top = start.size.trailing_zeros() as usize;
         // The nodes around the cell before, by how often their edge doubles that of a smallest cell.
         let mut path = [start.node; i32::BITS as usize];
@@ -132,6 +138,7 @@ impl<'a> OctreeEvaluator<'a> {
                 t[axis][i] = ((at[axis][i] - origin[axis]) * scale) as f32;
             }
             leaf[i] = this_leaf;
+            inverse_edge[i] = (scale * inverse_step) as f32;
         }
     }
 }
@@ -183,7 +190,8 @@ impl Evaluator for OctreeEvaluator<'_> {
         match cell {
             Some(place) => {
                 let Gradients { value, dx, dy, dz } = out;
-                kernel::gradients_in_cell(object.polynomial(place), &located.t, [value, dx, dy, dz], len);
+                let inverse_edge = (object.inverse_step / f64::from(place.size)) as f32;
+                kernel::gradients_in_cell(object.polynomial(place), inverse_edge, &located.t, [value, dx, dy, dz], len);
             }
             None => {
                 let Gradients { value, dx, dy, dz } = out;

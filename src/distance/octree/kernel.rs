@@ -13,14 +13,14 @@ use multiversion::multiversion;
 use super::patch::Patch;
 use crate::field::{BATCH, Points};
 
-/// A cell's polynomial over its \[0, 1\]³.
+/// A cell's polynomial over its \[0, 1\]³: by the powers of x and of y the coefficients of 1, z, z² and z³. It fills four
+/// lines of a cache.
 #[derive(Clone, Copy, Debug)]
-pub struct Polynomial {
-    /// By the powers of x and of y: the coefficients of 1, z, z² and z³.
-    coefficients: [[[f32; 4]; 4]; 4],
-    /// One over the cell's edge, in world units.
-    inverse_edge: f32,
-}
+#[repr(align(64))]
+pub struct Polynomial([[[f32; 4]; 4]; 4]);
+
+/// What is left of each polynomial once x is given: by the power of y the coefficients of 1, z, z² and z³.
+type AlongX = [f32; 16];
 
 impl Polynomial {
     /// That of a patch.
@@ -29,26 +29,48 @@ impl Polynomial {
         for (to, from) in coefficients.as_flattened_mut().as_flattened_mut().iter_mut().zip(patch.powers()) {
             *to = from as f32;
         }
-        Self { coefficients, inverse_edge: (1.0 / patch.edge) as f32 }
+        Self(coefficients)
     }
 
+    /// What x leaves of it.
     #[inline(always)]
-    fn value_at(&self, [x, y, z]: [f32; 3]) -> f32 {
-        let by_y = from_fn(|j| cubic(from_fn(|i| Vec4::from_array(self.coefficients[i][j])), x));
-        cubic(cubic(by_y, y).to_array(), z)
+    fn along_x(&self, x: f32, out: &mut AlongX) {
+        let [a, b, c, d] = self.0.each_ref().map(|by_y| by_y.as_flattened());
+        for n in 0..16 {
+            out[n] = cubic([a[n], b[n], c[n], d[n]], x);
+        }
     }
 
-    /// F, ∂x, ∂y, ∂z.
+    /// The same, and its slopes.
     #[inline(always)]
-    fn gradient_at(&self, [x, y, z]: [f32; 3]) -> [f32; 4] {
-        let by_y: [_; 4] = from_fn(|j| cubic_and_slope(from_fn(|i| Vec4::from_array(self.coefficients[i][j])), x));
-        let (value, dy) = cubic_and_slope(by_y.map(|(value, _)| value), y);
-        let dx = cubic(by_y.map(|(_, slope)| slope), y);
-        // F, ∂x and ∂y side by side, by the powers of z.
-        let by_z = Mat4::from_cols(value, dx, dy, Vec4::ZERO).transpose();
-        let (sums, slopes) = cubic_and_slope([by_z.x_axis, by_z.y_axis, by_z.z_axis, by_z.w_axis], z);
-        [sums.x, sums.y * self.inverse_edge, sums.z * self.inverse_edge, slopes.x * self.inverse_edge]
+    fn along_x_and_slopes(&self, x: f32, [values, slopes]: &mut [AlongX; 2]) {
+        let [a, b, c, d] = self.0.each_ref().map(|by_y| by_y.as_flattened());
+        for n in 0..16 {
+            (values[n], slopes[n]) = cubic_and_slope([a[n], b[n], c[n], d[n]], x);
+        }
     }
+}
+
+#[inline(always)]
+fn by_y(along_x: &AlongX) -> [Vec4; 4] {
+    from_fn(|j| Vec4::from_slice(&along_x[4 * j..]))
+}
+
+/// F.
+#[inline(always)]
+fn value_at(along_x: &AlongX, [y, z]: [f32; 2]) -> f32 {
+    cubic(cubic(by_y(along_x), y).to_array(), z)
+}
+
+/// F, ∂x, ∂y, ∂z, the derivatives by places in the cell.
+#[inline(always)]
+fn gradient_at([values, slopes]: &[AlongX; 2], [y, z]: [f32; 2]) -> [f32; 4] {
+    let (value, dy) = cubic_and_slope(by_y(values), y);
+    let dx = cubic(by_y(slopes), y);
+    // F, ∂x and ∂y side by side, by the powers of z.
+    let by_z = Mat4::from_cols(value, dx, dy, Vec4::ZERO).transpose();
+    let (sums, slopes) = cubic_and_slope([by_z.x_axis, by_z.y_axis, by_z.z_axis, by_z.w_axis], z);
+    [sums.x, sums.y, sums.z, slopes.x]
 }
 
 /// a + t(b + t(c + t·d)), of numbers or of several side by side.
@@ -66,6 +88,9 @@ fn cubic_and_slope<T: Copy + Add<Output = T> + Mul<f32, Output = T>>([a, b, c, d
     (a + first * t, first + (last + highest) * t)
 }
 
+/// Points whose polynomials are worked out together.
+const AT_A_TIME: usize = 16;
+
 /// A batch of points in cells.
 pub struct Located {
     /// Positions on the lattice of smallest cells, by axis, brought into the root.
@@ -76,6 +101,8 @@ pub struct Located {
     pub t: [[f32; BATCH]; 3],
     /// The leaf.
     pub leaf: [u32; BATCH],
+    /// One over the leaf's edge, in world units.
+    pub inverse_edge: [f32; BATCH],
 }
 
 /// Where a batch lies: the least and greatest smallest cell by axis, and whether some points are out of the root.
@@ -87,6 +114,10 @@ pub struct Extent {
     /// Whether a point is out of the root.
     pub outside: bool,
 }
+
+/// 2⁵²: added to a whole number from 0 on, it leaves that number in the last bits. (A cast to an integer, which has to
+/// look after what is no number, is one for each lane.)
+const WHOLE: f64 = (1_u64 << 52) as f64;
 
 /// Works out `at` and `cell`: `base + offset·inverse` along each axis, in a root of `size` smallest cells.
 #[multiversion(targets("x86_64+avx512f+avx512vl", "x86_64+avx+avx2", "x86_64+sse4.1"))]
@@ -104,7 +135,7 @@ pub fn place(points: &Points, base: [f64; 3], inverse: f64, size: i32, located: 
             let place = if place < top { place } else { top };
             outside |= i32::from(place != wanted);
             *at = place;
-            *cell = (place as i32).min(size - 1);
+            *cell = ((place.floor() + WHOLE).to_bits() as i32).min(size - 1);
             low = low.min(*cell);
             high = high.max(*cell);
         }
@@ -132,12 +163,22 @@ pub fn place_in_cell(located: &mut Located, origin: [i32; 3], size: i32, len: us
     }
 }
 
+// At points in any cells, the steps along x of some come first, then the rest of theirs: kept in memory between, the
+// compiler takes all sixteen numbers of a step side by side.
+
 /// Values at points in any cells, as many as `out` holds.
-#[multiversion(targets("x86_64+avx+avx2", "x86_64+sse4.1"))]
+#[multiversion(targets("x86_64+avx512f+avx512vl", "x86_64+avx+avx2", "x86_64+sse4.1"))]
 pub fn values(polynomials: &[Polynomial], located: &Located, out: &mut [f32]) {
-    for (i, out) in out.iter_mut().enumerate().take(BATCH) {
-        let t = [located.t[0][i], located.t[1][i], located.t[2][i]];
-        *out = polynomials[located.leaf[i] as usize].value_at(t);
+    let len = out.len().min(BATCH);
+    let mut along_x = [[0.0; 16]; AT_A_TIME];
+    for first in (0..len).step_by(AT_A_TIME) {
+        let points = first..len.min(first + AT_A_TIME);
+        for (i, along_x) in points.clone().zip(&mut along_x) {
+            polynomials[located.leaf[i] as usize].along_x(located.t[0][i], along_x);
+        }
+        for (i, along_x) in points.zip(&along_x) {
+            out[i] = value_at(along_x, [located.t[1][i], located.t[2][i]]);
+        }
     }
 }
 
@@ -145,16 +186,25 @@ pub fn values(polynomials: &[Polynomial], located: &Located, out: &mut [f32]) {
 #[multiversion(targets("x86_64+avx512f+avx512vl", "x86_64+avx+avx2", "x86_64+sse4.1"))]
 pub fn gradients(polynomials: &[Polynomial], located: &Located, out: [&mut [f32; BATCH]; 4], len: usize) {
     let [value, dx, dy, dz] = out;
-    for i in 0..len.min(BATCH) {
-        let t = [located.t[0][i], located.t[1][i], located.t[2][i]];
-        [value[i], dx[i], dy[i], dz[i]] = polynomials[located.leaf[i] as usize].gradient_at(t);
+    let len = len.min(BATCH);
+    let mut along_x = [[[0.0; 16]; 2]; AT_A_TIME];
+    for first in (0..len).step_by(AT_A_TIME) {
+        let points = first..len.min(first + AT_A_TIME);
+        for (i, along_x) in points.clone().zip(&mut along_x) {
+            polynomials[located.leaf[i] as usize].along_x_and_slopes(located.t[0][i], along_x);
+        }
+        for (i, along_x) in points.zip(&along_x) {
+            let inverse_edge = located.inverse_edge[i];
+            let [f, by_x, by_y, by_z] = gradient_at(along_x, [located.t[1][i], located.t[2][i]]);
+            (value[i], dx[i], dy[i], dz[i]) = (f, by_x * inverse_edge, by_y * inverse_edge, by_z * inverse_edge);
+        }
     }
 }
 
 /// Values at so many points that all lie in one cell; entries of `out` past them are unspecified.
 #[multiversion(targets("x86_64+avx512f+avx512vl", "x86_64+avx+avx2", "x86_64+sse4.1"))]
 pub fn values_in_cell(polynomial: &Polynomial, t: &[[f32; BATCH]; 3], out: &mut [f32; BATCH], len: usize) {
-    let c = polynomial.coefficients;
+    let Polynomial(c) = polynomial;
     for n in 0..lanes(len) {
         let [x, y, z] = [t[0][n], t[1][n], t[2][n]];
         let by_z = from_fn(|k| cubic(from_fn(|j| cubic(from_fn(|i| c[i][j][k]), x)), y));
@@ -162,10 +212,17 @@ pub fn values_in_cell(polynomial: &Polynomial, t: &[[f32; BATCH]; 3], out: &mut 
     }
 }
 
-/// Values and gradients at so many points that all lie in one cell; entries of `out` past them are unspecified.
+/// Values and gradients at so many points that all lie in one cell, of an edge of 1/`inverse_edge` world units; entries of
+/// `out` past them are unspecified.
 #[multiversion(targets("x86_64+avx512f+avx512vl", "x86_64+avx+avx2", "x86_64+sse4.1"))]
-pub fn gradients_in_cell(polynomial: &Polynomial, t: &[[f32; BATCH]; 3], out: [&mut [f32; BATCH]; 4], len: usize) {
-    let Polynomial { coefficients: c, inverse_edge } = *polynomial;
+pub fn gradients_in_cell(
+    polynomial: &Polynomial,
+    inverse_edge: f32,
+    t: &[[f32; BATCH]; 3],
+    out: [&mut [f32; BATCH]; 4],
+    len: usize,
+) {
+    let Polynomial(c) = polynomial;
     let [value, dx, dy, dz] = out;
     for n in 0..lanes(len) {
         let [x, y, z] = [t[0][n], t[1][n], t[2][n]];

@@ -78,16 +78,21 @@ pub(super) fn near(at: &Gradients, len: usize, far: f32) -> BlockMask {
 pub(super) fn near_in_block(at: &Gradients, far: f32, farthest: f32) -> BlockMask {
     // Lane by lane: one number for all would be waited for at each step.
     let mut steepest: Wide = [0.0; WIDTH];
+    let mut squares = [0.0; BATCH];
     for first in (0..BATCH).step_by(WIDTH) {
+        let [dx, dy, dz]: [Wide; 3] = load_each([&at.dx, &at.dy, &at.dz], first);
+        let mut square: Wide = [0.0; WIDTH];
         for l in 0..WIDTH {
-            steepest[l] = steepest[l].max(slope_squared(at, first + l));
+            square[l] = dot([dx[l], dy[l], dz[l]], [dx[l], dy[l], dz[l]]);
+            steepest[l] = steepest[l].max(square[l]);
         }
+        store(square, &mut squares, first);
     }
     let steepest = steepest.into_iter().fold(0.0, f32::max);
     let mut near = [0; BATCH];
     for i in 0..BATCH {
         let value = at.value[i];
-        let is_far = is_farther(value, slope_squared(at, i), far) | is_farther(value, steepest, farthest);
+        let is_far = is_farther(value, squares[i], far) | is_farther(value, steepest, farthest);
         near[i] = u8::from(!is_far);
     }
     mask::pack(&near)
