@@ -21,8 +21,8 @@ use pass::Pass;
 
 /// Blocks that improve each other at once; their feet wait in memory, 11 KiB each, and twice as many: those being
 /// finished and those of the next chunk. At the end of each chunk threads wait for the last of it: fewer blocks wait
-/// more often, more want more memory.
-pub(super) const CHUNK: usize = 1024;
+/// more often, more no longer stay in the caches until they are finished.
+pub(super) const CHUNK: usize = 256;
 
 /// What to measure.
 #[derive(Clone, Copy)]

@@ -32,7 +32,7 @@ use crate::distance::{
 const ROUNDS: usize = 4;
 
 /// How many threads measuring one chunk keeps busy.
-const THREADS_OF_CHUNK: usize = 8;
+const THREADS_OF_CHUNK: usize = 2;
 
 /// What became of a block.
 enum Outcome<T> {
