@@ -96,7 +96,7 @@ def read(logs):
             if kind == "ROW":
                 key = tuple(fields[:4])
                 rows.setdefault(key, (line.partition(" goal ")[2], []))[1].append(float(fields[4]))
-            elif kind in ("STAGE", "GROWTH", "EXPONENT", "PROGRAM"):
+            elif kind in ("STAGE", "GROWTH", "EXPONENT", "PROGRAM", "MEMORY"):
                 others[kind].append(fields)
     return rows, others
 
@@ -160,6 +160,11 @@ def program(lines):
     return table(["command", "time", "processor time", "peak memory", "goal"], rows)
 
 
+def memory(lines):
+    head = ["command, MiB in each tenth of its time", *(f"{tenth}" for tenth in range(1, 11))]
+    return table(head, [[PROGRAM[name][0], *(f"{int(most) / 2**20:.0f}" for most in tenths)] for name, *tenths in lines])
+
+
 def main():
     rows, others = read(sys.argv[1:])
     if not rows:
@@ -173,6 +178,7 @@ def main():
         "stages": stages(others["STAGE"]) if others["STAGE"] else MISSING,
         "growth": growth(others["GROWTH"], others["EXPONENT"]) if others["GROWTH"] else MISSING,
         "program": program(others["PROGRAM"]) if others["PROGRAM"] else MISSING,
+        "memory": memory(others["MEMORY"]) if others["MEMORY"] else MISSING,
     }
     for name, text in parts.items():
         page = page.replace("{" + name + "}", text)

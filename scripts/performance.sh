@@ -11,18 +11,29 @@ readonly logs=target/performance
 readonly runs=3
 readonly benches=(band evaluate leaves sparse redistance handover frames morphing stages)
 
-# program NAME GOAL... -- ARGUMENTS...: one line with seconds by the clock, of the processor, and peak memory in bytes.
+# program NAME ARGUMENTS...: a line with seconds by the clock, of the processor, and peak memory in bytes; and a line with
+# the most memory in use in each tenth of the time.
 program() {
     python3 -c '
 import os, subprocess, sys, time
 name, *command = sys.argv[1:]
+page = os.sysconf("SC_PAGE_SIZE")
 start = time.monotonic()
 process = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-_, status, used = os.wait4(process.pid, 0)
+samples = []
+while True:
+    done, status, used = os.wait4(process.pid, os.WNOHANG)
+    if done:
+        break
+    with open(f"/proc/{process.pid}/statm") as statm:
+        samples.append((time.monotonic() - start, int(statm.read().split()[1]) * page))
+    time.sleep(0.05)
 if status != 0:
     sys.exit(f"performance: {command} failed")
 seconds = time.monotonic() - start
 print("PROGRAM", name, f"{seconds:.1f} {used.ru_utime + used.ru_stime:.1f} {used.ru_maxrss * 1024}")
+tenths = [[memory for at, memory in samples if tenth <= 10 * at / seconds < tenth + 1] for tenth in range(10)]
+print("MEMORY", name, *(max(tenth) for tenth in tenths))
 ' "$@"
 }
 
