@@ -18,8 +18,12 @@ use crate::{
     field::Field,
 };
 
-/// Edge in voxels of the nodes whose blocks one task measures, cut from one shortened tape.
+/// Edge in voxels of the nodes whose blocks are measured with one shortened tape.
 const TASK_EDGE: i32 = 32;
+
+/// Blocks of a node that one thread measures before another may take the next. At the end of a chunk threads wait for
+/// the last such; tapes are shortened anew by the threads that take them.
+const BLOCKS_OF_TASK: usize = 4;
 
 /// Blocks that were measured, not yet improved by their neighbours.
 #[derive(Default)]
@@ -71,7 +75,8 @@ impl<'a> Measuring<'a> {
         staged.resize_with(blocks.len(), Staged::new);
         let mut tasks = Vec::new();
         let mut rest = &mut staged[..];
-        for task in order.chunk_by(|&a, &b| task_node(blocks[a]) == task_node(blocks[b])) {
+        let nodes = order.chunk_by(|&a, &b| task_node(blocks[a]) == task_node(blocks[b]));
+        for task in nodes.flat_map(|node| node.chunks(BLOCKS_OF_TASK)) {
             let (of_task, after) = std::mem::take(&mut rest).split_at_mut(task.len());
             rest = after;
             tasks.push((task, of_task));

@@ -7,7 +7,8 @@ use std::{
 
 /// Values that are costly to make, and to move; as many as were ever in use at once.
 pub struct Pool<T> {
-    free: Mutex<Vec<Box<T>>>,
+    /// Each with the thread that had it last.
+    free: Mutex<Vec<(Option<usize>, Box<T>)>>,
 }
 
 impl<T> Pool<T> {
@@ -15,10 +16,14 @@ impl<T> Pool<T> {
         Self { free: Mutex::new(Vec::new()) }
     }
 
-    /// One that is free, or a new one. It comes back when dropped.
+    /// One that is free, if there is the one that this thread had last, or a new one. It comes back when dropped.
     pub fn take(&self, make: impl FnOnce() -> T) -> Taken<'_, T> {
-        let free = self.free.lock().unwrap_or_else(PoisonError::into_inner).pop();
-        Taken { value: Some(free.unwrap_or_else(|| Box::new(make()))), pool: self }
+        let thread = rayon::current_thread_index();
+        let mut free = self.free.lock().unwrap_or_else(PoisonError::into_inner);
+        let own = free.iter().rposition(|(last, _)| *last == thread).or(free.len().checked_sub(1));
+        let kept = own.map(|place| free.swap_remove(place).1);
+        drop(free);
+        Taken { value: Some(kept.unwrap_or_else(|| Box::new(make()))), pool: self }
     }
 }
 
@@ -45,6 +50,7 @@ impl<T> DerefMut for Taken<'_, T> {
 
 impl<T> Drop for Taken<'_, T> {
     fn drop(&mut self) {
-        self.pool.free.lock().unwrap_or_else(PoisonError::into_inner).extend(self.value.take());
+        let given_back = self.value.take().map(|value| (rayon::current_thread_index(), value));
+        self.pool.free.lock().unwrap_or_else(PoisonError::into_inner).extend(given_back);
     }
 }
