@@ -15,6 +15,7 @@
 //!
 //! No field, no scene and no picture is known here.
 
+mod blosc;
 mod bridge;
 mod clients;
 mod encode;

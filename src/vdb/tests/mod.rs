@@ -2,6 +2,6 @@
 
 mod lint;
 mod read;
-mod support;
+pub(super) mod support;
 mod walk;
 mod write;
