@@ -22,6 +22,12 @@ use super::{
     staged::{ROOM, Staged},
 };
 
+/// Edges in voxels of the nodes whose tapes are shortened on the way to a block's, each from the one before. The
+/// last are those whose blocks are measured one after the other.
+const NODE_EDGES: [i32; 2] = [128, TASK_EDGE];
+/// See [`NODE_EDGES`].
+pub const TASK_EDGE: i32 = 32;
+
 /// Measures blocks on one thread.
 pub struct Meter<'a> {
     evaluator: Box<dyn Evaluator + 'a>,
@@ -29,7 +35,8 @@ pub struct Meter<'a> {
     scope: Scope,
     background: f32,
     region: Aabb,
-    entered: Option<IVec3>,
+    /// The nodes around the block measured next: as many of [`NODE_EDGES`] as are entered.
+    entered: Vec<IVec3>,
     polisher: Polisher,
     around: Around,
     open: Vec<Approach>,
@@ -54,7 +61,7 @@ impl<'a> Meter<'a> {
             scope: *scope,
             background: scope.background(),
             region: Aabb::new(DVec3::ZERO, DVec3::ZERO),
-            entered: None,
+            entered: Vec::with_capacity(NODE_EDGES.len()),
             polisher: Polisher::new(),
             around: Around::new(),
             open: Vec::new(),
@@ -70,19 +77,17 @@ impl<'a> Meter<'a> {
         }
     }
 
-    /// Enters a node that holds the blocks measured next, so that their tapes are cut from its shorter one.
-    pub fn enter_node(&mut self, node: IVec3, edge: i32) {
-        if self.entered == Some(node) {
-            return;
-        }
-        self.leave_node();
-        self.evaluator.enter(&self.scope.centres(node, edge, f64::from(self.scope.half_width) + ROOM));
-        self.entered = Some(node);
-    }
-
-    fn leave_node(&mut self) {
-        if self.entered.take().is_some() {
+    /// Enters the nodes that hold a block, so that its tape is cut from their shorter ones. Those that held the block
+    /// before stay.
+    pub fn enter_nodes(&mut self, block: IVec3) {
+        let nodes = NODE_EDGES.map(|edge| (edge, block & IVec3::splat(!(edge - 1))));
+        let same = self.entered.iter().zip(&nodes).take_while(|(entered, (_, node))| *entered == node).count();
+        for _ in self.entered.drain(same..) {
             self.evaluator.leave();
+        }
+        for (edge, node) in nodes.into_iter().skip(same) {
+            self.evaluator.enter(&self.scope.centres(node, edge, f64::from(self.scope.half_width) + ROOM));
+            self.entered.push(node);
         }
     }
 

@@ -87,12 +87,14 @@ fn encode_leaves(
     let encoded: Vec<EncodedLeaves> = starts
         .into_par_iter()
         .map_init(Run::default, |run, start| {
-            run.clear();
-            (start..blocks.min(start + LEAVES_A_PIECE)).try_for_each(|block| run.push(grid, block))?;
+            let mut leaves = start..blocks.min(start + LEAVES_A_PIECE);
             if ours {
-                return Ok(run.encode());
+                leaves.try_for_each(|block| run.compress(grid, block))?;
+                return Ok(run.take());
             }
-            run.encode_by_library(topology, writer).map_err(|error| Error::grid(grid.name, error.what()))
+            leaves.try_for_each(|block| run.gather(grid, block))?;
+            run.compress_gathered(topology, writer).map_err(|error| Error::grid(grid.name, error.what()))?;
+            Ok(run.take())
         })
         .collect::<Result<_, Error>>()?;
     let mut all = EncodedLeaves::default();
@@ -104,111 +106,142 @@ fn encode_leaves(
     Ok(all)
 }
 
-/// A run of leaves on its way into the compressor.
+/// A run of leaves on its way into one piece.
 #[derive(Default)]
 struct Run {
     masks: Vec<i8>,
+    sizes: Vec<i64>,
+    /// The piece, and where it ends.
+    target: Vec<u8>,
+    end: usize,
+    leaf: Leaf,
+    compressor: blosc::Compressor,
+    gathered: Gathered,
+}
+
+/// What a leaf takes in a file, before its values are compressed.
+#[derive(Default)]
+struct Leaf {
+    /// All that stands before the values.
+    head: Vec<u8>,
+    /// The values, where they are not those of the grid as they are.
+    values: Vec<f32>,
+}
+
+/// Leaves for OpenVDB to compress.
+#[derive(Default)]
+struct Gathered {
     heads: Vec<u8>,
     head_ends: Vec<usize>,
     values: Vec<f32>,
     value_ends: Vec<usize>,
-    target: Vec<u8>,
-    compressor: blosc::Compressor,
 }
 
 impl Run {
+    /// Adds a leaf, its values compressed by Blosc's rules.
+    fn compress(&mut self, grid: &Grid<'_>, block: usize) -> Result<(), Error> {
+        let (flag, head, values) = self.leaf.fill(grid, block)?;
+        let start = self.end + head.len();
+        self.end = add(head, values, &mut self.compressor, &mut self.target, self.end);
+        self.masks.push(flag);
+        self.sizes.push((self.end - start) as i64);
+        Ok(())
+    }
+
+    /// Adds a leaf that is yet to be compressed.
+    fn gather(&mut self, grid: &Grid<'_>, block: usize) -> Result<(), Error> {
+        let (flag, head, values) = self.leaf.fill(grid, block)?;
+        self.gathered.push(head, values);
+        self.masks.push(flag);
+        Ok(())
+    }
+
+    /// Compresses what was gathered in any way that OpenVDB knows.
+    fn compress_gathered(&mut self, grid: &ffi::Grid, writer: &ffi::Writer) -> Result<(), cxx::Exception> {
+        let Gathered { heads, head_ends, values, value_ends } = &self.gathered;
+        make_room(&mut self.target, head_ends.len() * LEAF_OVERHEAD + size_of_val(values.as_slice()));
+        self.sizes.resize(head_ends.len(), 0);
+        let leaves = ffi::Leaves { heads, head_ends, values, value_ends };
+        self.end = writer.leaves(grid, &leaves, &mut self.sizes, &mut self.target)?;
+        self.gathered.clear();
+        Ok(())
+    }
+
+    /// The leaves, which leaves the run empty.
+    fn take(&mut self) -> EncodedLeaves {
+        let piece = self.target[..std::mem::take(&mut self.end)].to_vec();
+        let (masks, sizes) = (std::mem::take(&mut self.masks), std::mem::take(&mut self.sizes));
+        EncodedLeaves { pieces: vec![piece], masks, sizes }
+    }
+}
+
+fn make_room(target: &mut Vec<u8>, bytes: usize) {
+    if target.len() < bytes {
+        target.resize(bytes, 0);
+    }
+}
+
+/// Adds a leaf to a piece that ends there; returns where it ends then.
+fn add(head: &[u8], values: &[f32], compressor: &mut blosc::Compressor, target: &mut Vec<u8>, end: usize) -> usize {
+    let start = end + head.len();
+    make_room(target, start + blosc::most_bytes(values.len()));
+    target[end..start].copy_from_slice(head);
+    start + compressor.compress(values, &mut target[start..])
+}
+
+impl Gathered {
+    fn push(&mut self, head: &[u8], values: &[f32]) {
+        self.heads.extend_from_slice(head);
+        self.head_ends.push(self.heads.len());
+        self.values.extend_from_slice(values);
+        self.value_ends.push(self.values.len());
+    }
+
     fn clear(&mut self) {
-        self.masks.clear();
         self.heads.clear();
         self.head_ends.clear();
         self.values.clear();
         self.value_ends.clear();
     }
+}
 
-    /// Takes a block in, and checks its values.
-    fn push(&mut self, grid: &Grid<'_>, block: usize) -> Result<(), Error> {
-        let active = &grid.blocks().active[block];
-        self.heads.extend(active.iter().flat_map(|word| word.to_le_bytes()));
-        let start = self.values.len();
-        let (components, flag) = match &grid.content {
-            Content::LevelSet(band) => (1, self.push_distances(band, block)),
-            Content::Floats { values, .. } => {
-                self.values.extend_from_slice(&values.channel.values[block]);
-                (1, BACKGROUND)
+impl Leaf {
+    /// Takes a block in and checks its values: how it keeps its inactive ones, what stands before the others, and these.
+    fn fill<'a>(&'a mut self, grid: &'a Grid<'_>, block: usize) -> Result<(i8, &'a [u8], &'a [f32]), Error> {
+        let Self { head, values: own } = self;
+        head.clear();
+        head.extend(grid.blocks().active[block].iter().flat_map(|word| word.to_le_bytes()));
+        let (components, flag, values): (_, _, &[f32]) = match &grid.content {
+            Content::LevelSet(band) => {
+                own.clear();
+                (1, push_distances(band, block, head, own), own)
             }
-            Content::Vectors { values, .. } => {
-                self.values.extend_from_slice(values.channel.values[block].as_flattened());
-                (3, BACKGROUND)
-            }
+            Content::Floats { values, .. } => (1, BACKGROUND, &values.channel.values[block]),
+            Content::Vectors { values, .. } => (3, BACKGROUND, values.channel.values[block].as_flattened()),
         };
-        self.masks.push(flag);
         if flag != BOTH {
-            self.heads.push(flag as u8);
+            head.push(flag as u8);
         }
-        self.head_ends.push(self.heads.len());
-        self.value_ends.push(self.values.len());
-        check_values(grid, block, &self.values[start..], components)
+        check_values(grid, block, values, components)?;
+        Ok((flag, head, values))
     }
+}
 
-    /// A level set's values, negative inside: **the one place where the sign flips on the way out**.
-    fn push_distances(&mut self, band: &Band, block: usize) -> i8 {
-        let (active, distances) = (&band.active[block], &band.distances[block]);
-        let (values, inside) = flipped(distances, band.background());
-        push_active(&values, active, &mut self.values);
-        let outside: BlockMask = std::array::from_fn(|word| !inside[word] & !active[word]);
-        let any_inside = (0..8).any(|word| inside[word] & !active[word] != 0);
-        match (outside != [0; 8], any_inside) {
-            (_, false) => BACKGROUND,
-            (false, true) => MINUS_BACKGROUND,
-            (true, true) => {
-                self.heads.push(BOTH as u8);
-                self.heads.extend(outside.iter().flat_map(|word| word.to_le_bytes()));
-                BOTH
-            }
+/// A level set's values, negative inside: **the one place where the sign flips on the way out**.
+fn push_distances(band: &Band, block: usize, head: &mut Vec<u8>, out: &mut Vec<f32>) -> i8 {
+    let (active, distances) = (&band.active[block], &band.distances[block]);
+    let (values, inside) = flipped(distances, band.background());
+    push_active(&values, active, out);
+    let outside: BlockMask = std::array::from_fn(|word| !inside[word] & !active[word]);
+    let any_inside = (0..8).any(|word| inside[word] & !active[word] != 0);
+    match (outside != [0; 8], any_inside) {
+        (_, false) => BACKGROUND,
+        (false, true) => MINUS_BACKGROUND,
+        (true, true) => {
+            head.push(BOTH as u8);
+            head.extend(outside.iter().flat_map(|word| word.to_le_bytes()));
+            BOTH
         }
-    }
-
-    /// The leaves of the run in one piece, compressed by Blosc's rules.
-    fn encode(&mut self) -> EncodedLeaves {
-        self.make_room();
-        let mut sizes = Vec::with_capacity(self.masks.len());
-        let (mut head, mut value, mut end) = (0, 0, 0);
-        for (&head_end, &value_end) in self.head_ends.iter().zip(&self.value_ends) {
-            let head = &self.heads[std::mem::replace(&mut head, head_end)..head_end];
-            let values = &self.values[std::mem::replace(&mut value, value_end)..value_end];
-            self.target[end..end + head.len()].copy_from_slice(head);
-            end += head.len();
-            let size = self.compressor.compress(values, &mut self.target[end..]);
-            end += size;
-            sizes.push(size as i64);
-        }
-        self.piece(end, sizes)
-    }
-
-    /// The same with all compressions that OpenVDB has.
-    fn encode_by_library(&mut self, grid: &ffi::Grid, writer: &ffi::Writer) -> Result<EncodedLeaves, cxx::Exception> {
-        self.make_room();
-        let leaves = ffi::Leaves {
-            heads: &self.heads,
-            head_ends: &self.head_ends,
-            values: &self.values,
-            value_ends: &self.value_ends,
-        };
-        let mut sizes = vec![0; self.masks.len()];
-        let bytes = writer.leaves(grid, &leaves, &mut sizes, &mut self.target)?;
-        Ok(self.piece(bytes, sizes))
-    }
-
-    fn make_room(&mut self) {
-        let room = self.masks.len() * LEAF_OVERHEAD + size_of_val(self.values.as_slice());
-        if self.target.len() < room {
-            self.target.resize(room, 0);
-        }
-    }
-
-    /// So many bytes of what was encoded.
-    fn piece(&self, bytes: usize, sizes: Vec<i64>) -> EncodedLeaves {
-        EncodedLeaves { pieces: vec![self.target[..bytes].to_vec()], masks: self.masks.clone(), sizes }
     }
 }
 
@@ -269,30 +302,27 @@ mod tests {
 
     /// Leaves of all numbers of values: even ones, smooth ones, ones that hold few numbers, and such as no compressor
     /// makes smaller, each with these components.
-    fn run(components: usize) -> Run {
-        let mut run = Run::default();
+    fn leaves(components: usize) -> Vec<(Vec<u8>, Vec<f32>)> {
         let mut seed = 1_u32;
         let mut random = || {
             seed = seed.wrapping_mul(1664525).wrapping_add(1013904223);
             seed >> 8
         };
-        for count in (0..=512).flat_map(|count| [count; 5]) {
-            let kind = run.masks.len() % 5;
-            for at in 0..count * components {
-                run.values.push(match kind {
-                    0 => 0.125,
-                    1 => (at as f32 * 0.02).sin(),
-                    2 => [0.25, 0.5, 0.75][random() as usize % 3],
-                    3 => f32::from_bits(random() | 0x3f00_0000),
-                    _ => f32::from_bits(random() << 8 | random() & 0xff),
-                });
-            }
-            run.value_ends.push(run.values.len());
-            run.heads.extend((0..random() % 100).map(|byte| byte as u8));
-            run.head_ends.push(run.heads.len());
-            run.masks.push(BACKGROUND);
-        }
-        run
+        let mut leaf = |count: usize, kind: usize| {
+            let head = (0..random() % 100).map(|byte| byte as u8).collect();
+            let value = |at: usize| match kind {
+                0 => 0.125,
+                1 => (at as f32 * 0.02).sin(),
+                2 => [0.25, 0.5, 0.75][random() as usize % 3],
+                3 => f32::from_bits(random() | 0x3f00_0000),
+                _ => f32::from_bits(random() << 8 | random() & 0xff),
+            };
+            (head, (0..count * components).map(value).collect())
+        };
+        (0..=512)
+            .flat_map(|count| (0..5).map(move |kind| (count, kind)))
+            .map(|(count, kind)| leaf(count, kind))
+            .collect()
     }
 
     #[test]
@@ -301,9 +331,15 @@ mod tests {
         let channel = ball_colour(&band, "Cd");
         let writer = ffi::new_writer(Compression::Blosc.codec()).unwrap();
         for (components, grid) in [(1, Grid::level_set("surface", &band)), (3, Grid::colour(&band, &channel))] {
-            let (mut ours, mut theirs) = (run(components), run(components));
-            let ours = ours.encode();
-            let theirs = theirs.encode_by_library(&grid.topology().unwrap(), &writer).unwrap();
+            let (mut ours, mut theirs) = (Run::default(), Run::default());
+            for (head, values) in leaves(components) {
+                let start = ours.end + head.len();
+                ours.end = add(&head, &values, &mut ours.compressor, &mut ours.target, ours.end);
+                ours.sizes.push((ours.end - start) as i64);
+                theirs.gathered.push(&head, &values);
+            }
+            theirs.compress_gathered(&grid.topology().unwrap(), &writer).unwrap();
+            let (ours, theirs) = (ours.take(), theirs.take());
             assert_eq!(ours.sizes, theirs.sizes);
             assert!(ours.pieces == theirs.pieces);
         }

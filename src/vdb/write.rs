@@ -1,6 +1,6 @@
 //! From a frame to a file that is whole.
 
-use std::io::{Read, Seek, Write};
+use std::os::unix::fs::FileExt;
 use std::path::{Path, PathBuf};
 
 use sha2::{Digest, Sha256};
@@ -126,28 +126,27 @@ impl Encoded {
         Ok(Arrived { temporary, path: path.into(), overwrite, written })
     }
 
-    /// Writes all pieces, and compares what is then read back. Messages name `path`, the final name.
+    /// Writes piece after piece, and compares each with what is then read back, while it is still in the caches.
+    /// Messages name `path`, the final name.
     fn send(&self, temporary: &mut Temporary, path: &Path) -> Result<(), Error> {
         let file = temporary.file_mut();
+        let (mut arrived, mut start) = (Vec::new(), 0);
         for piece in &self.pieces {
-            file.write_all(piece).map_err(|error| Error::system(path, "write it", error))?;
-        }
-        let reading = |error| Error::system(path, "read it back", error);
-        file.rewind().map_err(reading)?;
-        let (mut arrived, mut offset) = (Vec::new(), 0);
-        for piece in &self.pieces {
-            arrived.clear();
-            file.take(piece.len() as u64).read_to_end(&mut arrived).map_err(reading)?;
-            if arrived != *piece {
+            file.write_all_at(piece, start).map_err(|error| Error::system(path, "write it", error))?;
+            arrived.resize(piece.len().max(arrived.len()), 0);
+            let arrived = &mut arrived[..piece.len()];
+            file.read_exact_at(arrived, start).map_err(|error| Error::system(path, "read it back", error))?;
+            if arrived != piece {
                 let same = arrived.iter().zip(piece).take_while(|(a, b)| a == b).count();
                 let problem = format!("the disk does not hold what was written, {} bytes", self.bytes());
-                return Err(Error::Damaged { path: path.into(), offset: (offset + same) as u64, problem });
+                return Err(Error::Damaged { path: path.into(), offset: start + same as u64, problem });
             }
-            offset += piece.len();
+            start += piece.len() as u64;
         }
-        if file.read(&mut [0]).map_err(reading)? > 0 {
-            let problem = "the disk holds more than was written".into();
-            return Err(Error::Damaged { path: path.into(), offset: self.bytes(), problem });
+        let bytes = file.metadata().map_err(|error| Error::system(path, "read it back", error))?.len();
+        if bytes != start {
+            let problem = format!("the disk holds {bytes} bytes, not the {start} that were written");
+            return Err(Error::Damaged { path: path.into(), offset: start, problem });
         }
         Ok(())
     }

@@ -11,15 +11,12 @@ use super::{
 };
 use crate::{
     distance::{
-        block::Meter,
+        block::{Meter, TASK_EDGE},
         descent::{NODE_EDGE, Scope},
         staged::Staged,
     },
     field::Field,
 };
-
-/// Edge in voxels of the nodes whose blocks are measured with one shortened tape.
-const TASK_EDGE: i32 = 32;
 
 /// Blocks of a node that one thread measures before another may take the next. At the end of a chunk threads wait for
 /// the last such; tapes are shortened anew by the threads that take them.
@@ -85,7 +82,7 @@ impl<'a> Measuring<'a> {
         tasks.into_par_iter().with_max_len(1).try_for_each_init(
             || self.meter(),
             |meter, (task, staged)| {
-                enter_task(meter, blocks[task[0]]);
+                meter.enter_nodes(blocks[task[0]]);
                 task.iter().zip(staged).try_for_each(|(&place, staged)| {
                     self.stop_if_cancelled()?;
                     meter.measure(blocks[place], staged)
@@ -94,11 +91,6 @@ impl<'a> Measuring<'a> {
         )?;
         Ok(Chunk { staged, order })
     }
-}
-
-/// Readies a meter for a block and those of the same task.
-pub fn enter_task(meter: &mut Meter, origin: IVec3) {
-    meter.enter_node(task_node(origin), TASK_EDGE);
 }
 
 fn task_node(origin: IVec3) -> IVec3 {

@@ -18,7 +18,7 @@ use crate::{
 
 use super::{
     Error, Measured, MeasuredBlock, Report, Thin,
-    chunk::{Chunk, Measuring, enter_task},
+    chunk::{Chunk, Measuring},
     neighbours::Neighbours,
 };
 use crate::distance::{
@@ -148,7 +148,7 @@ where
                     || self.measuring.meter(),
                     |meter, (place, seeds)| {
                         let mut block = staged[*place].clone();
-                        enter_task(meter, block.origin);
+                        meter.enter_nodes(block.origin);
                         meter.improve(seeds, &mut block);
                         block
                     },
@@ -257,7 +257,7 @@ where
                 .into_par_iter()
                 .map_init(worker, |(meter, visitor), origin| {
                     let mut block = Staged::new();
-                    enter_task(meter, origin);
+                    meter.enter_nodes(origin);
                     meter.measure(origin, &mut block)?;
                     self.imports[&origin].iter().for_each(|seeds| meter.improve(seeds, &mut block));
                     Ok((outcome(self.scope, visitor, &block), block))

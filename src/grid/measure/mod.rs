@@ -20,8 +20,7 @@ use super::{BLOCK_VOXELS, Band, InsideTile};
 /// The solid's volume, in cubic world units.
 pub fn volume(band: &Band) -> f64 {
     let inverse = 1.0 / band.lattice.voxel_size.get();
-    let sums: Vec<f64> =
-        band.distances.par_iter().map(|block| block.iter().map(|&value| share(value, inverse)).sum()).collect();
+    let sums: Vec<f64> = band.distances.par_iter().map(|block| solid_voxels(block, inverse)).collect();
     let tiles: f64 = band.inside_tiles.iter().map(tile_volume).sum();
     (sums.iter().sum::<f64>() + tiles) * cubed(band)
 }
@@ -61,7 +60,20 @@ pub fn solid_extent(band: &Band) -> Option<(DVec3, DVec3)> {
     Some((band.lattice.centre(min), band.lattice.centre(max)))
 }
 
+/// The volume in a block, in voxels. The sums are of every eighth voxel, then of these, at any vector width.
+#[multiversion::multiversion(targets = "simd")]
+fn solid_voxels(block: &[f32; BLOCK_VOXELS], inverse_size: f64) -> f64 {
+    let mut sums = [0.0; 8];
+    for row in block.as_chunks::<8>().0 {
+        for z in 0..8 {
+            sums[z] += share(row[z], inverse_size);
+        }
+    }
+    sums.iter().sum()
+}
+
 /// The solid share of a voxel, 0 to 1.
+#[inline(always)]
 fn share(value: f32, inverse_size: f64) -> f64 {
     (f64::from(value) * inverse_size + 0.5).clamp(0.0, 1.0)
 }
