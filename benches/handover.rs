@@ -1,6 +1,6 @@
-//! How fast blocks cross the bridge and become a file's bytes, against C++ alone and, without
-//! compression, against a call a voxel (rows 11 and
-//! 18 of the performance table); and how fast a ready frame reaches the disk, against OpenVDB's own writer.
+//! How fast blocks become a file's bytes, against C++ alone and, without compression, which goes across the bridge,
+//! against a call a voxel (rows 11 and 18 of the performance table); and how fast a ready frame reaches the disk, against
+//! OpenVDB's own writer.
 //!
 //! `cargo bench --features rivals --bench handover [-- RESOLUTION...]`
 

@@ -1,7 +1,7 @@
 //! Values as the buffers that OpenVDB has Blosc make of them, byte for byte: their bytes shuffled and compressed by LZ4.
 //!
-//! Blosc knows nothing of one buffer when it makes the next: for each leaf memory is asked for, and each of a leaf's
-//! four streams starts with a table of 16 KiB that LZ4 clears, which takes longer than what follows. Here both stay.
+//! Blosc knows nothing of one buffer when it makes the next: for each leaf memory is asked for, and before each of a
+//! leaf's four streams LZ4 clears a table of 16 KiB, which takes half the time of what follows. Here both stay.
 //!
 //! A buffer is its size and one of Blosc's chunks (`README_CHUNK_FORMAT.rst` of c-blosc 1.21): a head, where the only
 //! block starts, then streams, each after its size. First come all values' first bytes, then all their second ones.
