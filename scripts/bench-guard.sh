@@ -87,6 +87,7 @@ ratios() {
 printf 'bench-guard: building %s and this checkout\n' "$(git log -1 --format='%h %s' "$commit")"
 build
 slower=0
+SECONDS=0
 for job in "${jobs[@]}"; do
     read -ra arguments <<<"${job#*: }"
     if ! "$before" bake "${arguments[@]}" --output "$output" --overwrite >/dev/null 2>&1 </dev/null; then
@@ -98,4 +99,5 @@ for job in "${jobs[@]}"; do
     [[ $verdict != *SLOWER ]] || slower=1
 done
 rm -f "$output"
+printf 'bench-guard: %d rounds took %d s\n' "$rounds" "$SECONDS"
 exit "$slower"

@@ -23,7 +23,7 @@ use super::{
 };
 
 /// Edges in voxels of the nodes whose tapes are shortened on the way to a block's, each from the one before. The
-/// last are those whose blocks are measured one after the other.
+/// last are those whose blocks are measured one after the other; others are left out where that saves nothing.
 const NODE_EDGES: [i32; 2] = [128, TASK_EDGE];
 /// See [`NODE_EDGES`].
 pub const TASK_EDGE: i32 = 32;
@@ -81,11 +81,12 @@ impl<'a> Meter<'a> {
     /// before stay.
     pub fn enter_nodes(&mut self, block: IVec3) {
         let nodes = NODE_EDGES.map(|edge| (edge, block & IVec3::splat(!(edge - 1))));
-        let same = self.entered.iter().zip(&nodes).take_while(|(entered, (_, node))| *entered == node).count();
+        let nodes = &nodes[usize::from(!self.evaluator.has_many_parts())..];
+        let same = self.entered.iter().zip(nodes).take_while(|(entered, (_, node))| *entered == node).count();
         for _ in self.entered.drain(same..) {
             self.evaluator.leave();
         }
-        for (edge, node) in nodes.into_iter().skip(same) {
+        for &(edge, node) in &nodes[same..] {
             self.evaluator.enter(&self.scope.centres(node, edge, f64::from(self.scope.half_width) + ROOM));
             self.entered.push(node);
         }

@@ -12,6 +12,9 @@ use super::program::Program;
 use super::prune::{Asked, Pruner};
 use super::tape::Tape;
 use super::width::VectorWidth;
+
+/// Operations from which on an expression has many parts: bounds of all of them take longer than entering a region.
+const MANY: usize = 64;
 use super::{Aabb, BATCH, Evaluator, Field, Gradients, Interval, Points, Slope, extent, machine::Machine};
 
 /// A node of a [`Graph`] as a field of its own. Cheap to clone.
@@ -217,6 +220,10 @@ impl Evaluator for ExpressionEvaluator<'_> {
         level.branches_known.set(false);
         level.branch_tapes.iter_mut().for_each(|known| known.compiled = false);
         level.bounds = self.bounds.last().copied();
+    }
+
+    fn has_many_parts(&self) -> bool {
+        self.levels[0].ops.len() >= MANY
     }
 
     fn bounds(&mut self) -> Interval {

@@ -96,6 +96,11 @@ pub trait Evaluator: Send {
         false
     }
 
+    /// Whether F has so many parts that regions are best entered on the way to small ones within.
+    fn has_many_parts(&self) -> bool {
+        false
+    }
+
     /// Leaves the innermost region.
     fn leave(&mut self);
 
