@@ -7,12 +7,12 @@ use glam::{DVec3, IVec3, Vec3};
 
 use crate::{
     field::{Aabb, BATCH, Evaluator, Field, Gradients, Points, Slope},
-    grid::{BLOCK_EDGE, BLOCK_VOXELS, mask},
+    grid::{BLOCK_EDGE, BLOCK_VOXELS, mask, node_origin},
 };
 
 use super::{
     band::Error,
-    descent::Scope,
+    descent::{NODE_EDGE, Scope},
     exchange,
     facing::{Offer, Seed, Side},
     polish::{
@@ -24,7 +24,7 @@ use super::{
 
 /// Edges in voxels of the nodes whose tapes are shortened on the way to a block's, each from the one before. The
 /// last are those whose blocks are measured one after the other; others are left out where that saves nothing.
-const NODE_EDGES: [i32; 2] = [128, TASK_EDGE];
+const NODE_EDGES: [i32; 2] = [NODE_EDGE, TASK_EDGE];
 /// See [`NODE_EDGES`].
 pub const TASK_EDGE: i32 = 32;
 
@@ -80,7 +80,7 @@ impl<'a> Meter<'a> {
     /// Enters the nodes that hold a block, so that its tape is cut from their shorter ones. Those that held the block
     /// before stay.
     pub fn enter_nodes(&mut self, block: IVec3) {
-        let nodes = NODE_EDGES.map(|edge| (edge, block & IVec3::splat(!(edge - 1))));
+        let nodes = NODE_EDGES.map(|edge| (edge, node_origin(block, edge)));
         let nodes = &nodes[usize::from(!self.evaluator.has_many_parts())..];
         let same = self.entered.iter().zip(nodes).take_while(|(entered, (_, node))| *entered == node).count();
         for _ in self.entered.drain(same..) {

@@ -12,7 +12,7 @@ use rayon::prelude::*;
 
 use crate::{
     field::{Aabb, BATCH, Evaluator, Field, Interval, Points, Slope},
-    grid::{BLOCK_EDGE, InsideTile, Lattice, block_order},
+    grid::{BLOCK_EDGE, InsideTile, Lattice, block_order, node_origin},
 };
 
 /// Edge of the nodes that tasks are made of, in voxels.
@@ -127,7 +127,7 @@ impl<'a> Walk<'a> {
     /// Walks all root nodes that meet the range.
     fn roots(&mut self) {
         let [least, end] = self.range;
-        let first = least & IVec3::splat(!(ROOT_EDGE - 1));
+        let first = node_origin(least, ROOT_EDGE);
         for x in (first.x..end.x).step_by(ROOT_EDGE as usize) {
             for y in (first.y..end.y).step_by(ROOT_EDGE as usize) {
                 for z in (first.z..end.z).step_by(ROOT_EDGE as usize) {

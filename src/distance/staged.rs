@@ -5,7 +5,7 @@ use multiversion::multiversion;
 
 use crate::{
     field::{Aabb, BATCH, Points},
-    grid::{BLOCK_EDGE, BLOCK_VOXELS, BlockMask, Lattice},
+    grid::{BLOCK_EDGE, BLOCK_VOXELS, BlockMask, Lattice, node_origin},
 };
 
 use super::{descent::Scope, facing::Side};
@@ -41,7 +41,7 @@ impl<'a> MeasuredBlock<'a> {
         let Staged { origin, distances, normals, active, .. } = staged;
         let margin = f64::from(scope.half_width) + ROOM;
         let region = scope.centres(*origin, BLOCK_EDGE, margin);
-        let node_region = scope.centres(origin & IVec3::splat(!(SHARED_EDGE - 1)), SHARED_EDGE, margin);
+        let node_region = scope.centres(node_origin(*origin, SHARED_EDGE), SHARED_EDGE, margin);
         Self { origin: *origin, lattice: scope.lattice, region, node_region, distances, active, normals }
     }
 

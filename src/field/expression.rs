@@ -12,10 +12,11 @@ use super::program::Program;
 use super::prune::{Asked, Pruner};
 use super::tape::Tape;
 use super::width::VectorWidth;
-
-/// Operations from which on an expression has many parts: bounds of all of them take longer than entering a region.
-const MANY: usize = 64;
 use super::{Aabb, BATCH, Evaluator, Field, Gradients, Interval, Points, Slope, extent, machine::Machine};
+
+/// So many operations are many parts: bounding all of them for each small region takes longer than entering a wide one
+/// before.
+const MANY: usize = 64;
 
 /// A node of a [`Graph`] as a field of its own. Cheap to clone.
 #[derive(Clone)]

@@ -41,7 +41,12 @@ impl Lattice {
 
 /// The least corner of the leaf block that holds a voxel.
 pub fn block_origin(voxel: IVec3) -> IVec3 {
-    voxel & IVec3::splat(!(BLOCK_EDGE - 1))
+    node_origin(voxel, BLOCK_EDGE)
+}
+
+/// The least corner of the node of that edge, a power of two, that holds a voxel.
+pub fn node_origin(voxel: IVec3, edge: i32) -> IVec3 {
+    voxel & IVec3::splat(!(edge - 1))
 }
 
 /// A voxel's place in its block's arrays: `x·64 + y·8 + z` of its offsets, as OpenVDB orders a leaf.

@@ -10,7 +10,7 @@ pub mod measure;
 pub(crate) mod testing;
 
 pub use band::{Band, Channel, InsideTile};
-pub use lattice::{Lattice, VoxelSize, block_order, block_origin, place_of, voxel_offset};
+pub use lattice::{Lattice, VoxelSize, block_order, block_origin, node_origin, place_of, voxel_offset};
 
 /// Voxels along one edge of a leaf block.
 pub const BLOCK_EDGE: i32 = 8;

@@ -8,7 +8,7 @@ use std::collections::HashMap;
 use glam::{DVec3, IVec3};
 use rayon::prelude::*;
 
-use crate::grid::{BLOCK_EDGE, BLOCK_VOXELS, Band, Channel, block_origin, is_active, voxel_offset};
+use crate::grid::{BLOCK_EDGE, BLOCK_VOXELS, Band, Channel, block_origin, is_active, node_origin, voxel_offset};
 
 /// A root table spans this many voxels each way.
 pub(super) const ROOT_EDGE: i32 = 4096;
@@ -309,10 +309,6 @@ fn corner_step(corner: usize) -> IVec3 {
 
 /// What a corner's place adds to a voxel's offset in its block.
 const CORNER_OFFSETS: [usize; 8] = [0, 1, 8, 9, 64, 65, 72, 73];
-
-fn node_origin(voxel: IVec3, edge: i32) -> IVec3 {
-    voxel & IVec3::splat(!(edge - 1))
-}
 
 /// The place, in the table of a node of edge `node`, of the child of edge `child` around a voxel.
 fn place(voxel: IVec3, node: i32, child: i32) -> usize {

@@ -13,6 +13,7 @@ use super::lint::{Severity, active_values, missing_voxels};
 use super::read::{SparseBlocks, StoredClass, Voxels};
 use super::walk::{GridLayout, Layout};
 use super::{Metadata, MetadataValue};
+use crate::grid::node_origin;
 
 /// A program that takes files.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -325,7 +326,7 @@ fn missing_tiles(densities: &SparseBlocks<f32>, colours: &SparseBlocks<[f32; 3]>
         colours.tiles.iter().filter(|tile| tile.active).map(|tile| (tile.origin, tile.edge)).collect();
     let in_tile = |origin: IVec3, from: i32| {
         [8, 128, 4096].into_iter().filter(|edge| *edge >= from).any(|edge| {
-            let around = origin & IVec3::splat(!(edge - 1));
+            let around = node_origin(origin, edge);
             tiles.contains(&(around, edge))
         })
     };

@@ -13,7 +13,7 @@ use super::metadata::to_bridge;
 use super::{Compression, Content, Error, Frame, Grid};
 use crate::grid::{BLOCK_VOXELS, Band, BlockMask, mask};
 
-/// Leaves encoded in one go: so few that their values stay in the cache until they are compressed.
+/// Leaves encoded in one go: so few that they stay in the cache, with their values where those are gathered first.
 const LEAVES_A_PIECE: usize = 32;
 /// The most a leaf takes besides its values: two masks, the byte between them, and what compressors put before and
 /// after.
@@ -110,41 +110,17 @@ fn encode_leaves(
 #[derive(Default)]
 struct Run {
     masks: Vec<i8>,
-    sizes: Vec<i64>,
-    /// The piece, and where it ends.
-    target: Vec<u8>,
-    end: usize,
     leaf: Leaf,
-    compressor: blosc::Compressor,
     gathered: Gathered,
-}
-
-/// What a leaf takes in a file, before its values are compressed.
-#[derive(Default)]
-struct Leaf {
-    /// All that stands before the values.
-    head: Vec<u8>,
-    /// The values, where they are not those of the grid as they are.
-    values: Vec<f32>,
-}
-
-/// Leaves for OpenVDB to compress.
-#[derive(Default)]
-struct Gathered {
-    heads: Vec<u8>,
-    head_ends: Vec<usize>,
-    values: Vec<f32>,
-    value_ends: Vec<usize>,
+    piece: Piece,
 }
 
 impl Run {
     /// Adds a leaf, its values compressed by Blosc's rules.
     fn compress(&mut self, grid: &Grid<'_>, block: usize) -> Result<(), Error> {
         let (flag, head, values) = self.leaf.fill(grid, block)?;
-        let start = self.end + head.len();
-        self.end = add(head, values, &mut self.compressor, &mut self.target, self.end);
+        self.piece.compress(head, values);
         self.masks.push(flag);
-        self.sizes.push((self.end - start) as i64);
         Ok(())
     }
 
@@ -158,35 +134,25 @@ impl Run {
 
     /// Compresses what was gathered in any way that OpenVDB knows.
     fn compress_gathered(&mut self, grid: &ffi::Grid, writer: &ffi::Writer) -> Result<(), cxx::Exception> {
-        let Gathered { heads, head_ends, values, value_ends } = &self.gathered;
-        make_room(&mut self.target, head_ends.len() * LEAF_OVERHEAD + size_of_val(values.as_slice()));
-        self.sizes.resize(head_ends.len(), 0);
-        let leaves = ffi::Leaves { heads, head_ends, values, value_ends };
-        self.end = writer.leaves(grid, &leaves, &mut self.sizes, &mut self.target)?;
+        self.piece.compress_by_library(&self.gathered, grid, writer)?;
         self.gathered.clear();
         Ok(())
     }
 
     /// The leaves, which leaves the run empty.
     fn take(&mut self) -> EncodedLeaves {
-        let piece = self.target[..std::mem::take(&mut self.end)].to_vec();
-        let (masks, sizes) = (std::mem::take(&mut self.masks), std::mem::take(&mut self.sizes));
-        EncodedLeaves { pieces: vec![piece], masks, sizes }
+        let (piece, sizes) = self.piece.take();
+        EncodedLeaves { pieces: vec![piece], masks: std::mem::take(&mut self.masks), sizes }
     }
 }
 
-fn make_room(target: &mut Vec<u8>, bytes: usize) {
-    if target.len() < bytes {
-        target.resize(bytes, 0);
-    }
-}
-
-/// Adds a leaf to a piece that ends there; returns where it ends then.
-fn add(head: &[u8], values: &[f32], compressor: &mut blosc::Compressor, target: &mut Vec<u8>, end: usize) -> usize {
-    let start = end + head.len();
-    make_room(target, start + blosc::most_bytes(values.len()));
-    target[end..start].copy_from_slice(head);
-    start + compressor.compress(values, &mut target[start..])
+/// Leaves for OpenVDB to compress.
+#[derive(Default)]
+struct Gathered {
+    heads: Vec<u8>,
+    head_ends: Vec<usize>,
+    values: Vec<f32>,
+    value_ends: Vec<usize>,
 }
 
 impl Gathered {
@@ -203,6 +169,63 @@ impl Gathered {
         self.values.clear();
         self.value_ends.clear();
     }
+}
+
+/// Compressed leaves, one after the other.
+#[derive(Default)]
+struct Piece {
+    /// With room for more after the `end`.
+    bytes: Vec<u8>,
+    end: usize,
+    /// The bytes of each leaf's compressed values.
+    sizes: Vec<i64>,
+    compressor: blosc::Compressor,
+}
+
+impl Piece {
+    /// Adds a leaf by Blosc's rules.
+    fn compress(&mut self, head: &[u8], values: &[f32]) {
+        let start = self.end + head.len();
+        self.make_room(start + blosc::most_bytes(values.len()));
+        self.bytes[self.end..start].copy_from_slice(head);
+        let size = self.compressor.compress(values, &mut self.bytes[start..]);
+        self.sizes.push(size as i64);
+        self.end = start + size;
+    }
+
+    /// Fills an empty piece.
+    fn compress_by_library(
+        &mut self,
+        Gathered { heads, head_ends, values, value_ends }: &Gathered,
+        grid: &ffi::Grid,
+        writer: &ffi::Writer,
+    ) -> Result<(), cxx::Exception> {
+        self.make_room(head_ends.len() * LEAF_OVERHEAD + size_of_val(values.as_slice()));
+        self.sizes.resize(head_ends.len(), 0);
+        let leaves = ffi::Leaves { heads, head_ends, values, value_ends };
+        self.end = writer.leaves(grid, &leaves, &mut self.sizes, &mut self.bytes)?;
+        Ok(())
+    }
+
+    fn make_room(&mut self, bytes: usize) {
+        if self.bytes.len() < bytes {
+            self.bytes.resize(bytes, 0);
+        }
+    }
+
+    /// The leaves and their sizes, which leaves it empty.
+    fn take(&mut self) -> (Vec<u8>, Vec<i64>) {
+        (self.bytes[..std::mem::take(&mut self.end)].to_vec(), std::mem::take(&mut self.sizes))
+    }
+}
+
+/// What a leaf takes in a file, before its values are compressed.
+#[derive(Default)]
+struct Leaf {
+    /// All that stands before the values.
+    head: Vec<u8>,
+    /// The values, where they are not those of the grid as they are.
+    values: Vec<f32>,
 }
 
 impl Leaf {
@@ -331,17 +354,15 @@ mod tests {
         let channel = ball_colour(&band, "Cd");
         let writer = ffi::new_writer(Compression::Blosc.codec()).unwrap();
         for (components, grid) in [(1, Grid::level_set("surface", &band)), (3, Grid::colour(&band, &channel))] {
-            let (mut ours, mut theirs) = (Run::default(), Run::default());
+            let (mut ours, mut theirs, mut gathered) = (Piece::default(), Piece::default(), Gathered::default());
             for (head, values) in leaves(components) {
-                let start = ours.end + head.len();
-                ours.end = add(&head, &values, &mut ours.compressor, &mut ours.target, ours.end);
-                ours.sizes.push((ours.end - start) as i64);
-                theirs.gathered.push(&head, &values);
+                ours.compress(&head, &values);
+                gathered.push(&head, &values);
             }
-            theirs.compress_gathered(&grid.topology().unwrap(), &writer).unwrap();
-            let (ours, theirs) = (ours.take(), theirs.take());
-            assert_eq!(ours.sizes, theirs.sizes);
-            assert!(ours.pieces == theirs.pieces);
+            theirs.compress_by_library(&gathered, &grid.topology().unwrap(), &writer).unwrap();
+            let ((our_bytes, our_sizes), (their_bytes, their_sizes)) = (ours.take(), theirs.take());
+            assert_eq!(our_sizes, their_sizes);
+            assert!(our_bytes == their_bytes);
         }
     }
 

@@ -14,7 +14,7 @@ use super::clients::{self, Client, Subject};
 use super::read::{Opened, SparseBlocks, StoredClass, Voxels, band_of};
 use super::walk::{GridLayout, Layout, Transform};
 use super::{Error, MetadataValue};
-use crate::grid::{BLOCK_EDGE, VoxelSize, block_origin, is_active, measure};
+use crate::grid::{BLOCK_EDGE, VoxelSize, block_origin, is_active, measure, node_origin};
 
 /// The newest format that OpenVDB 10 to 12 read without a warning.
 const FORMAT: u32 = 224;
@@ -312,7 +312,7 @@ pub(super) fn missing_voxels(surface: &SparseBlocks<f32>, colours: &SparseBlocks
     let tiles: HashSet<(IVec3, i32)> =
         colours.tiles.iter().filter(|tile| tile.active).map(|tile| (tile.origin, tile.edge)).collect();
     let missing = |(origin, mask): (&IVec3, &[u64; 8])| -> u64 {
-        let in_tile = |edge: i32| tiles.contains(&(*origin & IVec3::splat(!(edge - 1)), edge));
+        let in_tile = |edge: i32| tiles.contains(&(node_origin(*origin, edge), edge));
         if [BLOCK_EDGE, 128, 4096].into_iter().any(in_tile) {
             return 0;
         }

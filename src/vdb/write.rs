@@ -130,12 +130,13 @@ impl Encoded {
     /// Messages name `path`, the final name.
     fn send(&self, temporary: &mut Temporary, path: &Path) -> Result<(), Error> {
         let file = temporary.file_mut();
+        let reading = |error| Error::system(path, "read it back", error);
         let (mut arrived, mut start) = (Vec::new(), 0);
         for piece in &self.pieces {
             file.write_all_at(piece, start).map_err(|error| Error::system(path, "write it", error))?;
             arrived.resize(piece.len().max(arrived.len()), 0);
             let arrived = &mut arrived[..piece.len()];
-            file.read_exact_at(arrived, start).map_err(|error| Error::system(path, "read it back", error))?;
+            file.read_exact_at(arrived, start).map_err(reading)?;
             if arrived != piece {
                 let same = arrived.iter().zip(piece).take_while(|(a, b)| a == b).count();
                 let problem = format!("the disk does not hold what was written, {} bytes", self.bytes());
@@ -143,7 +144,7 @@ impl Encoded {
             }
             start += piece.len() as u64;
         }
-        let bytes = file.metadata().map_err(|error| Error::system(path, "read it back", error))?.len();
+        let bytes = file.metadata().map_err(reading)?.len();
         if bytes != start {
             let problem = format!("the disk holds {bytes} bytes, not the {start} that were written");
             return Err(Error::Damaged { path: path.into(), offset: start, problem });

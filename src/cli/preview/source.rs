@@ -14,7 +14,7 @@ use crate::cli::job;
 use crate::cli::options::{Global, Sampling, SceneArguments};
 use crate::cli::progress::Progress;
 use crate::field::Aabb;
-use crate::grid::{Band, Channel, block_origin, is_active, measure, voxel_offset};
+use crate::grid::{Band, Channel, block_origin, is_active, measure, node_origin, voxel_offset};
 use crate::vdb::{self, MetadataValue, SparseBlocks, Voxels};
 
 /// Voxels along the longest side where nobody says otherwise: enough for a picture, in a fraction of a bake's time.
@@ -205,7 +205,7 @@ impl VoxelColours {
             let offset = voxel_offset(voxel);
             return is_active(&self.blocks.active[at], offset).then(|| self.blocks.values[at][offset]);
         }
-        let tile = |edge: i32| self.tiles.get(&(voxel & IVec3::splat(!(edge - 1)), edge));
+        let tile = |edge: i32| self.tiles.get(&(node_origin(voxel, edge), edge));
         [8, 128, 4096].into_iter().find_map(tile).copied()
     }
 }

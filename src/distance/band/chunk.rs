@@ -16,6 +16,7 @@ use crate::{
         staged::Staged,
     },
     field::Field,
+    grid::node_origin,
 };
 
 /// Blocks of a node that one thread measures before another may take the next. At the end of a chunk threads wait for
@@ -72,7 +73,8 @@ impl<'a> Measuring<'a> {
         staged.resize_with(blocks.len(), Staged::new);
         let mut tasks = Vec::new();
         let mut rest = &mut staged[..];
-        let nodes = order.chunk_by(|&a, &b| task_node(blocks[a]) == task_node(blocks[b]));
+        let node = |place: usize| node_origin(blocks[place], TASK_EDGE);
+        let nodes = order.chunk_by(|&a, &b| node(a) == node(b));
         for task in nodes.flat_map(|node| node.chunks(BLOCKS_OF_TASK)) {
             let (of_task, after) = std::mem::take(&mut rest).split_at_mut(task.len());
             rest = after;
@@ -93,20 +95,15 @@ impl<'a> Measuring<'a> {
     }
 }
 
-fn task_node(origin: IVec3) -> IVec3 {
-    origin & IVec3::splat(!(TASK_EDGE - 1))
-}
-
 /// Places of a chunk's blocks, those of one task together.
 fn by_task(chunk: &[IVec3]) -> Vec<usize> {
-    let node = |origin: IVec3| origin & IVec3::splat(!(NODE_EDGE - 1));
     // Blocks come node after node, so that their tasks need to be told apart within one only.
     let task = |origin: IVec3| {
         let at = (origin & IVec3::splat(NODE_EDGE - 1)) / TASK_EDGE;
         (at.x << 16 | at.y << 8 | at.z) as u32
     };
     let mut places: Vec<usize> = (0..chunk.len()).collect();
-    for of_node in places.chunk_by_mut(|&a, &b| node(chunk[a]) == node(chunk[b])) {
+    for of_node in places.chunk_by_mut(|&a, &b| node_origin(chunk[a], NODE_EDGE) == node_origin(chunk[b], NODE_EDGE)) {
         of_node.sort_by_key(|&place| task(chunk[place]));
     }
     places

@@ -16,7 +16,7 @@ impl<T> Pool<T> {
         Self { free: Mutex::new(Vec::new()) }
     }
 
-    /// One that is free, if there is the one that this thread had last, or a new one. It comes back when dropped.
+    /// One that is free, the one that this thread had last if that is; or a new one. It comes back when dropped.
     pub fn take(&self, make: impl FnOnce() -> T) -> Taken<'_, T> {
         let thread = rayon::current_thread_index();
         let mut free = self.free.lock().unwrap_or_else(PoisonError::into_inner);

@@ -3,7 +3,7 @@
 use glam::IVec3;
 use rustc_hash::FxHashMap;
 
-use crate::grid::{BLOCK_EDGE, Band, block_origin, voxel_offset};
+use crate::grid::{BLOCK_EDGE, Band, block_origin, node_origin, voxel_offset};
 
 /// The edges of tiles, as OpenVDB's tree has them.
 const TILE_EDGES: [i32; 3] = [BLOCK_EDGE, 128, 4096];
@@ -43,7 +43,7 @@ impl<'a> Lookup<'a> {
         if let Some(&block) = self.blocks.get(&block_origin(voxel)) {
             return Place::Voxel { block, offset: voxel_offset(voxel) };
         }
-        let tile = |edge: i32| self.tiles.get(&(voxel & IVec3::splat(!(edge - 1)), edge));
+        let tile = |edge: i32| self.tiles.get(&(node_origin(voxel, edge), edge));
         TILE_EDGES.into_iter().find_map(tile).map_or(Place::Outside, |&index| Place::Tile(index))
     }
 
