@@ -1,6 +1,6 @@
 //! The distances of both objects of a morph, on one thread, and bounds of what is blended of them.
 
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 
 use crate::field::{Aabb, BATCH, Evaluator, Interval, Points};
 
@@ -14,12 +14,23 @@ pub(super) struct Both<'a> {
     /// D, world units.
     unit: f64,
     regions: Vec<Aabb>,
-    values: Box<[[f32; BATCH]; 2]>,
+    scratch: Box<Scratch>,
+}
+
+/// What bounds by parts are worked out in.
+struct Scratch {
+    middles: Points,
+    halves: Points,
+    values: [[f32; BATCH]; 2],
+    found: [Interval; BATCH],
 }
 
 impl<'a> Both<'a> {
     pub(super) fn new(first: Box<dyn Evaluator + 'a>, second: Box<dyn Evaluator + 'a>, unit: f64) -> Self {
-        Self { first, second, unit, regions: Vec::new(), values: Box::new([[0.0; BATCH]; 2]) }
+        let empty = || Points::new(DVec3::ZERO);
+        let scratch =
+            Scratch { middles: empty(), halves: empty(), values: [[0.0; BATCH]; 2], found: [Interval::ALL; BATCH] };
+        Self { first, second, unit, regions: Vec::new(), scratch: Box::new(scratch) }
     }
 
     pub(super) fn enter(&mut self, region: &Aabb) {
@@ -44,61 +55,91 @@ impl<'a> Both<'a> {
         [&mut self.first, &mut self.second].map(|object| scaled(object.bounds(), 1.0 / self.unit))
     }
 
-    /// Bounds over the region entered of a blend that has bounds over a box where both distances have, in units of D.
-    /// Where those of the whole region leave its sign open, those of its parts are asked for.
-    pub(super) fn bounds_of(&mut self, blend: impl Fn(&Aabb, [Interval; 2]) -> Interval) -> Interval {
+    /// Bounds over the region entered of a blend, in units of D: where the distances tell how steep they are by
+    /// [`Self::bounds_by_parts`], else from the bounds of both.
+    pub(super) fn bounds_of(
+        &mut self,
+        of_region: impl Fn(&Aabb, [Interval; 2]) -> Interval,
+        of_parts: impl Fn(&Parts, &mut [Interval; BATCH]),
+    ) -> Interval {
         let Some(region) = self.region() else { return Interval::ALL };
-        let bounds = blend(&region, self.bounds());
-        match bounds.contains(0.0).then(|| self.bounds_by_parts(&region, blend)).flatten() {
-            Some(other) => Interval::new(bounds.lo.max(other.lo), bounds.hi.min(other.hi)),
-            None => bounds,
+        match (self.first.steepest(), self.second.steepest()) {
+            (Some(first), Some(second)) => self.bounds_by_parts(&region, [first, second], of_parts),
+            _ => of_region(&region, self.bounds()),
         }
     }
 
     /// Bounds from the distances in the middles of a region's parts: over a part neither changes by more than its slope
     /// allows on the way to a corner. Narrower than those of the ends of both distances over the region, which are met in
-    /// different places of it. Parts that may hold a zero are halved; `None` where some still may.
-    fn bounds_by_parts(&mut self, region: &Aabb, blend: impl Fn(&Aabb, [Interval; 2]) -> Interval) -> Option<Interval> {
-        let steepest = [self.first.steepest()?, self.second.steepest()?];
+    /// different places of it. Parts that may hold a zero are halved; where some still may, nothing is known.
+    fn bounds_by_parts(
+        &mut self,
+        region: &Aabb,
+        steepest: [f64; 2],
+        blend: impl Fn(&Parts, &mut [Interval; BATCH]),
+    ) -> Interval {
         let mut bounds = Interval::new(f64::INFINITY, f64::NEG_INFINITY);
-        let mut part = region.size();
-        let mut parts = Points::new(region.centre());
-        parts.push(Vec3::ZERO);
+        let mut size = region.size();
+        let Scratch { middles, halves, values: [first, second], found } = &mut *self.scratch;
+        middles.origin = region.centre();
+        halves.origin = middles.origin;
+        middles.len = 0;
+        middles.push(Vec3::ZERO);
         for _ in 0..HALVINGS {
+            self.first.values(middles, first);
+            self.second.values(middles, second);
             // The rounding of an f32 value is far below a thousandth of a part.
-            let reach = 0.5005 * part.length() / self.unit;
-            let [first, second] = &mut *self.values;
-            self.first.values(&parts, first);
-            self.second.values(&parts, second);
-            let middle = Aabb::new(-part * 0.5, part * 0.5);
-            part *= 0.5;
-            let corners = Aabb::new(-part * 0.5, part * 0.5).corners();
-            let mut halves = Points::new(parts.origin);
-            for i in 0..parts.len {
-                let around = |object: usize| {
-                    let (value, most) = (f64::from(self.values[object][i]) / self.unit, steepest[object] * reach);
-                    Interval::new(value - most, value + most)
-                };
-                let place = parts.position(i);
-                let whole = Aabb::new(middle.min + place, middle.max + place);
-                let found = blend(&whole, [around(0), around(1)]);
+            let spread = steepest.map(|steepest| steepest * 0.5005 * size.length() / self.unit);
+            blend(&Parts { middles, size, distances: [first, second], unit: self.unit, spread }, found);
+            size *= 0.5;
+            let corners = Aabb::new(-size * 0.5, size * 0.5).corners();
+            halves.len = 0;
+            for (i, found) in found[..middles.len].iter().enumerate() {
                 if !found.contains(0.0) {
-                    bounds = bounds.union(found);
+                    bounds = bounds.union(*found);
                 } else if halves.len + 8 <= BATCH {
-                    corners.iter().for_each(|step| halves.push(parts.offset(i) + step.as_vec3()));
+                    corners.iter().for_each(|step| halves.push(middles.offset(i) + step.as_vec3()));
                 } else {
-                    return None;
+                    return Interval::ALL;
                 }
             }
             if bounds.contains(0.0) {
-                return None;
+                return Interval::ALL;
             }
             if halves.len == 0 {
-                return Some(bounds);
+                return bounds;
             }
-            parts = halves;
+            std::mem::swap(middles, halves);
         }
-        None
+        Interval::ALL
+    }
+}
+
+/// Parts of a region, of one size.
+pub(super) struct Parts<'a> {
+    pub middles: &'a Points,
+    pub size: DVec3,
+    /// Both distances in the middles, world units.
+    pub distances: [&'a [f32; BATCH]; 2],
+    /// D, world units.
+    pub unit: f64,
+    /// The most that each distance changes on the way from a middle, in units of D.
+    pub spread: [f64; 2],
+}
+
+impl Parts<'_> {
+    /// The box of a part.
+    pub(super) fn region(&self, i: usize) -> Aabb {
+        let place = self.middles.position(i);
+        Aabb::new(place - self.size * 0.5, place + self.size * 0.5)
+    }
+
+    /// Bounds of both distances over a part, in units of D.
+    pub(super) fn bounds(&self, i: usize) -> [Interval; 2] {
+        std::array::from_fn(|object| {
+            let (value, most) = (f64::from(self.distances[object][i]) / self.unit, self.spread[object]);
+            Interval::new(value - most, value + most)
+        })
     }
 }
 

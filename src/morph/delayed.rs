@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
-use super::both::{Both, has_both_signs, scaled};
+use super::both::{Both, Parts, has_both_signs, scaled};
 use super::course::Course;
 use super::delay::DelayGrid;
 use crate::distance::Distance;
@@ -64,7 +64,12 @@ impl Evaluator for DelayedEvaluator<'_> {
         let DelayedStb { unit, eased, delay, course, .. } = self.field;
         let blend =
             |part: &Aabb, [first, second]: [Interval; 2]| course.bounds(delay.bounds(part, *eased), first, second);
-        scaled(self.both.bounds_of(blend), *unit)
+        let of_parts = |parts: &Parts, out: &mut [Interval; BATCH]| {
+            for (i, out) in out.iter_mut().enumerate().take(parts.middles.len) {
+                *out = blend(&parts.region(i), parts.bounds(i));
+            }
+        };
+        scaled(self.both.bounds_of(blend, of_parts), *unit)
     }
 
     fn vanishes(&mut self) -> bool {

@@ -164,6 +164,13 @@ impl<T: Real> Kernel<T> {
         Slopes { value: level, ..self.slopes_with(level, first, second) }
     }
 
+    /// What a value computed in `f32` may be off, at most.
+    #[inline(always)]
+    pub(super) fn rounding(&self, value: T) -> T {
+        let size = |value: T| value.most(-value);
+        T::of(1e-6) * (T::of(1e-3) + size(self.blend.amount) + size(value))
+    }
+
     #[inline(always)]
     fn slopes_with(&self, amount: T, first: T, second: T) -> Slopes<T> {
         let [g1, g2] = self.cylinders(first, second);
@@ -239,7 +246,7 @@ impl Kernel<f64> {
 
     /// Wider by what an `f32` batch may be off, so that the bounds hold for it too.
     fn rounded_outward(&self, bounds: Interval) -> Interval {
-        let margin = |end: f64| if end.is_finite() { 1e-6 * (1e-3 + self.blend.amount.abs() + end.abs()) } else { 0.0 };
+        let margin = |end: f64| if end.is_finite() { self.rounding(end) } else { 0.0 };
         Interval::new(bounds.lo - margin(bounds.lo), bounds.hi + margin(bounds.hi))
     }
 

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
-use super::both::{Both, has_both_signs, scaled};
+use super::both::{Both, Parts, has_both_signs, scaled};
 use super::section::{Kernel, Section};
 use crate::distance::Distance;
 use crate::field::{Aabb, BATCH, Evaluator, Field, Gradients, Interval, Points, Slope};
@@ -93,8 +93,19 @@ impl Evaluator for StbEvaluator<'_> {
     }
 
     fn bounds(&mut self) -> Interval {
-        let exact = &self.stb.exact;
-        scaled(self.both.bounds_of(|_, [first, second]| exact.bounds(first, second)), self.stb.unit)
+        let Stb { exact, fast, .. } = self.stb;
+        let of_parts = |parts: &Parts, out: &mut [Interval; BATCH]| {
+            if exact.rises() {
+                blend_bounds(fast, parts, out);
+            } else {
+                for (i, out) in out.iter_mut().enumerate().take(parts.middles.len) {
+                    let [first, second] = parts.bounds(i);
+                    *out = exact.bounds(first, second);
+                }
+            }
+        };
+        let of_region = |_: &Aabb, [first, second]: [Interval; 2]| exact.bounds(first, second);
+        scaled(self.both.bounds_of(of_region, of_parts), self.stb.unit)
     }
 
     fn vanishes(&mut self) -> bool {
@@ -124,6 +135,26 @@ fn blend_values(kernel: &Kernel<f32>, unit: f32, first: &mut [f32], second: &[f3
     let per_unit = 1.0 / unit;
     for (first, second) in first.iter_mut().zip(second) {
         *first = kernel.value(*first * per_unit, *second * per_unit) * unit;
+    }
+}
+
+/// [`Kernel::bounds`] of an F_b that rises with both distances, over many parts at once.
+#[multiversion::multiversion(targets = "simd")]
+fn blend_bounds(kernel: &Kernel<f32>, parts: &Parts, out: &mut [Interval; BATCH]) {
+    let per_unit = 1.0 / parts.unit as f32;
+    let spread = parts.spread.map(|spread| spread as f32);
+    let [first, second] = parts.distances;
+    let mut ends = [[0.0_f32; BATCH]; 2];
+    for (ends, sign) in ends.iter_mut().zip([-1.0, 1.0]) {
+        for i in 0..parts.middles.len.min(BATCH) {
+            let value = kernel.value(first[i] * per_unit + sign * spread[0], second[i] * per_unit + sign * spread[1]);
+            // Once for this value and once for those of the batches to come.
+            ends[i] = value + sign * 2.0 * kernel.rounding(value);
+        }
+    }
+    for (i, out) in out.iter_mut().enumerate().take(parts.middles.len) {
+        let (lo, hi) = (f64::from(ends[0][i]), f64::from(ends[1][i]));
+        *out = if lo.is_nan() || hi.is_nan() { Interval::ALL } else { Interval::new(lo, hi) };
     }
 }
 

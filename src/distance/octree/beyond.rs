@@ -96,13 +96,25 @@ impl DistanceObject {
         out
     }
 
+    fn root_holds(&self, region: &Aabb) -> bool {
+        let root = self.root_box();
+        region.min.cmpge(root.min).all() && region.max.cmple(root.max).all()
+    }
+
+    /// The most that |∇F| may be in a box, as its [`Bounded`] tell, for less. `from` is a node that holds the part of the
+    /// root nearest to it.
+    pub(super) fn steepest_from(&self, region: &Aabb, from: Place) -> f64 {
+        let inside = self.steepest_in_root(region, from);
+        if self.root_holds(region) { inside } else { inside.max(self.border.slope()) }
+    }
+
     /// Bounds over a box that may reach beyond the root; `from` is a node that holds the part of the root nearest to it.
     pub(super) fn bounds_from(&self, region: &Aabb, from: Place) -> Bounded {
         let mut bounded = self.bounds_in_root(region, from);
-        let root = self.root_box();
-        if region.min.cmpge(root.min).all() && region.max.cmple(root.max).all() {
+        if self.root_holds(region) {
             return bounded;
         }
+        let root = self.root_box();
         let (mut a, mut excess) = ([0.0_f64; 3], [(0.0, 0.0); 3]);
         let mut rate = [(1.0, 1.0); 3];
         let mut sides = [[false; 2]; 3];

@@ -213,6 +213,12 @@ impl DistanceObject {
         ]
     }
 
+    /// The least and the greatest smallest cell of the part of the root nearest to a box.
+    pub(super) fn cells_of(&self, region: &Aabb) -> ([i32; 3], [i32; 3]) {
+        let [lo, hi] = self.in_root(region).map(|corner| corner.map(|x| (x as i32).min(self.root_size() as i32 - 1)));
+        (lo, hi)
+    }
+
     /// The innermost node under `from` that holds the part of the root nearest to a box.
     pub(super) fn node_around(&self, region: &Aabb, from: Place) -> Place {
         let [lo, hi] = self.in_root(region);
@@ -256,6 +262,34 @@ impl DistanceObject {
         let mean = patch::padded(Interval::new(value - spread, value + spread), value.abs() + spread);
         bounded.value = Interval::new(bounded.value.lo.max(mean.lo), bounded.value.hi.min(mean.hi));
         bounded
+    }
+
+    /// The most that |∇F| may be in the part of the root that is nearest to a box; `place` is a node that holds it.
+    pub(super) fn steepest_in_root(&self, region: &Aabb, place: Place) -> f64 {
+        let [lo, hi] = self.in_root(region);
+        let mut found = 0.0;
+        self.visit_steepest([lo, hi], place, &mut found);
+        f64::from(found)
+    }
+
+    fn visit_steepest(&self, region: [[f64; 3]; 2], place: Place, found: &mut f32) {
+        let steepest = self.bounds[place.node as usize].steepest;
+        if steepest <= *found {
+            return;
+        }
+        let [lo, hi] = region;
+        let (mut whole, mut met) = (true, true);
+        for axis in 0..3 {
+            let (from, to) = (f64::from(place.origin[axis]), f64::from(place.origin[axis] + place.size));
+            whole &= lo[axis] <= from && to <= hi[axis];
+            met &= lo[axis] <= to && from <= hi[axis];
+        }
+        let node = self.nodes[place.node as usize];
+        if met && (whole || node & LEAF != 0) {
+            *found = steepest;
+        } else if met {
+            (0..8).for_each(|child| self.visit_steepest(region, place.nth_child(node, child), found));
+        }
     }
 
     /// Bounds of F and of its gradient over a box, which may reach beyond the root.

@@ -3,6 +3,7 @@
 use glam::DVec3;
 
 use super::bounds::Bounded;
+use super::bricks::Grid;
 use super::kernel::{self, Extent, Located};
 use super::{DistanceObject, LEAF};
 use crate::field::{Aabb, BATCH, Evaluator, Gradients, Interval, Points};
@@ -50,11 +51,18 @@ struct Region {
     place: Place,
     /// Bounds over it, once they are asked for: they cost more than entering.
     bounds: Option<Bounded>,
+    /// Whether the bricks around it have been looked for, and found.
+    bricks: Option<bool>,
 }
+
+/// A batch of so many points is worth looking for the bricks around its region.
+const WORTH_BRICKS: usize = 64;
 
 pub(super) struct OctreeEvaluator<'a> {
     object: &'a DistanceObject,
     regions: Vec<Region>,
+    /// By region, the innermost last; more than there are, for those to come.
+    grids: Vec<Grid>,
     located: Box<Located>,
 }
 
@@ -65,9 +73,10 @@ impl<'a> OctreeEvaluator<'a> {
             cell: [[0; BATCH]; 3],
             t: [[0.0; BATCH]; 3],
             leaf: [0; BATCH],
+            level: [0; BATCH],
             inverse_edge: [0.0; BATCH],
         };
-        Self { object, regions: Vec::new(), located: Box::new(located) }
+        Self { object, regions: Vec::new(), grids: Vec::new(), located: Box::new(located) }
     }
 
     /// Finds the cells of a batch. Returns the leaf where it is one for all, and whether some points lie out of the
@@ -82,7 +91,10 @@ impl<'a> OctreeEvaluator<'a> {
         while object.nodes[start.node as usize] & LEAF == 0 {
             let half = start.size >> 1;
             if (0..3).any(|axis| (low[axis] ^ high[axis]) & half != 0) {
-                self.place_each(points.len, start);
+                if !self.place_by_bricks(points.len, low, high) {
+                    self.place_each(points.len, start);
+                }
+                kernel::place_in_leaves(&mut self.located, object.inverse_step, points.len);
                 return (None, outside);
             }
             start = start.child(object.nodes[start.node as usize], low);
@@ -105,15 +117,34 @@ impl<'a> OctreeEvaluator<'a> {
         Some(*region.bounds.get_or_insert_with(|| self.object.bounds_from(&region.within, region.place)))
     }
 
+    /// Finds the leaves by the bricks around a region; `false` where some points are not in any of them.
+    fn place_by_bricks(&mut self, len: usize, low: [i32; 3], high: [i32; 3]) -> bool {
+        let depth = self.regions.len();
+        self.grids.resize_with(self.grids.len().max(depth), Grid::default);
+        // Those of a large region serve many small ones in it.
+        for (region, grid) in self.regions.iter_mut().zip(&mut self.grids) {
+            if region.bricks.is_none() && len >= WORTH_BRICKS {
+                let (least, greatest) = self.object.cells_of(&region.within);
+                region.bricks = Some(grid.find(self.object, region.place, least, greatest));
+            }
+            if region.bricks == Some(true) && grid.holds(low, high) {
+                let Located { cell, leaf, level, .. } = &mut *self.located;
+                grid.leaves(&self.object.bricks, cell, leaf, level, len);
+                return true;
+            }
+        }
+        false
+    }
+
+    /// Finds the leaves one by one.
     fn place_each(&mut self, len: usize, start: Place) {
-        let DistanceObject { nodes, inverse_step, .. } = self.object;
-        let Located { at, cell, t, leaf, inverse_edge } = &mut *self.located;
+        let nodes = &self.object.nodes;
+        let Located { cell, leaf, level: levels, .. } = &mut *self.located;
         let top = start.size.trailing_zeros() as usize;
         // The nodes around the cell before, by how often their edge doubles that of a smallest cell.
         let mut path = [start.node; i32::BITS as usize];
         // No cell is its own yet, so the first point looks one up.
         let (mut before, mut level) = ([-1; 3], 0);
-        let (mut origin, mut scale) = ([0.0; 3], 0.0);
         let mut this_leaf = 0;
         for i in 0..len.min(BATCH) {
             let here = [cell[0][i], cell[1][i], cell[2][i]];
@@ -129,16 +160,10 @@ impl<'a> OctreeEvaluator<'a> {
                     node = nodes[path[level] as usize];
                 }
                 before = here;
-                let size = 1 << level;
-                origin = here.map(|cell| f64::from(cell & -size));
-                scale = 1.0 / f64::from(size);
                 this_leaf = node & !LEAF;
             }
-            for axis in 0..3 {
-                t[axis][i] = ((at[axis][i] - origin[axis]) * scale) as f32;
-            }
             leaf[i] = this_leaf;
-            inverse_edge[i] = (scale * inverse_step) as f32;
+            levels[i] = level as u32;
         }
     }
 }
@@ -146,7 +171,12 @@ impl<'a> OctreeEvaluator<'a> {
 impl Evaluator for OctreeEvaluator<'_> {
     fn enter(&mut self, region: &Aabb) {
         let from = self.regions.last().map_or(self.object.root(), |region| region.place);
-        self.regions.push(Region { within: *region, place: self.object.node_around(region, from), bounds: None });
+        self.regions.push(Region {
+            within: *region,
+            place: self.object.node_around(region, from),
+            bounds: None,
+            bricks: None,
+        });
     }
 
     fn bounds(&mut self) -> Interval {
@@ -158,7 +188,8 @@ impl Evaluator for OctreeEvaluator<'_> {
     }
 
     fn steepest(&mut self) -> Option<f64> {
-        self.bounded().map(|bounded| bounded.steepest)
+        let region = self.regions.last()?;
+        Some(self.object.steepest_from(&region.within, region.place))
     }
 
     fn values(&mut self, points: &Points, out: &mut [f32; BATCH]) {

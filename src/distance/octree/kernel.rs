@@ -101,6 +101,8 @@ pub struct Located {
     pub t: [[f32; BATCH]; 3],
     /// The leaf.
     pub leaf: [u32; BATCH],
+    /// How often the leaf's edge doubles that of a smallest cell.
+    pub level: [u32; BATCH],
     /// One over the leaf's edge, in world units.
     pub inverse_edge: [f32; BATCH],
 }
@@ -160,6 +162,22 @@ pub fn place_in_cell(located: &mut Located, origin: [i32; 3], size: i32, len: us
         for (t, at) in located.t[axis].iter_mut().zip(&located.at[axis]).take(lanes(len)) {
             *t = ((at - origin) * scale) as f32;
         }
+    }
+}
+
+/// Works out `t` and `inverse_edge` of so many points from `cell` and `level`; `inverse_step` is one over a smallest cell's
+/// edge.
+#[multiversion(targets("x86_64+avx512f+avx512vl", "x86_64+avx+avx2", "x86_64+sse4.1"))]
+pub fn place_in_leaves(located: &mut Located, inverse_step: f64, len: usize) {
+    let Located { at, cell, t, level, inverse_edge, .. } = located;
+    for n in 0..lanes(len) {
+        // 2⁻ˡᵉᵛᵉˡ, by the bits of its exponent.
+        let scale = f64::from_bits(u64::from(1023 - level[n]) << 52);
+        for axis in 0..3 {
+            let origin = f64::from(cell[axis][n] >> level[n] << level[n]);
+            t[axis][n] = ((at[axis][n] - origin) * scale) as f32;
+        }
+        inverse_edge[n] = (scale * inverse_step) as f32;
     }
 }
 

@@ -13,6 +13,7 @@
 
 mod beyond;
 mod bounds;
+mod bricks;
 mod corners;
 mod evaluate;
 mod feet;
@@ -30,6 +31,7 @@ use rayon::prelude::*;
 
 use self::beyond::Border;
 pub use self::bounds::Bounded;
+use self::bricks::Bricks;
 use self::corners::Numbers;
 use self::evaluate::{OctreeEvaluator, Place};
 use self::kernel::Polynomial;
@@ -186,6 +188,7 @@ pub struct DistanceObject {
     /// By leaf: what points are evaluated by.
     polynomials: Vec<Polynomial>,
     parts: Vec<u32>,
+    bricks: Bricks,
     border: Border,
     slope: f64,
     bounding_box: Option<Aabb>,
@@ -201,7 +204,8 @@ impl DistanceObject {
         let memory = |tree: &Tree, samples: &Samples| {
             // Beside the samples: cells while building, and what is kept.
             let kept = 40 + 3 * 64 + size_of::<Polynomial>();
-            let needed = samples.bytes() + tree.cells.len() * (size_of::<tree::Cell>() + 4 + kept);
+            let needed =
+                samples.bytes() + tree.cells.len() * (size_of::<tree::Cell>() + 4 + kept) + Bricks::bytes_of(tree);
             if needed > settings.memory_limit {
                 return Err(BuildError::Memory { needed, limit: settings.memory_limit });
             }
@@ -241,6 +245,7 @@ impl DistanceObject {
             numbers: made.numbers,
             polynomials,
             parts: made.parts,
+            bricks: Bricks::default(),
             border: Border::default(),
             slope: 0.0,
             bounding_box: None,
@@ -254,6 +259,7 @@ impl DistanceObject {
                 error_relative: 0.0,
             },
         };
+        object.bricks = Bricks::new(&object.nodes, object.root_size());
         object.bound();
         object.measure(&samples);
         if object.bounds[0].value().lo > 0.0 || object.bounds[0].value().hi < 0.0 {
@@ -385,7 +391,8 @@ impl DistanceObject {
             + size_of_val(&self.leaves[..])
             + size_of_val(&self.numbers[..])
             + size_of_val(&self.polynomials[..])
-            + size_of_val(&self.parts[..]);
+            + size_of_val(&self.parts[..])
+            + self.bricks.bytes();
     }
 }
 

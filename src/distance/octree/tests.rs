@@ -350,6 +350,16 @@ fn batches_agree_with_the_reference() {
                 assert_eq!(one.value[0].to_bits(), gradients.value[k].to_bits(), "{name}");
                 assert_eq!(one.gradient(0), gradients.gradient(k), "{name}");
             }
+            // So does a block in a region, the innermost or not.
+            let around = points.bounding_box().expect("points");
+            evaluator.enter(&around.grown(0.3));
+            for _ in 0..2 {
+                evaluator.gradients(&points, &mut one);
+                assert_eq!(one.value.map(f32::to_bits), gradients.value.map(f32::to_bits), "{name}");
+                assert_eq!((one.dx, one.dy, one.dz), (gradients.dx, gradients.dy, gradients.dz), "{name}");
+                evaluator.enter(&around);
+            }
+            (0..3).for_each(|_| evaluator.leave());
         }
     }
 }
@@ -369,7 +379,7 @@ fn bounds_hold_and_are_tight() {
             let bounded = object.bounds(&region);
             evaluator.enter(&region);
             let value = evaluator.bounds();
-            assert_eq!(value, bounded.value);
+            assert_eq!((value, evaluator.steepest()), (bounded.value, Some(bounded.steepest)));
             let mut met = Interval::new(f64::INFINITY, f64::NEG_INFINITY);
             let (mut points, mut out) = (Points::new(centre), Gradients::new());
             for _ in 0..BATCH {
