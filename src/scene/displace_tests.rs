@@ -1,10 +1,11 @@
 //! Surfaces moved by a scalar and solids filled by two structures: against exact answers, over morphs, with bad input.
 
-use std::sync::atomic::AtomicBool;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use glam::{DVec3, IVec3};
 
-use super::scalar_tests::{prepared, refused, scalar, wrong};
+use super::scalar_tests::{loaded, prepared, refused, scalar, wrong};
 use super::*;
 use crate::distance::accuracy::{Accuracy, compare};
 use crate::distance::band::{self, measure};
@@ -252,5 +253,34 @@ fn a_batch_is_its_points() {
     content.field.evaluator().values(&points, &mut values);
     for i in (0..512).step_by(37) {
         assert!((f64::from(values[i]) - content.field.reference(points.position(i))).abs() < 1e-5);
+    }
+}
+
+/// Measuring these takes from seconds to minutes; whoever waits for the end of it has not heard.
+#[test]
+fn measuring_a_shape_stops_when_it_is_told() {
+    let solid = "ellipsoid = [1, 0.7, 0.5]";
+    let displaced = format!("[shape.a]\n{solid}\ndisplace = 'bump'\nattribute.bump = 0.05\n");
+    let banded = format!("[shape.a]\n{solid}\ncolor = {{ bands = [[0, 'red'], [0.2, 'blue']] }}\n");
+    let moving = displaced.replace(solid, "ellipsoid = [1, 0.7, 'mix(0.5, 0.6, t)']");
+    let moving = format!("frames = '1-9'\n{moving}");
+    for text in [displaced, banded, moving] {
+        let cancel = Arc::<AtomicBool>::default();
+        let options = PrepareOptions {
+            voxel_size: None,
+            resolution: Some(2000),
+            half_width: None,
+            memory_limit: None,
+            cancel: Arc::clone(&cancel),
+            progress: &|_| (),
+        };
+        let model = Arc::new(loaded(&text).unwrap_or_else(|problems| panic!("{problems}")));
+        let stopper = std::thread::spawn(move || {
+            std::thread::sleep(std::time::Duration::from_millis(300));
+            cancel.store(true, Ordering::Relaxed);
+        });
+        let result = model.prepare(&options);
+        assert!(matches!(result, Err(Error::Cancelled)), "{text}: {:?}", result.err());
+        stopper.join().expect("it only waits");
     }
 }

@@ -1,7 +1,6 @@
 //! Colours and scalars of shapes at one moment.
 
 use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
 
 use glam::{DAffine3, DVec3};
 
@@ -319,7 +318,7 @@ impl Solids {
             Slope::Exact { outside: true, inside: true } => field,
             _ => {
                 let solid = solid_box(&model, id, field.as_ref())?;
-                let measured = measured(field.as_ref(), solid, voxel, &AtomicBool::new(false));
+                let measured = measured(field.as_ref(), solid, voxel, self.cancel());
                 Arc::new(measured.map_err(|error| Problem::new(shape.span, format!("`{}`: {error}", shape.name)))?)
             }
         };

@@ -52,7 +52,7 @@ pub struct PrepareOptions<'a> {
 impl Model {
     /// Makes ready for frames.
     pub fn prepare(self: &Arc<Self>, options: &PrepareOptions<'_>) -> Result<Prepared, Error> {
-        prepare(self, options).map_err(|stop| self.stopped(stop))
+        unless_cancelled(&options.cancel, prepare(self, options).map_err(|stop| self.stopped(stop)))
     }
 
     /// Why it stopped, with this scene's text.
@@ -63,6 +63,11 @@ impl Model {
             Stop::Problem(problem) => self.error(problem),
         }
     }
+}
+
+/// What fails once it was told to stop has stopped, whatever it says.
+pub(super) fn unless_cancelled<T>(cancel: &AtomicBool, result: Result<T, Error>) -> Result<T, Error> {
+    result.map_err(|error| if cancel.load(Ordering::Relaxed) { Error::Cancelled } else { error })
 }
 
 /// Why preparing stopped.
@@ -101,8 +106,13 @@ fn prepare(model: &Arc<Model>, options: &PrepareOptions<'_>) -> Result<Prepared,
     let assets = Arc::new(Assets::load(model, &parts, options.memory_limit)?);
     let variation = Variation::of(model);
     stop_if(&options.cancel)?;
-    let mut solids =
-        Solids::new(model, &assets, model.moment(model.shot.range.first as f64), resolution(model, options));
+    let mut solids = Solids::new(
+        model,
+        &assets,
+        model.moment(model.shot.range.first as f64),
+        resolution(model, options),
+        &options.cancel,
+    );
     let mut warnings = solids.cut_by_bounds(&parts)?;
     let (content, extent, lattice) = match &model.content {
         Content::Shape(id) => ready_shape(model, &mut solids, &variation, *id, options)?,

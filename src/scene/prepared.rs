@@ -21,7 +21,7 @@ use super::level_sets::LevelSets;
 use super::model::{AttributeSource, Content, Model, Morph, ScalarName, ShapeId};
 use super::morphing::{Planned, shown_at};
 use super::paint::Scenery;
-use super::prepare::{Stop, box_of, sampled_frames, scenery};
+use super::prepare::{Stop, box_of, sampled_frames, scenery, unless_cancelled};
 use super::solid::Solids;
 use super::source::Span;
 use super::variation::Variation;
@@ -109,6 +109,10 @@ impl Prepared {
 
     /// All that one frame is computed from, whatever other frames are asked for.
     pub fn frame(&self, frame: i64) -> Result<FrameContent, Error> {
+        unless_cancelled(&self.cancel, self.content_of(frame))
+    }
+
+    fn content_of(&self, frame: i64) -> Result<FrameContent, Error> {
         let info = self.info(frame);
         let scenery = match &self.content {
             Ready::Still(scenery) => scenery.clone(),

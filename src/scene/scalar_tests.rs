@@ -10,7 +10,7 @@ use crate::field::{BATCH, Points};
 
 use super::*;
 
-fn loaded(text: &str) -> Result<Model, Diagnostics> {
+pub(super) fn loaded(text: &str) -> Result<Model, Diagnostics> {
     let folder = PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/scenes"));
     load(&Source::Text { name: "scene.toml".into(), text: text.into(), folder }, &Overrides::default())
 }

@@ -30,6 +30,8 @@ pub(super) struct Solids {
     assets: Arc<Assets>,
     moment: Moment,
     resolution: f64,
+    /// Set to stop: what is being measured then ends as a problem, whose words do not matter.
+    cancel: Arc<AtomicBool>,
     graph: Graph,
     made: BTreeMap<(ShapeId, Stage), Node>,
     /// The distances of shapes as they are before `displace`, where those had to be measured.
@@ -54,13 +56,20 @@ pub(super) enum Stage {
 
 impl Solids {
     /// Nothing built yet. `resolution` is about how many voxels go along the longest side of what is baked.
-    pub fn new(model: &Arc<Model>, assets: &Arc<Assets>, moment: Moment, resolution: f64) -> Self {
+    pub fn new(
+        model: &Arc<Model>,
+        assets: &Arc<Assets>,
+        moment: Moment,
+        resolution: f64,
+        cancel: &Arc<AtomicBool>,
+    ) -> Self {
         let (model, assets) = (Arc::clone(model), Arc::clone(assets));
         Self {
             model,
             assets,
             moment,
             resolution,
+            cancel: Arc::clone(cancel),
             graph: Graph::new(),
             made: BTreeMap::new(),
             measured: BTreeMap::new(),
@@ -120,6 +129,11 @@ impl Solids {
     pub fn field(&mut self, id: ShapeId, stage: Stage) -> Result<Arc<dyn Field>, Problem> {
         let node = self.node(id, stage)?;
         Ok(Arc::new(Expression::new(&self.graph, node)))
+    }
+
+    /// Set to stop.
+    pub fn cancel(&self) -> &AtomicBool {
+        &self.cancel
     }
 
     /// The moment.
@@ -269,7 +283,7 @@ impl Solids {
             distance = match self.measured.get(&id) {
                 Some(known) => *known,
                 None => {
-                    let measured = displace::measured(&field, solid, voxel, &AtomicBool::new(false))
+                    let measured = displace::measured(&field, solid, voxel, &self.cancel)
                         .map_err(|error| Problem::new(by.span, format!("`{}`: {error}", shape.name)))?;
                     self.graph.field(Arc::new(measured))
                 }
