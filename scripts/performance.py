@@ -96,7 +96,7 @@ def read(logs):
             if kind == "ROW":
                 key = tuple(fields[:4])
                 rows.setdefault(key, (line.partition(" goal ")[2], []))[1].append(float(fields[4]))
-            elif kind in ("STAGE", "GROWTH", "EXPONENT", "PROGRAM", "MEMORY"):
+            elif kind in ("STAGE", "BOUND", "GROWTH", "EXPONENT", "PROGRAM", "MEMORY"):
                 others[kind].append(fields)
     return rows, others
 
@@ -142,6 +142,15 @@ def stages(lines):
     return table(["scene, voxels", *(stage.replace("_", " ") for stage in STAGES), "all"], rows)
 
 
+def bound(lines):
+    found = collections.defaultdict(list)
+    for scene, resolution, *numbers in lines:
+        found[f"{scene} {resolution}"].append([float(number) for number in numbers])
+    head = ["scene, voxels", "points, millions", "distances", "gradients alone", "of that in the caches", "ratio"]
+    rows = [[scene, *(number(statistics.median(column)) for column in zip(*all))] for scene, all in found.items()]
+    return table(head, rows)
+
+
 def growth(lines, exponents):
     head = ["scene, voxels", "active voxels", "made ready", "compute", "write", "memory", "file"]
     rows = []
@@ -176,6 +185,7 @@ def main():
         "errors": errors(rows),
         "runs": {1: "one run", 3: "three runs"}.get(len(sys.argv) - 1, f"{len(sys.argv) - 1} runs"),
         "stages": stages(others["STAGE"]) if others["STAGE"] else MISSING,
+        "bound": bound(others["BOUND"]) if others["BOUND"] else MISSING,
         "growth": growth(others["GROWTH"], others["EXPONENT"]) if others["GROWTH"] else MISSING,
         "program": program(others["PROGRAM"]) if others["PROGRAM"] else MISSING,
         "memory": memory(others["MEMORY"]) if others["MEMORY"] else MISSING,

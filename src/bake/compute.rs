@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
+use super::range::Range;
 use super::velocity::{self, BlockVelocities, Velocities};
 use crate::attribute::{Attribute, Colour, LinearRgb, Sampler, Scalar};
 use crate::distance::band::{self, MeasuredBlock, Report, Settings};
@@ -28,6 +29,26 @@ pub struct Computed {
     pub report: Report,
     /// Active voxels with a colour channel above 1.
     pub bright_voxels: u64,
+    /// The ranges of all but the velocities.
+    pub ranges: Ranges,
+}
+
+/// The least and the greatest active values of a frame.
+#[derive(Clone, Debug)]
+pub struct Ranges {
+    /// Of the distances, positive inside.
+    pub distances: Range<1>,
+    /// Of the colours.
+    pub colours: Range<3>,
+    /// Of each scalar.
+    pub scalars: Vec<Range<1>>,
+}
+
+impl Ranges {
+    /// Where nothing is active, and no scalar.
+    pub(super) fn none() -> Self {
+        Self { distances: Range::none(), colours: Range::none(), scalars: Vec::new() }
+    }
 }
 
 /// Why a frame could not be computed.
@@ -83,6 +104,8 @@ pub struct Attributes<'a> {
 
 /// What one block has of all attributes.
 struct BlockAttributes {
+    /// The range of the distances. Found here, while they are in the caches, as those of the attributes.
+    distances: Range<1>,
     colour: Option<Sampled<3>>,
     scalars: Vec<Sampled<1>>,
     velocities: Option<BlockVelocities>,
@@ -93,6 +116,7 @@ struct Sampled<const N: usize> {
     /// Of the active voxels, in their order.
     active: Box<[[f32; N]]>,
     sum: [f64; N],
+    range: Range<N>,
     bright_voxels: u64,
     /// Where a number is out of range, and what it is.
     wrong: Option<([f64; 3], [f32; N])>,
@@ -113,13 +137,15 @@ pub fn compute(
             attributes.movement.map(|movement| velocity::Visitor::new(movement, settings.lattice.voxel_size.get()));
         let mut feet = Points::new(DVec3::ZERO);
         move |block: &MeasuredBlock| {
+            let distances = Range::of_active(block.distances, block.active);
             if colour.is_none() && scalars.is_empty() && velocity.is_none() {
-                return BlockAttributes { colour: None, scalars: Vec::new(), velocities: None };
+                return BlockAttributes { distances, colour: None, scalars: Vec::new(), velocities: None };
             }
             // An attribute taken at the feet is constant along the surface's normals, so that a mesh of the level set which
             // samples it trilinearly meets the surface's own.
             block.feet_into(&mut feet);
             BlockAttributes {
+                distances,
                 colour: colour.as_mut().map(|colour| colour.sample(&feet, block)),
                 scalars: scalars.iter_mut().map(|scalar| scalar.sample(&feet, block)).collect(),
                 velocities: velocity.as_mut().map(|velocity| velocity.visit(block, &feet)),
@@ -130,7 +156,9 @@ pub fn compute(
     let mut colours = Vec::new();
     let mut scalars: Vec<Vec<Sampled<1>>> = attributes.scalars.iter().map(|_| Vec::new()).collect();
     let mut velocities = Vec::new();
+    let mut ranges = Ranges::none();
     for block in measured.visits {
+        ranges.distances = ranges.distances.joined(block.distances);
         colours.extend(block.colour);
         velocities.extend(block.velocities);
         scalars.iter_mut().zip(block.scalars).for_each(|(all, one)| all.push(one));
@@ -142,6 +170,7 @@ pub fn compute(
         if let Some((position, value)) = colours.iter().find_map(|block| block.wrong) {
             return Err(ComputeError::Colour { position, value });
         }
+        ranges.colours = joined(&colours);
         colour = Some(channel(name, colours, &band));
     }
     let mut channels = Vec::with_capacity(scalars.len());
@@ -149,12 +178,17 @@ pub fn compute(
         if let Some((position, [value])) = blocks.iter().find_map(|block| block.wrong) {
             return Err(ComputeError::Scalar { name: name.clone(), position, value });
         }
+        ranges.scalars.push(joined(&blocks));
         let Channel { name, values, background: [background] } = channel(name, blocks, &band);
         let values = values.into_iter().map(|block| block.into_vec().into_flattened().into()).collect();
         channels.push(Channel { name, values, background });
     }
     let velocities = attributes.movement.map(|movement| velocity::grid(&band, velocities, movement));
-    Ok(Computed { band, colour, scalars: channels, velocities, report: measured.report, bright_voxels })
+    Ok(Computed { band, colour, scalars: channels, velocities, report: measured.report, bright_voxels, ranges })
+}
+
+fn joined<const N: usize>(blocks: &[Sampled<N>]) -> Range<N> {
+    blocks.iter().fold(Range::none(), |all, block| all.joined(block.range))
 }
 
 /// An attribute's channel over a band: its values on the active voxels, their mean everywhere else, so that samples
@@ -191,12 +225,13 @@ impl<'a, const N: usize> Visitor<'a, N> {
         self.sampler.sample(feet, &mut self.sampled);
         self.sampler.leave();
         let active = &self.sampled[..feet.len];
-        let survey = survey(active, self.least);
-        let mut sampled = Sampled { active: active.into(), sum: survey.sum, bright_voxels: 0, wrong: None };
-        if survey.bright {
+        let survey = survey(active);
+        let Survey { sum, range } = survey;
+        let mut sampled = Sampled { active: active.into(), sum, range, bright_voxels: 0, wrong: None };
+        if survey.is_bright() {
             sampled.bright_voxels = active.iter().filter(|value| value.iter().any(|&part| part > 1.0)).count() as u64;
         }
-        if survey.wrong {
+        if survey.is_wrong(self.least) {
             let is_wrong = |value: &[f32; N]| value.iter().any(|&part| is_wrong(part, self.least));
             let at = active.iter().position(is_wrong);
             sampled.wrong = at.map(|at| (feet.position(at).to_array(), active[at]));
@@ -214,36 +249,45 @@ fn is_wrong(number: f32, least: f32) -> bool {
 /// What there is to know about a block's values.
 struct Survey<const N: usize> {
     sum: [f64; N],
-    /// Some number is above 1.
-    bright: bool,
-    /// Some number is wrong.
-    wrong: bool,
+    range: Range<N>,
 }
 
-/// Looks at values. The sums are of every eighth value, then of these, at any vector width.
+impl<const N: usize> Survey<N> {
+    /// Whether a number is above 1.
+    fn is_bright(&self) -> bool {
+        self.range.greatest.iter().any(|&part| part > 1.0)
+    }
+
+    /// Whether a number is below the least, infinite or not a number. A sum with one that is none is none.
+    fn is_wrong(&self, least: f32) -> bool {
+        let Range { least: lowest, greatest } = &self.range;
+        (0..N).any(|part| self.sum[part].is_nan() || lowest[part] < least || greatest[part] == f32::INFINITY)
+    }
+}
+
+/// Looks at values.
+fn survey<const N: usize>(values: &[[f32; N]]) -> Survey<N> {
+    Survey { sum: sum(values), range: Range::of(values) }
+}
+
+/// The sum: of every eighth value, then of these, at any vector width.
 #[multiversion::multiversion(targets = "simd")]
-fn survey<const N: usize>(values: &[[f32; N]], least: f32) -> Survey<N> {
-    let (mut sums, mut bright, mut wrong) = ([[0.0; N]; 8], [[false; N]; 8], [[false; N]; 8]);
+fn sum<const N: usize>(values: &[[f32; N]]) -> [f64; N] {
+    let mut sums = [[0.0; N]; 8];
     let (rows, rest) = values.as_chunks::<8>();
     for row in rows {
         for i in 0..8 {
             for part in 0..N {
                 sums[i][part] += f64::from(row[i][part]);
-                bright[i][part] |= row[i][part] > 1.0;
-                wrong[i][part] |= is_wrong(row[i][part], least);
             }
         }
     }
     for (i, value) in rest.iter().enumerate() {
         for part in 0..N {
             sums[i][part] += f64::from(value[part]);
-            bright[i][part] |= value[part] > 1.0;
-            wrong[i][part] |= is_wrong(value[part], least);
         }
     }
-    let sum = std::array::from_fn(|part| sums.iter().map(|sum| sum[part]).sum());
-    let any = |flags: [[bool; N]; 8]| flags.as_flattened().contains(&true);
-    Survey { sum, bright: any(bright), wrong: any(wrong) }
+    std::array::from_fn(|part| sums.iter().map(|sum| sum[part]).sum())
 }
 
 /// The mean value, summed block after block so that it does not depend on threads.
@@ -266,8 +310,9 @@ mod tests {
         for len in [0, 1, 7, 8, 9, 100, BATCH] {
             let colours: Vec<LinearRgb> =
                 (0..len).map(|i| [0.001, 0.002, 0.0005].map(|part| part * i as f32)).collect();
-            let plain = survey(&colours, 0.0);
-            assert!(!plain.wrong && plain.bright == (len == BATCH));
+            let plain = survey(&colours);
+            assert!(!plain.is_wrong(0.0) && plain.is_bright() == (len == BATCH));
+            assert_eq!(plain.range, Range::of_blocks(&[&colours]));
             for channel in 0..3 {
                 let exact: f64 = colours.iter().map(|colour| f64::from(colour[channel])).sum();
                 assert!((plain.sum[channel] - exact).abs() <= 1e-12 * exact);
@@ -276,9 +321,9 @@ mod tests {
                 for (value, wrong) in [(-1e-9, true), (f32::NAN, true), (f32::INFINITY, true), (1.5, false)] {
                     let mut changed = colours.clone();
                     changed.as_flattened_mut()[place] = value;
-                    let noticed = survey(&changed, 0.0);
-                    assert_eq!(noticed.wrong, wrong, "{value} at {place} of {len}");
-                    assert!(noticed.bright || value <= 1.0 || value.is_nan());
+                    let noticed = survey(&changed);
+                    assert_eq!(noticed.is_wrong(0.0), wrong, "{value} at {place} of {len}");
+                    assert!(noticed.is_bright() || value <= 1.0 || value.is_nan());
                 }
             }
         }

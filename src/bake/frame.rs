@@ -2,7 +2,7 @@
 
 use std::time::{Duration, Instant};
 
-use super::compute::{Attributes, ComputeError, Computed, compute};
+use super::compute::{Attributes, ComputeError, Computed, Ranges, compute};
 use super::estimate::check_memory;
 use super::record::{Record, RecordFile};
 use super::sealed::{self, hexadecimal};
@@ -66,7 +66,8 @@ pub fn empty(prepared: &Prepared) -> Computed {
         inside_tiles: Vec::new(),
     };
     let report = band::Report::default();
-    Computed { band, colour: None, scalars: Vec::new(), velocities: None, report, bright_voxels: 0 }
+    let ranges = Ranges::none();
+    Computed { band, colour: None, scalars: Vec::new(), velocities: None, report, bright_voxels: 0, ranges }
 }
 
 /// What the measurement noticed, in words.

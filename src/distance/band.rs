@@ -153,7 +153,7 @@ pub fn measure<T, V>(
 ) -> Result<Measured<T>, Error>
 where
     T: Send + Sync,
-    V: FnMut(&MeasuredBlock) -> T,
+    V: FnMut(&MeasuredBlock) -> T + Send,
 {
     Ok(measure_opened(field, settings, &visitor, CHUNK)?.measured)
 }
@@ -173,7 +173,7 @@ pub(super) fn measure_opened<T, V>(
 ) -> Result<Opened<T>, Error>
 where
     T: Send + Sync,
-    V: FnMut(&MeasuredBlock) -> T,
+    V: FnMut(&MeasuredBlock) -> T + Send,
 {
     let scope = settings.scope();
     check_size(&scope)?;
@@ -201,7 +201,7 @@ pub(super) fn measure_blocks<T, V>(
 ) -> Result<Measured<T>, Error>
 where
     T: Send + Sync,
-    V: FnMut(&MeasuredBlock) -> T,
+    V: FnMut(&MeasuredBlock) -> T + Send,
 {
     let scope = settings.scope();
     let measuring = Measuring::new(field, &scope, settings.cancel);

@@ -55,7 +55,7 @@ pub fn measure_kept<T, V>(
 ) -> Result<Measured<T>, Error>
 where
     T: Send + Sync,
-    V: FnMut(&MeasuredBlock) -> T,
+    V: FnMut(&MeasuredBlock) -> T + Send,
 {
     let Opened { mut measured, blocks } = measure_opened(field, settings, &visitor, CHUNK)?;
     if keep == Keep::ALL {

@@ -20,6 +20,7 @@ use super::{
     Error, Measured, MeasuredBlock, Report, Thin,
     chunk::{Chunk, Measuring},
     neighbours::Neighbours,
+    pool::Pool,
 };
 use crate::distance::{
     descent::Scope,
@@ -42,10 +43,12 @@ enum Outcome<T> {
     Inside,
 }
 
-pub(super) struct Pass<'a, 'f, T, M> {
+pub(super) struct Pass<'a, 'f, T, V, M> {
     measuring: &'a Measuring<'f>,
     scope: &'a Scope,
     visitor: &'a M,
+    /// Those that were made: what they know of a node serves the next blocks too.
+    visitors: Pool<V>,
     /// All blocks of the pass, in order.
     all: &'a [IVec3],
     measured: Measured<T>,
@@ -60,10 +63,10 @@ pub(super) struct Pass<'a, 'f, T, M> {
     late: BTreeMap<u128, (IVec3, Vec<Seed>)>,
 }
 
-impl<'a, 'f, T, V, M> Pass<'a, 'f, T, M>
+impl<'a, 'f, T, V, M> Pass<'a, 'f, T, V, M>
 where
     T: Send + Sync,
-    V: FnMut(&MeasuredBlock) -> T,
+    V: FnMut(&MeasuredBlock) -> T + Send,
     M: Fn() -> V + Sync,
 {
     pub fn new(measuring: &'a Measuring<'f>, visitor: &'a M, all: &'a [IVec3]) -> Self {
@@ -80,6 +83,7 @@ where
             measuring,
             scope,
             visitor,
+            visitors: Pool::new(),
             all,
             measured: Measured {
                 band,
@@ -215,7 +219,8 @@ where
                 self.measured.report.thin.push(Thin { origin: block.origin, voxels: block.thin, at });
             }
         }
-        staged.par_iter().map_init(self.visitor, |visitor, block| outcome(self.scope, visitor, block)).collect()
+        let visitor = || self.visitors.take(self.visitor);
+        staged.par_iter().map_init(visitor, |visitor, block| outcome(self.scope, &mut **visitor, block)).collect()
     }
 
     /// Takes the staged blocks, whose places in the chunk are `order`, into the band. Memory that is touched first is
@@ -252,7 +257,7 @@ where
             for (origin, seeds) in late.into_values() {
                 self.imports.entry(origin).or_default().push(seeds);
             }
-            let worker = || (self.measuring.meter(), (self.visitor)());
+            let worker = || (self.measuring.meter(), self.visitors.take(self.visitor));
             let again = origins
                 .into_par_iter()
                 .map_init(worker, |(meter, visitor), origin| {
@@ -260,7 +265,7 @@ where
                     meter.enter_nodes(origin);
                     meter.measure(origin, &mut block)?;
                     self.imports[&origin].iter().for_each(|seeds| meter.improve(seeds, &mut block));
-                    Ok((outcome(self.scope, visitor, &block), block))
+                    Ok((outcome(self.scope, &mut **visitor, &block), block))
                 })
                 .collect::<Result<Vec<_>, Error>>()?;
             let mut redone = Vec::with_capacity(again.len());

@@ -123,8 +123,11 @@ fn in_table(cell: [i32; 3]) -> usize {
 }
 
 impl Grid {
-    /// Finds the bricks around all cells from `low` to `high`, which lie in the node `from`. `false` where they are too many.
+    /// Finds the bricks around all cells from `low` to `high` that lie in the node `from`. `false` where they are too many.
     pub fn find(&mut self, object: &DistanceObject, from: Place, low: [i32; 3], high: [i32; 3]) -> bool {
+        // A brick is known whole or not at all.
+        let from = if from.size < EDGE { object.root() } else { from };
+        let high: [i32; 3] = std::array::from_fn(|axis| high[axis].min(from.origin[axis] + from.size - 1));
         self.origin = low.map(|cell| cell >> SHIFT);
         self.along = std::array::from_fn(|axis| (high[axis] >> SHIFT) - self.origin[axis] + 1);
         let count = self.along.iter().try_fold(1_i32, |all, &along| all.checked_mul(along));

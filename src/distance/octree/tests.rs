@@ -364,6 +364,36 @@ fn batches_agree_with_the_reference() {
     }
 }
 
+/// Regions smaller than a cell and larger, on the borders of nodes too, and points that are not quite in them.
+#[test]
+fn a_region_entered_changes_no_bits() {
+    for (name, oracle) in oracles() {
+        let object = build(&*oracle, 1.5, VOXEL);
+        let (mut plain, mut inside) = (object.evaluator(), object.evaluator());
+        let mut random = Random(21);
+        let (mut expected, mut found) = (Gradients::new(), Gradients::new());
+        for i in 0..600 {
+            let mut centre = random.point(1.2);
+            let size = VOXEL * [0.3, 1.0, 2.0, 4.0, 8.0, 16.0][i % 6];
+            if i % 2 == 0 {
+                // Corners of the region are corners of cells.
+                centre = object.origin + ((centre - object.origin) / size).round() * size;
+            }
+            let region = Aabb::new(centre - size, centre + size);
+            let mut points = Points::new(centre);
+            (0..BATCH).for_each(|_| points.push((random.point(1.1) * size).as_vec3()));
+            plain.gradients(&points, &mut expected);
+            inside.enter(&region.grown(size));
+            inside.enter(&region);
+            inside.gradients(&points, &mut found);
+            inside.leave();
+            inside.leave();
+            assert_eq!(found.value.map(f32::to_bits), expected.value.map(f32::to_bits), "{name} in {region:?}");
+            assert_eq!((found.dx, found.dy, found.dz), (expected.dx, expected.dy, expected.dz), "{name} in {region:?}");
+        }
+    }
+}
+
 #[test]
 fn bounds_hold_and_are_tight() {
     for (name, oracle) in oracles() {
