@@ -15,11 +15,13 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 use common::clock::{quartiles, timed};
 use common::scenes::{self, Sampling};
-use common::{fill::node, threads};
+use common::{
+    fill::{in_blocks, node},
+    threads,
+};
 use glam::{DVec3, IVec3};
-use hfvdb::distance::descent::{NODE_EDGE, Scope, descend};
+use hfvdb::distance::descent::{Scope, descend};
 use hfvdb::field::{Aabb, BATCH, Evaluator, Field, Gradients, Interval, Points, Slope};
-use hfvdb::grid::BLOCK_EDGE;
 use rayon::prelude::*;
 
 const ROUNDS: usize = 9;
@@ -101,16 +103,10 @@ impl Evaluator for CountedEvaluator<'_> {
 
 /// Gradients at all voxels of blocks that were found, so many times one after the other.
 fn gradients(field: &dyn Field, scope: &Scope, blocks: &[IVec3], times: u64) {
-    let half_width = f64::from(scope.half_width);
     let of_node = |(evaluator, out): &mut (Box<dyn Evaluator + '_>, Gradients), blocks: &[IVec3]| {
-        evaluator.enter(&scope.centres(node(blocks[0]), NODE_EDGE, half_width));
-        for block in blocks {
-            evaluator.enter(&scope.centres(*block, BLOCK_EDGE, half_width));
-            let points = Points::of_block(*block, &scope.lattice);
-            (0..times).for_each(|_| evaluator.gradients(&points, std::hint::black_box(out)));
-            evaluator.leave();
-        }
-        evaluator.leave();
+        in_blocks(&mut **evaluator, scope, blocks, |evaluator, _, points| {
+            (0..times).for_each(|_| evaluator.gradients(points, std::hint::black_box(out)));
+        });
     };
     let evaluator = || (field.evaluator(), Gradients::new());
     blocks.par_chunk_by(|a, b| node(*a) == node(*b)).for_each_init(evaluator, of_node);

@@ -128,14 +128,21 @@ pub(super) struct Parts<'a> {
 }
 
 impl Parts<'_> {
+    /// Bounds of a blend over each part, one after the other.
+    pub(super) fn each(&self, out: &mut [Interval; BATCH], blend: impl Fn(&Aabb, [Interval; 2]) -> Interval) {
+        for (i, out) in out.iter_mut().enumerate().take(self.middles.len) {
+            *out = blend(&self.region(i), self.bounds(i));
+        }
+    }
+
     /// The box of a part.
-    pub(super) fn region(&self, i: usize) -> Aabb {
+    fn region(&self, i: usize) -> Aabb {
         let place = self.middles.position(i);
         Aabb::new(place - self.size * 0.5, place + self.size * 0.5)
     }
 
     /// Bounds of both distances over a part, in units of D.
-    pub(super) fn bounds(&self, i: usize) -> [Interval; 2] {
+    fn bounds(&self, i: usize) -> [Interval; 2] {
         std::array::from_fn(|object| {
             let (value, most) = (f64::from(self.distances[object][i]) / self.unit, self.spread[object]);
             Interval::new(value - most, value + most)

@@ -64,11 +64,7 @@ impl Evaluator for DelayedEvaluator<'_> {
         let DelayedStb { unit, eased, delay, course, .. } = self.field;
         let blend =
             |part: &Aabb, [first, second]: [Interval; 2]| course.bounds(delay.bounds(part, *eased), first, second);
-        let of_parts = |parts: &Parts, out: &mut [Interval; BATCH]| {
-            for (i, out) in out.iter_mut().enumerate().take(parts.middles.len) {
-                *out = blend(&parts.region(i), parts.bounds(i));
-            }
-        };
+        let of_parts = |parts: &Parts, out: &mut [Interval; BATCH]| parts.each(out, blend);
         scaled(self.both.bounds_of(blend, of_parts), *unit)
     }
 

@@ -94,17 +94,10 @@ impl Evaluator for StbEvaluator<'_> {
 
     fn bounds(&mut self) -> Interval {
         let Stb { exact, fast, .. } = self.stb;
-        let of_parts = |parts: &Parts, out: &mut [Interval; BATCH]| {
-            if exact.rises() {
-                blend_bounds(fast, parts, out);
-            } else {
-                for (i, out) in out.iter_mut().enumerate().take(parts.middles.len) {
-                    let [first, second] = parts.bounds(i);
-                    *out = exact.bounds(first, second);
-                }
-            }
-        };
         let of_region = |_: &Aabb, [first, second]: [Interval; 2]| exact.bounds(first, second);
+        let of_parts = |parts: &Parts, out: &mut [Interval; BATCH]| {
+            if exact.rises() { blend_bounds(fast, parts, out) } else { parts.each(out, of_region) }
+        };
         scaled(self.both.bounds_of(of_region, of_parts), self.stb.unit)
     }
 

@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use glam::{DVec3, IVec3};
 
-use super::scalar_tests::{loaded, prepared, refused, scalar, wrong};
+use super::scalar_tests::{Sampling, prepared, prepared_at, refused, scalar, wrong};
 use super::*;
 use crate::distance::accuracy::{Accuracy, compare};
 use crate::distance::band::{self, measure};
@@ -266,20 +266,12 @@ fn measuring_a_shape_stops_when_it_is_told() {
     let moving = format!("frames = '1-9'\n{moving}");
     for text in [displaced, banded, moving] {
         let cancel = Arc::<AtomicBool>::default();
-        let options = PrepareOptions {
-            voxel_size: None,
-            resolution: Some(2000),
-            half_width: None,
-            memory_limit: None,
-            cancel: Arc::clone(&cancel),
-            progress: &|_| (),
-        };
-        let model = Arc::new(loaded(&text).unwrap_or_else(|problems| panic!("{problems}")));
+        let heard = Arc::clone(&cancel);
         let stopper = std::thread::spawn(move || {
             std::thread::sleep(std::time::Duration::from_millis(300));
             cancel.store(true, Ordering::Relaxed);
         });
-        let result = model.prepare(&options);
+        let result = prepared_at(Sampling::Resolution(2000), heard, &text);
         assert!(matches!(result, Err(Error::Cancelled)), "{text}: {:?}", result.err());
         stopper.join().expect("it only waits");
     }

@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 
 use glam::{DVec3, Vec3};
 
@@ -10,46 +11,40 @@ use crate::field::{BATCH, Points};
 
 use super::*;
 
-pub(super) fn loaded(text: &str) -> Result<Model, Diagnostics> {
+fn loaded(text: &str) -> Result<Model, Diagnostics> {
     let folder = PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/scenes"));
     load(&Source::Text { name: "scene.toml".into(), text: text.into(), folder }, &Overrides::default())
 }
 
 pub(super) fn prepared(text: &str) -> Prepared {
-    prepared_at(Sampling::Resolution(64), text).unwrap_or_else(|error| panic!("{error}"))
+    prepared_at(Sampling::Resolution(64), Arc::default(), text).unwrap_or_else(|error| panic!("{error}"))
 }
 
 /// The same with voxels of an edge that does not depend on the objects.
 #[track_caller]
 pub(super) fn prepared_in_voxels(edge: f64, text: &str) -> Prepared {
-    prepared_at(Sampling::VoxelSize(edge), text).unwrap_or_else(|error| panic!("{error}"))
+    prepared_at(Sampling::VoxelSize(edge), Arc::default(), text).unwrap_or_else(|error| panic!("{error}"))
 }
 
 /// What is wrong with a scene that can be read.
 #[track_caller]
 pub(super) fn refused(text: &str) -> String {
-    prepared_at(Sampling::Resolution(32), text).err().expect("the scene is wrong").to_string()
+    prepared_at(Sampling::Resolution(32), Arc::default(), text).err().expect("the scene is wrong").to_string()
 }
 
-enum Sampling {
+pub(super) enum Sampling {
     Resolution(u32),
     VoxelSize(f64),
 }
 
-fn prepared_at(sampling: Sampling, text: &str) -> Result<Prepared, Error> {
+pub(super) fn prepared_at(sampling: Sampling, cancel: Arc<AtomicBool>, text: &str) -> Result<Prepared, Error> {
     let model = loaded(text).unwrap_or_else(|problems| panic!("{problems}"));
     let (voxel_size, resolution) = match sampling {
         Sampling::Resolution(resolution) => (None, Some(resolution)),
         Sampling::VoxelSize(edge) => (Some(edge), None),
     };
-    let options = PrepareOptions {
-        voxel_size,
-        resolution,
-        half_width: None,
-        memory_limit: None,
-        cancel: Arc::default(),
-        progress: &|_| (),
-    };
+    let options =
+        PrepareOptions { voxel_size, resolution, half_width: None, memory_limit: None, cancel, progress: &|_| () };
     Arc::new(model).prepare(&options)
 }
 

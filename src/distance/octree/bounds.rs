@@ -99,6 +99,17 @@ impl Bounded {
     }
 }
 
+/// Whether a box, in smallest cells, holds the whole of a node; `None` where they do not even touch.
+fn met(place: Place, lo: [f64; 3], hi: [f64; 3]) -> Option<bool> {
+    let (mut whole, mut met) = (true, true);
+    for axis in 0..3 {
+        let (from, to) = (f64::from(place.origin[axis]), f64::from(place.origin[axis] + place.size));
+        whole &= lo[axis] <= from && to <= hi[axis];
+        met &= lo[axis] <= to && from <= hi[axis];
+    }
+    met.then_some(whole)
+}
+
 /// A walk over the cells that a box meets.
 struct Walk<'a> {
     object: &'a DistanceObject,
@@ -113,15 +124,7 @@ struct Walk<'a> {
 
 impl Walk<'_> {
     fn visit(&mut self, place: Place) {
-        let (mut whole, mut met) = (true, true);
-        for axis in 0..3 {
-            let (lo, hi) = (f64::from(place.origin[axis]), f64::from(place.origin[axis] + place.size));
-            whole &= self.lo[axis] <= lo && hi <= self.hi[axis];
-            met &= self.lo[axis] <= hi && lo <= self.hi[axis];
-        }
-        if !met {
-            return;
-        }
+        let Some(whole) = met(place, self.lo, self.hi) else { return };
         let (node, bounds) = (self.object.nodes[place.node as usize], &self.object.bounds[place.node as usize]);
         if whole {
             self.found.add_stored(bounds);
@@ -278,16 +281,11 @@ impl DistanceObject {
             return;
         }
         let [lo, hi] = region;
-        let (mut whole, mut met) = (true, true);
-        for axis in 0..3 {
-            let (from, to) = (f64::from(place.origin[axis]), f64::from(place.origin[axis] + place.size));
-            whole &= lo[axis] <= from && to <= hi[axis];
-            met &= lo[axis] <= to && from <= hi[axis];
-        }
+        let Some(whole) = met(place, lo, hi) else { return };
         let node = self.nodes[place.node as usize];
-        if met && (whole || node & LEAF != 0) {
+        if whole || node & LEAF != 0 {
             *found = steepest;
-        } else if met {
+        } else {
             (0..8).for_each(|child| self.visit_steepest(region, place.nth_child(node, child), found));
         }
     }

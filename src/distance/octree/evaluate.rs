@@ -2,7 +2,6 @@
 
 use glam::DVec3;
 
-use super::bounds::Bounded;
 use super::bricks::Grid;
 use super::kernel::{self, Extent, Located};
 use super::{DistanceObject, LEAF};
@@ -49,8 +48,6 @@ struct Region {
     within: Aabb,
     /// The innermost node that holds the part of the root nearest to it.
     place: Place,
-    /// Bounds over it, once they are asked for: they cost more than entering.
-    bounds: Option<Bounded>,
     /// Whether the bricks around it have been looked for, and found.
     bricks: Option<bool>,
 }
@@ -111,12 +108,6 @@ impl<'a> OctreeEvaluator<'a> {
         self.regions.iter().rev().map(|region| &region.place).find(holds).copied().unwrap_or(self.object.root())
     }
 
-    /// Bounds over the innermost region.
-    fn bounded(&mut self) -> Option<Bounded> {
-        let region = self.regions.last_mut()?;
-        Some(*region.bounds.get_or_insert_with(|| self.object.bounds_from(&region.within, region.place)))
-    }
-
     /// Finds the leaves by the bricks around a region; `false` where some points are not in any of them.
     fn place_by_bricks(&mut self, len: usize, low: [i32; 3], high: [i32; 3]) -> bool {
         let depth = self.regions.len();
@@ -171,16 +162,12 @@ impl<'a> OctreeEvaluator<'a> {
 impl Evaluator for OctreeEvaluator<'_> {
     fn enter(&mut self, region: &Aabb) {
         let from = self.regions.last().map_or(self.object.root(), |region| region.place);
-        self.regions.push(Region {
-            within: *region,
-            place: self.object.node_around(region, from),
-            bounds: None,
-            bricks: None,
-        });
+        self.regions.push(Region { within: *region, place: self.object.node_around(region, from), bricks: None });
     }
 
     fn bounds(&mut self) -> Interval {
-        self.bounded().map_or(Interval::ALL, |bounded| bounded.value)
+        let Some(region) = self.regions.last() else { return Interval::ALL };
+        self.object.bounds_from(&region.within, region.place).value
     }
 
     fn leave(&mut self) {
