@@ -59,6 +59,18 @@ std::shared_ptr<Grid> float_grid(const Head& head, const Blocks& blocks, float b
 std::shared_ptr<Grid> vector_grid(
     const Head& head, const Blocks& blocks, std::array<float, 3> background, std::array<float, 3> tile_value);
 
+// What a grid's head says of all but its values; what it holds is in encode.cpp.
+class Nodes {
+public:
+    struct Parts;
+    explicit Nodes(std::unique_ptr<Parts> parts);
+    ~Nodes();
+    const Parts& parts() const { return *mParts; }
+
+private:
+    std::unique_ptr<Parts> mParts;
+};
+
 // The parts of a file.
 class Writer {
 public:
@@ -67,7 +79,8 @@ public:
     std::unique_ptr<std::string> file_head(rust::Slice<const Meta> metadata, std::int32_t grids);
     std::size_t leaves(const Grid& grid, const Leaves& leaves, rust::Slice<std::int64_t> sizes,
         rust::Slice<std::uint8_t> target) const;
-    std::unique_ptr<std::string> grid_head(const Grid& grid, const LeafSizes& leaves, std::int64_t position) const;
+    std::unique_ptr<Nodes> nodes(const Grid& grid) const;
+    std::unique_ptr<std::string> grid_head(const Nodes& nodes, const LeafSizes& leaves, std::int64_t position) const;
 
 private:
     class Archive;

@@ -97,32 +97,25 @@ void write_values(std::ostream& out, const float* values, std::size_t count, boo
 
 static_assert(sizeof(openvdb::Vec3s) == 3 * sizeof(float), "vectors are three floats");
 
-// A grid's metadata with the statistics and sizes that readers look for.
-void write_metadata(const openvdb::GridBase& grid, const LeafSizes& leaves, std::ostream& stream)
+// A copy of a grid, on the same tree, whose metadata may be changed.
+openvdb::GridBase::Ptr with_own_metadata(const openvdb::GridBase& grid)
 {
     const openvdb::GridBase::ConstPtr shallow = grid.copyGrid();
-    const openvdb::GridBase::Ptr copy = openvdb::ConstPtrCast<openvdb::GridBase>(shallow);
-    copy->addStatsMetadata();
-    // The memory of the grid as its readers have it: with the values, which its leaves here lack.
-    const bool is_float = grid.isType<openvdb::FloatGrid>();
-    const std::int64_t values = std::int64_t(leaves.masks.size()) * LEAF_VOXELS;
-    const std::int64_t value_bytes = values * std::int64_t(is_float ? sizeof(float) : sizeof(openvdb::Vec3s));
-    copy->insertMeta(openvdb::GridBase::META_FILE_MEM_BYTES,
-        openvdb::Int64Metadata(std::int64_t(grid.memUsage()) + value_bytes));
-    const std::uint32_t flags = io::getDataCompression(stream);
-    copy->insertMeta(openvdb::GridBase::META_FILE_COMPRESSION, openvdb::StringMetadata(io::compressionToString(flags)));
-    if (!leaves.masks.empty()) {
-        io::DelayedLoadMetadata delayed;
-        delayed.resizeMask(leaves.masks.size());
-        const bool compressed = flags & (io::COMPRESS_BLOSC | io::COMPRESS_ZIP);
-        if (compressed) delayed.resizeCompressedSize(leaves.sizes.size());
-        for (std::size_t leaf = 0; leaf < leaves.masks.size(); ++leaf) {
-            delayed.setMask(leaf, leaves.masks[leaf]);
-            if (compressed) delayed.setCompressedSize(leaf, leaves.sizes[leaf]);
-        }
-        copy->insertMeta(openvdb::GridBase::META_FILE_DELAYED_LOAD, delayed);
+    return openvdb::ConstPtrCast<openvdb::GridBase>(shallow);
+}
+
+// What readers look for of leaves' values: how to find each leaf's without reading those before it.
+io::DelayedLoadMetadata delayed_load(const LeafSizes& leaves, std::uint32_t compression)
+{
+    io::DelayedLoadMetadata delayed;
+    delayed.resizeMask(leaves.masks.size());
+    const bool compressed = compression & (io::COMPRESS_BLOSC | io::COMPRESS_ZIP);
+    if (compressed) delayed.resizeCompressedSize(leaves.sizes.size());
+    for (std::size_t leaf = 0; leaf < leaves.masks.size(); ++leaf) {
+        delayed.setMask(leaf, leaves.masks[leaf]);
+        if (compressed) delayed.setCompressedSize(leaf, leaves.sizes[leaf]);
     }
-    copy->writeMeta(stream);
+    return delayed;
 }
 
 } // namespace
@@ -209,20 +202,64 @@ std::size_t Writer::leaves(
     return sink.size();
 }
 
-std::unique_ptr<std::string> Writer::grid_head(const Grid& grid, const LeafSizes& leaves, std::int64_t position) const
+// Where a grid's nodes stand does not depend on its leaves' values, so both can be encoded at the same time.
+struct Nodes::Parts {
+    // Has the statistics that readers look for.
+    openvdb::GridBase::Ptr metadata;
+    // The transform and the nodes down to the leaves' masks.
+    std::unique_ptr<std::string> bytes;
+};
+
+Nodes::Nodes(std::unique_ptr<Parts> parts)
+    : mParts(std::move(parts))
+{
+}
+Nodes::~Nodes() = default;
+
+std::unique_ptr<Nodes> Writer::nodes(const Grid& grid) const
 {
     const openvdb::GridBase& base = *grid.parts().grid;
     MemoryStream out(mParts->settings);
     io::setGridClass(out.stream, base.getGridClass());
+    const std::uint32_t compression = mParts->archive.of_grid(base);
+    io::setDataCompression(out.stream, compression);
+    base.writeTransform(out.stream);
+    base.writeTopology(out.stream);
+
+    const openvdb::GridBase::Ptr metadata = with_own_metadata(base);
+    metadata->addStatsMetadata();
+    // The memory of the grid as its readers have it: with the values, which its leaves here lack.
+    const std::int64_t values = std::int64_t(base.baseTree().leafCount()) * LEAF_VOXELS;
+    const bool is_float = base.isType<openvdb::FloatGrid>();
+    const std::int64_t value_bytes = values * std::int64_t(is_float ? sizeof(float) : sizeof(openvdb::Vec3s));
+    metadata->insertMeta(openvdb::GridBase::META_FILE_MEM_BYTES,
+        openvdb::Int64Metadata(std::int64_t(base.memUsage()) + value_bytes));
+    metadata->insertMeta(
+        openvdb::GridBase::META_FILE_COMPRESSION, openvdb::StringMetadata(io::compressionToString(compression)));
+    return std::make_unique<Nodes>(std::make_unique<Nodes::Parts>(Nodes::Parts{metadata, out.take()}));
+}
+
+std::unique_ptr<std::string> Writer::grid_head(
+    const Nodes& nodes, const LeafSizes& leaves, std::int64_t position) const
+{
+    const openvdb::GridBase& base = *nodes.parts().metadata;
+    MemoryStream out(mParts->settings);
     io::GridDescriptor descriptor(base.getName(), base.type(), base.saveFloatAsHalf());
     descriptor.writeHeader(out.stream);
     const std::size_t offsets_at = out.bytes().size();
     descriptor.writeStreamPos(out.stream); // to be replaced below
     descriptor.setGridPos(position + std::int64_t(out.bytes().size()));
-    mParts->archive.setGridCompression(out.stream, base);
-    write_metadata(base, leaves, out.stream);
-    base.writeTransform(out.stream);
-    base.writeTopology(out.stream);
+    mParts->archive.setGridCompression(out.stream, base); // writes it too
+    if (leaves.masks.empty()) {
+        base.writeMeta(out.stream);
+    } else {
+        const openvdb::GridBase::Ptr copy = with_own_metadata(base);
+        copy->insertMeta(
+            openvdb::GridBase::META_FILE_DELAYED_LOAD, delayed_load(leaves, io::getDataCompression(out.stream)));
+        copy->writeMeta(out.stream);
+    }
+    const std::string& bytes = *nodes.parts().bytes;
+    out.stream.write(bytes.data(), std::streamsize(bytes.size()));
     const std::int64_t end = position + std::int64_t(out.bytes().size());
     descriptor.setBlockPos(end);
     descriptor.setEndPos(end + leaves.bytes);

@@ -141,8 +141,11 @@ pub(super) mod ffi {
         /// Compresses leaves into `target`; returns the bytes they take there. `sizes` are those of each leaf's
         /// compressed values.
         fn leaves(self: &Writer, grid: &Grid, leaves: &Leaves, sizes: &mut [i64], target: &mut [u8]) -> Result<usize>;
+        /// What a grid's head says of all but its values.
+        type Nodes;
+        fn nodes(self: &Writer, grid: &Grid) -> Result<UniquePtr<Nodes>>;
         /// What stands before the first leaf of a grid that starts at that byte of the file.
-        fn grid_head(self: &Writer, grid: &Grid, leaves: &LeafSizes, position: i64) -> Result<UniquePtr<CxxString>>;
+        fn grid_head(self: &Writer, nodes: &Nodes, leaves: &LeafSizes, position: i64) -> Result<UniquePtr<CxxString>>;
 
         /// One grid of a file that lies in memory and was walked; `descriptor` is where its descriptor stands.
         fn decode(bytes: &[u8], descriptor: usize) -> Result<SharedPtr<Grid>>;
@@ -176,3 +179,5 @@ unsafe impl Sync for ffi::Grid {}
 // SAFETY: a `Writer` changes only through a unique reference; its other functions have streams of their own.
 unsafe impl Send for ffi::Writer {}
 unsafe impl Sync for ffi::Writer {}
+// SAFETY: `Nodes` are bytes and metadata of their own, and a grid that may be read from any thread.
+unsafe impl Send for ffi::Nodes {}

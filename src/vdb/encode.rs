@@ -52,12 +52,12 @@ pub fn encode(frame: &Frame<'_>, compression: Compression) -> Result<Encoded, Er
     let head = writer.pin_mut().file_head(&to_bridge(&frame.metadata), grids).map_err(library)?;
     let mut pieces = vec![head.as_bytes().to_vec()];
     let mut position = pieces[0].len();
-    for grid in &frame.grids {
-        let topology = grid.topology()?;
-        let leaves = encode_leaves(grid, compression, &topology, &writer)?;
+    let grids: Vec<_> = frame.grids.par_iter().map(|grid| encode_grid(grid, compression, &writer)).collect();
+    for grid in grids {
+        let (nodes, leaves) = grid?;
         let bytes: usize = leaves.pieces.iter().map(Vec::len).sum();
         let sizes = ffi::LeafSizes { masks: &leaves.masks, sizes: &leaves.sizes, bytes: bytes as i64 };
-        let head = writer.grid_head(&topology, &sizes, position as i64).map_err(library)?;
+        let head = writer.grid_head(&nodes, &sizes, position as i64).map_err(library)?;
         position += head.len() + bytes;
         pieces.push(head.as_bytes().to_vec());
         pieces.extend(leaves.pieces);
@@ -73,6 +73,20 @@ struct EncodedLeaves {
     masks: Vec<i8>,
     /// The bytes of each leaf's compressed values.
     sizes: Vec<i64>,
+}
+
+/// A grid without what depends on where in the file it stands.
+fn encode_grid(
+    grid: &Grid<'_>,
+    compression: Compression,
+    writer: &ffi::Writer,
+) -> Result<(cxx::UniquePtr<ffi::Nodes>, EncodedLeaves), Error> {
+    let topology = grid.topology()?;
+    let (nodes, leaves) = rayon::join(
+        || writer.nodes(&topology).map_err(|error| Error::grid(grid.name, error.what())),
+        || encode_leaves(grid, compression, &topology, writer),
+    );
+    Ok((nodes?, leaves?))
 }
 
 fn encode_leaves(
