@@ -7,7 +7,7 @@ mod common;
 
 use std::{cell::RefCell, hint::black_box, process::Command};
 
-use common::clock::{Seconds, pairs, timed};
+use common::clock::{Seconds, pairs, time_of_many, timed};
 use common::memory::resident;
 use common::report::{Goal, Row};
 use common::scenes::{self, Sampling};
@@ -19,9 +19,6 @@ const PAIRS: usize = 5;
 /// Pairs of the machine's own measures run between those of a job, so that both meet the same machine: rounds, and pairs
 /// of either in one.
 const TURNS: [usize; 2] = [5, 2];
-/// Seconds that a sample of two threads against one takes at least, by one run after the other: threads that slept need
-/// some milliseconds to spread over the cores, which are none of the work's.
-const SAMPLE: f64 = 0.5;
 const LEAF_BYTES: usize = 512 * 4 + 64 + 12;
 
 /// A scene made ready at a resolution.
@@ -41,17 +38,6 @@ impl Job {
     fn time(&self) -> Seconds {
         timed(|| self.run()).0
     }
-}
-
-/// Seconds a run, over many.
-fn time_of_many(work: impl Fn() -> Seconds) -> Seconds {
-    let (mut total, mut runs) = ([0.0; 2], 0.0);
-    while total[0] < SAMPLE {
-        let [clock, processor] = work();
-        total = [total[0] + clock, total[1] + processor];
-        runs += 1.0;
-    }
-    total.map(|seconds| seconds / runs)
 }
 
 /// Arithmetic in registers, in pieces that any thread takes: two threads are to one what the machine gives at that

@@ -6,7 +6,7 @@
 
 mod common;
 
-use common::clock::{Seconds, pairs, timed};
+use common::clock::{Seconds, pairs, time_of_many, timed};
 use common::report::{Goal, Row};
 use glam::{DVec3, IVec3};
 use hfvdb::grid::*;
@@ -14,6 +14,8 @@ use hfvdb::vdb::{Compression, Frame, Grid, WriteOptions, encode, rivals, set_thr
 use rayon::ThreadPool;
 
 const PAIRS: usize = 21;
+/// Pairs of samples of many runs.
+const SAMPLES: usize = 9;
 
 /// The band of a sphere of radius 0.9 in the box [-1, 1]³.
 fn sphere(resolution: i32) -> Band {
@@ -129,7 +131,8 @@ fn bench(resolution: u32) {
         Goal::AtLeast(3.0),
         &voxels,
     );
-    let threads = pairs(PAIRS, || compressed(all), || compressed(1));
+    let sample = |threads| time_of_many(|| compressed(threads));
+    let threads = pairs(SAMPLES, || sample(all), || sample(1));
     row("18-handover").compare("all threads against one, handing over and encoding", Goal::AtLeast(1.6), &threads);
     compare_writing(&band, row("written"));
 }

@@ -23,6 +23,21 @@ pub fn timed<T>(work: impl FnOnce() -> T) -> (Seconds, T) {
     ([start.elapsed().as_secs_f64(), processor_seconds() - processor], result)
 }
 
+/// Seconds that a sample of two threads against one takes at least, by one run after the other: threads that slept need
+/// some milliseconds to spread over the cores, which are none of the work's.
+const SAMPLE: f64 = 0.5;
+
+/// Seconds a run, over many.
+pub fn time_of_many(work: impl Fn() -> Seconds) -> Seconds {
+    let (mut total, mut runs) = ([0.0; 2], 0.0);
+    while total[0] < SAMPLE {
+        let [clock, processor] = work();
+        total = [total[0] + clock, total[1] + processor];
+        runs += 1.0;
+    }
+    total.map(|seconds| seconds / runs)
+}
+
 /// Ours and theirs, run one after the other, the first of a pair in turns, so that both meet the same machine. One
 /// pair before them warms memory and caches.
 pub fn pairs(

@@ -4,6 +4,8 @@
 //! A leaf in a file is the mask of its active voxels, a byte that says how inactive ones are kept, for some a second
 //! mask, and the active values, compressed (`io/Compression.h` of OpenVDB).
 
+use std::ops::Range;
+
 use rayon::prelude::*;
 
 use super::blosc;
@@ -81,33 +83,35 @@ fn encode_grid(
     compression: Compression,
     writer: &ffi::Writer,
 ) -> Result<(cxx::UniquePtr<ffi::Nodes>, EncodedLeaves), Error> {
-    let topology = grid.topology()?;
-    let (nodes, leaves) = rayon::join(
-        || writer.nodes(&topology).map_err(|error| Error::grid(grid.name, error.what())),
-        || encode_leaves(grid, compression, &topology, writer),
-    );
+    grid.check()?;
+    let failed = |error: cxx::Exception| Error::grid(grid.name, error.what());
+    let nodes = |topology: &ffi::Grid| writer.nodes(topology).map_err(failed);
+    let (nodes, leaves) = if compression == Compression::Blosc && !grid.half {
+        // Nothing here waits for the tree that OpenVDB makes of the nodes.
+        let piece = |run: &mut Run, mut leaves: Range<usize>| leaves.try_for_each(|block| run.compress(grid, block));
+        rayon::join(|| nodes(&*grid.topology()?), || encode_leaves(grid, piece))
+    } else {
+        let topology = grid.topology()?;
+        let piece = |run: &mut Run, mut leaves: Range<usize>| {
+            leaves.try_for_each(|block| run.gather(grid, block))?;
+            run.compress_gathered(&topology, writer).map_err(failed)
+        };
+        rayon::join(|| nodes(&topology), || encode_leaves(grid, piece))
+    };
     Ok((nodes?, leaves?))
 }
 
+/// All leaves of a grid; `piece` puts a range of them into an empty run.
 fn encode_leaves(
     grid: &Grid<'_>,
-    compression: Compression,
-    topology: &ffi::Grid,
-    writer: &ffi::Writer,
+    piece: impl Fn(&mut Run, Range<usize>) -> Result<(), Error> + Sync,
 ) -> Result<EncodedLeaves, Error> {
-    let ours = compression == Compression::Blosc && !grid.half;
     let blocks = grid.blocks().origins.len();
     let starts: Vec<usize> = (0..blocks).step_by(LEAVES_A_PIECE).collect();
     let encoded: Vec<EncodedLeaves> = starts
         .into_par_iter()
         .map_init(Run::default, |run, start| {
-            let mut leaves = start..blocks.min(start + LEAVES_A_PIECE);
-            if ours {
-                leaves.try_for_each(|block| run.compress(grid, block))?;
-                return Ok(run.take());
-            }
-            leaves.try_for_each(|block| run.gather(grid, block))?;
-            run.compress_gathered(topology, writer).map_err(|error| Error::grid(grid.name, error.what()))?;
+            piece(run, start..blocks.min(start + LEAVES_A_PIECE))?;
             Ok(run.take())
         })
         .collect::<Result<_, Error>>()?;

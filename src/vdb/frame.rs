@@ -171,7 +171,7 @@ impl<'a> Grid<'a> {
     }
 
     /// What a caller can get wrong, before the bridge relies on it.
-    fn check(&self) -> Result<(), Error> {
+    pub(super) fn check(&self) -> Result<(), Error> {
         let blocks = self.blocks();
         let refuse = |problem: String| Err(Error::grid(self.name, problem));
         if self.name.is_empty() || self.name.chars().any(char::is_control) {
@@ -231,9 +231,8 @@ impl<'a> Grid<'a> {
         }
     }
 
-    /// The nodes, leaves and tiles of the grid in OpenVDB's hands; the values stay here.
+    /// The nodes, leaves and tiles of a grid that was checked, in OpenVDB's hands; the values stay here.
     pub(super) fn topology(&self) -> Result<cxx::SharedPtr<ffi::Grid>, Error> {
-        self.check()?;
         let blocks = self.blocks();
         let metadata = to_bridge(&self.metadata);
         let origins: Vec<i32> = blocks.origins.iter().flat_map(IVec3::to_array).collect();

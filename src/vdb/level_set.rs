@@ -25,6 +25,7 @@ impl LevelSet {
     /// [`Error::Grid`] where the band is none that OpenVDB's tree can hold; [`Error::Library`] from OpenVDB.
     pub fn new(band: &Band) -> Result<Self, Error> {
         let grid = Grid { name: "surface", content: Content::LevelSet(band), half: false, metadata: Metadata::new() };
+        grid.check()?;
         let topology = grid.topology()?;
         let grid = ffi::with_distances(&topology, band.distances.as_flattened()).map_err(library)?;
         Ok(Self { grid, lattice: band.lattice, half_width: band.half_width })
