@@ -115,6 +115,10 @@ struct Work<'a> {
     around: Around,
     at: Box<Gradients>,
     queries: Points,
+    /// Those that need a seed, their positions and the numbers of their seeds.
+    seeking: Vec<usize>,
+    seeking_from: Vec<DVec3>,
+    nearest: Vec<usize>,
     open: Vec<Approach>,
 }
 
@@ -125,6 +129,9 @@ impl ClosestPoint for FieldFeet<'_> {
             around: Around::new(),
             at: Box::default(),
             queries: Points::new(DVec3::ZERO),
+            seeking: Vec::new(),
+            seeking_from: Vec::new(),
+            nearest: Vec::new(),
             open: Vec::new(),
         };
         for (start, chunk) in (0..).step_by(BATCH).zip(positions.chunks(BATCH)) {
@@ -157,7 +164,7 @@ impl FieldFeet<'_> {
         if prune {
             work.evaluator.leave();
         }
-        let mut last = None;
+        work.seeking.clear();
         for (query, (position, foot)) in positions.iter().zip(feet.iter_mut()).enumerate() {
             let (value, slope) = (f64::from(work.at.value[query]), work.at.gradient(query).as_dvec3());
             let gradient = slope.normalize_or_zero();
@@ -168,10 +175,17 @@ impl FieldFeet<'_> {
             }
             if exact && gradient != DVec3::ZERO {
                 foot.point = *position - gradient * value;
-            } else if let Some((index, seed)) = self.seeds.nearest(*position, last) {
-                last = Some(index);
-                work.open.push(Approach::new(start + query, *position, value >= 0.0, seed));
+            } else {
+                work.seeking.push(query);
             }
+        }
+        let Work { seeking, seeking_from, nearest, open, at, .. } = work;
+        seeking_from.clear();
+        seeking_from.extend(seeking.iter().map(|&query| positions[query]));
+        self.seeds.nearest_each(seeking_from, nearest);
+        for (&query, &seed) in seeking.iter().zip(nearest.iter()) {
+            let inside = at.value[query] >= 0.0;
+            open.push(Approach::new(start + query, positions[query], inside, self.seeds.point(seed)));
         }
     }
 

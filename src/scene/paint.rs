@@ -362,11 +362,11 @@ impl NearestCopy {
 
 impl CellIndex for NearestCopy {
     fn indices(&self, points: &Points, out: &mut [u32; BATCH]) {
-        let mut last = None;
-        for (i, out) in out[..points.len].iter_mut().enumerate() {
-            let nearest = self.middles.nearest(points.position(i), last);
-            last = nearest.map(|(number, _)| number);
-            *out = last.map_or(0, |number| self.copies[number]);
+        let positions: Vec<DVec3> = (0..points.len).map(|i| points.position(i)).collect();
+        let mut nearest = Vec::with_capacity(BATCH);
+        self.middles.nearest_each(&positions, &mut nearest);
+        for (out, number) in out.iter_mut().zip(nearest) {
+            *out = self.copies[number];
         }
     }
 }

@@ -1,6 +1,20 @@
 //! Points in space and which of them is the nearest: a k-d tree that is the same on any machine.
 
+use std::hint::select_unpredictable;
+
 use glam::DVec3;
+
+use crate::distance::polish::around::box_of;
+use crate::field::Aabb;
+
+/// Looking at so many points one after the other, for many positions at once, takes less time than searches of the tree.
+const MOST_IN_TURN: usize = 256;
+
+/// So few positions are looked up one by one.
+const FEWEST: usize = 16;
+
+/// Positions looked at together: few enough for what is known of them to stay in registers.
+const LANES: usize = 8;
 
 /// Points in a leaf. Fewer makes the tree deeper, more makes leaves slow.
 const LEAF: usize = 8;
@@ -12,6 +26,7 @@ pub struct PointTree {
     nodes: Vec<Node>,
 }
 
+#[derive(Clone, Copy)]
 struct Node {
     /// The box around its points: points of a surface fill little of the space between the cuts.
     least: DVec3,
@@ -23,6 +38,49 @@ struct Node {
 impl Node {
     fn distance_squared(&self, position: DVec3) -> f64 {
         (self.least - position).max(position - self.greatest).max(DVec3::ZERO).length_squared()
+    }
+}
+
+/// What may be the nearest to some position of a region.
+struct Near<'a> {
+    region: Aabb,
+    /// No position of the region is farther than this, squared, from some point.
+    within: f64,
+    /// Some are beyond it by now.
+    points: &'a mut Vec<usize>,
+}
+
+impl Near<'_> {
+    /// Whether all of a box of points is farther from the region than others are from all of it.
+    fn is_beyond(&mut self, least: DVec3, greatest: DVec3) -> bool {
+        let Aabb { min, max } = self.region;
+        let farthest = (greatest - min).max(max - least).max(DVec3::ZERO).length_squared();
+        self.within = self.within.min(farthest);
+        let nearest = (least - max).max(min - greatest).max(DVec3::ZERO).length_squared();
+        // A little more than the rounding of either.
+        nearest > self.within * (1.0 + 1e-12)
+    }
+}
+
+/// Which of some points, told by number, each position is nearest to: of equally near ones the first.
+#[multiversion::multiversion(targets = "simd")]
+fn nearest_among(positions: &[DVec3], points: &[DVec3], among: &[usize], found: &mut [usize]) {
+    for (positions, found) in positions.chunks(LANES).zip(found.chunks_mut(LANES)) {
+        let (mut x, mut y, mut z) = ([0.0; LANES], [0.0; LANES], [0.0; LANES]);
+        for (i, position) in positions.iter().enumerate() {
+            (x[i], y[i], z[i]) = (position.x, position.y, position.z);
+        }
+        let (mut least, mut nearest) = ([f64::INFINITY; LANES], [among[0]; LANES]);
+        for &number in among {
+            let point = points[number];
+            for i in 0..LANES {
+                let (dx, dy, dz) = (point.x - x[i], point.y - y[i], point.z - z[i]);
+                let distance = dx * dx + dy * dy + dz * dz;
+                nearest[i] = select_unpredictable(distance < least[i], number, nearest[i]);
+                least[i] = if distance < least[i] { distance } else { least[i] };
+            }
+        }
+        found.copy_from_slice(&nearest[..found.len()]);
     }
 }
 
@@ -39,12 +97,75 @@ impl PointTree {
         self.points.len()
     }
 
+    /// The point of a number.
+    pub fn point(&self, number: usize) -> DVec3 {
+        self.points[number]
+    }
+
     /// The nearest point and its number, which a later call for a position nearby may be given to start from.
     pub fn nearest(&self, position: DVec3, start: Option<usize>) -> Option<(usize, DVec3)> {
         let first = start.unwrap_or(0);
         let mut best = (self.points.get(first)?.distance_squared(position), first);
         self.search(position, 0, 0, self.points.len(), &mut best);
         Some((best.1, self.points[best.1]))
+    }
+
+    /// The number of the point nearest to each position, the same as by [`Self::nearest`]; none where there are no points.
+    /// Faster where positions that follow one another lie together.
+    pub fn nearest_each(&self, positions: &[DVec3], found: &mut Vec<usize>) {
+        found.clear();
+        if !self.points.is_empty() {
+            self.append_nearest(positions, &mut Vec::new(), found);
+        }
+    }
+
+    /// Appends what [`Self::nearest_each`] finds; `near` is scratch memory.
+    fn append_nearest(&self, positions: &[DVec3], near: &mut Vec<usize>, found: &mut Vec<usize>) {
+        if positions.len() < FEWEST {
+            let mut last = None;
+            for position in positions {
+                last = self.nearest(*position, last).map(|(number, _)| number);
+                found.extend(last);
+            }
+            return;
+        }
+        near.clear();
+        let mut search = Near { region: box_of(positions.iter().copied()), within: f64::INFINITY, points: near };
+        if self.collect(0, 0, self.points.len(), &mut search) {
+            // In the order of their numbers: of equally near points the first.
+            near.sort_unstable();
+            let start = found.len();
+            found.resize(start + positions.len(), 0);
+            nearest_among(positions, &self.points, near, &mut found[start..]);
+        } else {
+            let (some, others) = positions.split_at(positions.len() / 2);
+            self.append_nearest(some, near, found);
+            self.append_nearest(others, near, found);
+        }
+    }
+
+    /// Collects those of the points `from..to` of a node that may be the nearest to a position of a region; `false` where
+    /// they are too many.
+    fn collect(&self, node: usize, from: usize, to: usize, near: &mut Near) -> bool {
+        let Node { least, greatest, upper } = self.nodes[node];
+        if near.is_beyond(least, greatest) {
+            return true;
+        }
+        if to - from <= LEAF {
+            for (number, point) in (from..to).zip(&self.points[from..to]) {
+                if !near.is_beyond(*point, *point) {
+                    near.points.push(number);
+                }
+            }
+            return near.points.len() <= MOST_IN_TURN;
+        }
+        let middle = from + (to - from) / 2;
+        let mut halves = [(node + 1, from, middle), (upper as usize, middle, to)];
+        let distance = |half: &(usize, usize, usize)| self.nodes[half.0].distance_squared(near.region.centre());
+        if distance(&halves[1]) < distance(&halves[0]) {
+            halves.swap(0, 1);
+        }
+        halves.into_iter().all(|(node, from, to)| self.collect(node, from, to, near))
     }
 
     /// Looks through the points `from..to` of a node.
@@ -126,5 +247,29 @@ mod tests {
             last = Some(index);
         }
         assert!(PointTree::new(Vec::new()).nearest(DVec3::ZERO, None).is_none());
+    }
+
+    /// Near the points, among them and far away; where the positions' box holds few points, and where it holds many.
+    #[test]
+    fn positions_that_lie_together_find_the_same() {
+        let mut state = 7_u64;
+        let mut unit = || {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+            (state >> 11) as f64 / (1_u64 << 53) as f64
+        };
+        let points: Vec<DVec3> = (0..4000).map(|_| (DVec3::new(unit(), unit(), unit()) * 40.0).floor()).collect();
+        let tree = PointTree::new(points);
+        let mut found = Vec::new();
+        for round in 0..60 {
+            let middle = DVec3::new(unit(), unit(), unit()) * 90.0 - 25.0;
+            let reach = [0.0, 0.5, 3.0, 30.0][round % 4];
+            let position = |_| ((middle + DVec3::new(unit(), unit(), unit()) * reach) * 4.0).round() / 4.0;
+            let positions: Vec<DVec3> = (0..1 + round * 7).map(position).collect();
+            tree.nearest_each(&positions, &mut found);
+            let alone = positions.iter().map(|position| tree.nearest(*position, None).expect("there are points").0);
+            assert!(found.iter().copied().eq(alone));
+        }
+        PointTree::new(Vec::new()).nearest_each(&[DVec3::ZERO], &mut found);
+        assert!(found.is_empty());
     }
 }

@@ -188,16 +188,33 @@ impl Grid {
         level: &mut [u32; BATCH],
         len: usize,
     ) {
-        for i in 0..len.min(BATCH) {
-            let cell = [cells[0][i], cells[1][i], cells[2][i]];
-            let holder =
-                self.holders[self.place(std::array::from_fn(|axis| (cell[axis] >> SHIFT) - self.origin[axis]))];
-            (leaf[i], level[i]) = if holder.level == IN_BRICK {
-                let entry = u32::from(bricks.tables[holder.brick as usize][in_table(cell)]);
+        // Where to look is worked out for many at a time, and stands where the answers will.
+        places(cells, self.origin, self.along, leaf, level, len);
+        for (leaf, level) in leaf.iter_mut().zip(level).take(len) {
+            let holder = self.holders[*leaf as usize];
+            (*leaf, *level) = if holder.level == IN_BRICK {
+                let entry = u32::from(bricks.tables[holder.brick as usize][*level as usize]);
                 (holder.leaf + (entry >> LEVEL_BITS), entry & ((1 << LEVEL_BITS) - 1))
             } else {
                 (holder.leaf, holder.level)
             };
         }
+    }
+}
+
+/// Where the holder of each of so many cells stands in a [`Grid`], and the cell in a brick's table.
+#[multiversion::multiversion(targets = "simd")]
+fn places(
+    [x, y, z]: &[[i32; BATCH]; 3],
+    origin: [i32; 3],
+    along: [i32; 3],
+    holders: &mut [u32; BATCH],
+    entries: &mut [u32; BATCH],
+    len: usize,
+) {
+    for i in 0..len.min(BATCH) {
+        let brick = [(x[i] >> SHIFT) - origin[0], (y[i] >> SHIFT) - origin[1], (z[i] >> SHIFT) - origin[2]];
+        holders[i] = ((brick[0] * along[1] + brick[1]) * along[2] + brick[2]) as u32;
+        entries[i] = in_table([x[i], y[i], z[i]]) as u32;
     }
 }

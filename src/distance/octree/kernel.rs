@@ -225,7 +225,15 @@ pub fn values_in_cell(polynomial: &Polynomial, t: &[[f32; BATCH]; 3], out: &mut 
     let Polynomial(c) = polynomial;
     for n in 0..lanes(len) {
         let [x, y, z] = [t[0][n], t[1][n], t[2][n]];
-        let by_z = from_fn(|k| cubic(from_fn(|j| cubic(from_fn(|i| c[i][j][k]), x)), y));
+        // Loops: closures within closures are not inlined here.
+        let mut by_z = [0.0; 4];
+        for k in 0..4 {
+            let mut along_x = [0.0; 4];
+            for j in 0..4 {
+                along_x[j] = cubic([c[0][j][k], c[1][j][k], c[2][j][k], c[3][j][k]], x);
+            }
+            by_z[k] = cubic(along_x, y);
+        }
         out[n] = cubic(by_z, z);
     }
 }

@@ -373,7 +373,7 @@ impl DistanceObject {
     }
 
     fn measure(&mut self, samples: &Samples) {
-        let errors = |(place, sample): &([u32; 3], samples::Sample)| {
+        let errors = |(place, sample): ([u32; 3], &samples::Sample)| {
             let position = self.origin + DVec3::from(place.map(f64::from)) * self.step;
             let error = (self.jet(position)[0] - sample.value).abs();
             let distance = sample.value.abs();
@@ -381,7 +381,7 @@ impl DistanceObject {
             (at_surface, error / distance.max(self.step))
         };
         let worst = |a: (f64, f64), b: (f64, f64)| (a.0.max(b.0), a.1.max(b.1));
-        let (at_surface, relative) = samples.all().par_iter().map(errors).reduce(|| (0.0, 0.0), worst);
+        let (at_surface, relative) = samples.all().map(errors).reduce(|| (0.0, 0.0), worst);
         self.report.error_at_surface = at_surface;
         self.report.error_relative = relative;
         self.report.cells = self.leaves.len();

@@ -95,12 +95,14 @@ pub struct Samples<'a> {
     step: f64,
     index: KeyMap,
     taken: Vec<Sample>,
+    /// The Morton key of each.
+    keys: Vec<u64>,
 }
 
 impl<'a> Samples<'a> {
     /// No samples yet, on the lattice `origin + step·place`.
     pub fn new(oracle: &'a dyn ClosestPoint, watch: &'a Watch<'a>, origin: DVec3, step: f64) -> Self {
-        Self { oracle, watch, origin, step, index: KeyMap::default(), taken: Vec::new() }
+        Self { oracle, watch, origin, step, index: KeyMap::default(), taken: Vec::new(), keys: Vec::new() }
     }
 
     /// How many were taken.
@@ -110,7 +112,7 @@ impl<'a> Samples<'a> {
 
     /// Bytes held.
     pub fn bytes(&self) -> usize {
-        self.taken.capacity() * size_of::<Sample>() + self.index.capacity() * 18
+        self.taken.capacity() * size_of::<Sample>() + self.keys.capacity() * 8 + self.index.capacity() * 18
     }
 
     /// The sample at a point asked for before.
@@ -134,11 +136,9 @@ impl<'a> Samples<'a> {
         &self.taken[number as usize]
     }
 
-    /// Every sample with its place.
-    pub fn all(&self) -> Vec<([u32; 3], Sample)> {
-        let mut all: Vec<_> = self.index.iter().map(|(key, &index)| (*key, self.taken[index as usize])).collect();
-        all.par_sort_unstable_by_key(|(key, _)| *key);
-        all.into_iter().map(|(key, sample)| (unmorton(key), sample)).collect()
+    /// Every sample with its place; neighbours mostly follow one another.
+    pub fn all(&self) -> impl IndexedParallelIterator<Item = ([u32; 3], &Sample)> {
+        self.keys.par_iter().map(|key| unmorton(*key)).zip(&self.taken)
     }
 
     /// Takes the samples at the points that cells name, but those taken before. `progress` is told the share done.
@@ -184,6 +184,7 @@ impl<'a> Samples<'a> {
             progress(done as f64 / all as f64);
             Ok(())
         })?;
+        self.keys.extend_from_slice(&keys);
         self.index.reserve(keys.len());
         for (i, key) in keys.iter().enumerate() {
             self.index.insert(*key, (start + i) as u32);
