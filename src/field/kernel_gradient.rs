@@ -9,25 +9,30 @@ use super::tape::{Code, LaneQuadric};
 use super::width::VectorWidth;
 use super::{BATCH, Gradients};
 
-/// Points in one pass over a tape. Fewer: more time goes to fetching instructions; more: the registers, six times as
+/// Points in one pass over a tape. Fewer: more time goes to fetching instructions; more: the registers, four times as
 /// large as those of values, leave the nearest cache.
 const LANES: usize = 64;
 
 /// Up to this many points take one short pass: the few left in a search for feet.
-const FEW: usize = 16;
+const FEW: usize = WIDE;
+
+/// Lanes that an instruction works on together: its derivatives by its arguments stay in vector registers meanwhile.
+const WIDE: usize = 16;
+
+/// One number for each lane.
+type Lanes = [[f32; WIDE]; LANES / WIDE];
 
 /// One register: value and three derivatives for each lane.
 #[derive(Clone)]
 #[repr(align(64))]
 pub(super) struct Dual {
-    pub value: [f32; LANES],
-    pub slope: [[f32; LANES]; 3],
-    /// The derivatives by the arguments of the instruction that wrote this register.
-    along: [[f32; LANES]; 2],
+    pub value: Lanes,
+    pub slope: [Lanes; 3],
 }
 
 impl Dual {
-    pub const ZERO: Self = Self { value: [0.0; LANES], slope: [[0.0; LANES]; 3], along: [[0.0; LANES]; 2] };
+    const NONE: Lanes = [[0.0; WIDE]; LANES / WIDE];
+    pub const ZERO: Self = Self { value: Self::NONE, slope: [Self::NONE; 3] };
 }
 
 /// Writes value and gradient of each output of the tape at the points.
@@ -60,23 +65,27 @@ fn run_avx512(run: &Run, registers: &mut [Dual], outs: &mut [&mut Gradients]) {
 
 /// `out = f(a)` with `(value, derivative by a)` on every lane.
 ///
-/// Derivatives go through arrays of their own, in the register that is written: one loop over all arrays at once
-/// has more pairs that might overlap than compilers check, and stays scalar. Plain indices, because what is not
-/// inlined into a function as large as this is compiled for the narrowest vectors.
+/// Lanes are taken in wholes of fixed length into arrays of their own: loops over all arrays at once have more pairs
+/// that might overlap than compilers check, and stay scalar. Plain indices, because what is not inlined into a function
+/// as large as this is compiled for the narrowest vectors.
 macro_rules! each {
     ($registers:ident, $at:ident, $a:ident => $pair:expr) => {{
         let [out, a] = $registers
             .get_disjoint_mut([$at.out as usize, $at.a as usize])
             .expect("an output never shares its argument's register");
-        let along_a = &mut out.along[0];
-        for i in 0..N {
-            let $a = a.value[i];
-            (out.value[i], along_a[i]) = $pair;
-        }
-        for axis in 0..3 {
-            let (out, a) = (&mut out.slope[axis], &a.slope[axis]);
-            for i in 0..N {
-                out[i] = along_a[i] * a[i];
+        for at in 0..N / WIDE {
+            let (mut value, mut along_a) = ([0.0; WIDE], [0.0; WIDE]);
+            for i in 0..WIDE {
+                let $a = a.value[at][i];
+                (value[i], along_a[i]) = $pair;
+            }
+            out.value[at] = value;
+            for axis in 0..3 {
+                let mut slope = [0.0; WIDE];
+                for i in 0..WIDE {
+                    slope[i] = along_a[i] * a.slope[axis][at][i];
+                }
+                out.slope[axis][at] = slope;
             }
         }
     }};
@@ -95,15 +104,19 @@ macro_rules! both {
             let [out, a, b] = $registers
                 .get_disjoint_mut([$at.out as usize, $at.a as usize, $at.b as usize])
                 .expect("an output never shares its argument's register");
-            let [along_a, along_b] = &mut out.along;
-            for i in 0..N {
-                let ($a, $b) = (a.value[i], b.value[i]);
-                (out.value[i], along_a[i], along_b[i]) = $triple;
-            }
-            for axis in 0..3 {
-                let (out, a, b) = (&mut out.slope[axis], &a.slope[axis], &b.slope[axis]);
-                for i in 0..N {
-                    out[i] = flushed(along_a[i] * a[i] + along_b[i] * b[i]);
+            for at in 0..N / WIDE {
+                let (mut value, mut along_a, mut along_b) = ([0.0; WIDE], [0.0; WIDE], [0.0; WIDE]);
+                for i in 0..WIDE {
+                    let ($a, $b) = (a.value[at][i], b.value[at][i]);
+                    (value[i], along_a[i], along_b[i]) = $triple;
+                }
+                out.value[at] = value;
+                for axis in 0..3 {
+                    let mut slope = [0.0; WIDE];
+                    for i in 0..WIDE {
+                        slope[i] = flushed(along_a[i] * a.slope[axis][at][i] + along_b[i] * b.slope[axis][at][i]);
+                    }
+                    out.slope[axis][at] = slope;
                 }
             }
         }
@@ -124,9 +137,9 @@ fn body<const N: usize>(run: &Run, registers: &mut [Dual], outs: &mut [&mut Grad
                 }
                 Code::Input(leaf) => {
                     let (from, to) = (&run.inputs[leaf as usize], &mut registers[at.out as usize]);
-                    to.value[..N].copy_from_slice(pass::<N>(&from.value, first));
+                    to.value.as_flattened_mut()[..N].copy_from_slice(pass::<N>(&from.value, first));
                     for (to, from) in to.slope.iter_mut().zip([&from.dx, &from.dy, &from.dz]) {
-                        to[..N].copy_from_slice(pass::<N>(from, first));
+                        to.as_flattened_mut()[..N].copy_from_slice(pass::<N>(from, first));
                     }
                 }
                 Code::Linear(scale, offset) => each!(registers, at, a => (a * scale + offset, scale)),
@@ -227,8 +240,8 @@ fn flushed(derivative: f32) -> f32 {
 }
 
 #[inline(always)]
-fn copy(to: &mut [f32], from: &[f32; LANES]) {
-    to.copy_from_slice(&from[..to.len()]);
+fn copy(to: &mut [f32], from: &Lanes) {
+    to.copy_from_slice(&from.as_flattened()[..to.len()]);
 }
 
 #[inline(always)]
@@ -254,28 +267,37 @@ fn displacement_slopes(first: f32, second: f32) -> (f32, f32) {
 
 #[inline(always)]
 fn affine<const N: usize>([a, b, c, d]: [f32; 4], [x, y, z]: [&[f32; N]; 3], out: &mut Dual) {
+    let value = out.value.as_flattened_mut();
     for i in 0..N {
-        out.value[i] = a * x[i] + b * y[i] + c * z[i] + d;
+        value[i] = a * x[i] + b * y[i] + c * z[i] + d;
     }
     for (slope, along) in out.slope.iter_mut().zip([a, b, c]) {
-        slope[..N].fill(along);
+        slope.as_flattened_mut()[..N].fill(along);
     }
 }
 
 #[inline(always)]
 fn quadric<const N: usize>(quadric: &LaneQuadric, [x, y, z]: [&[f32; N]; 3], out: &mut Dual) {
     let ([p, q, r], constant, [s, t, m]) = (quadric.rows, quadric.constant, quadric.signs);
-    for i in 0..N {
-        let u = p[0] * x[i] + p[1] * y[i] + p[2] * z[i] + p[3];
-        let v = q[0] * x[i] + q[1] * y[i] + q[2] * z[i] + q[3];
-        let w = r[0] * x[i] + r[1] * y[i] + r[2] * z[i] + r[3];
-        out.value[i] = constant + (s * (u * u) + t * (v * v) + m * (w * w));
-        let (u, v, w) = (2.0 * s * u, 2.0 * t * v, 2.0 * m * w);
+    for at in 0..N / WIDE {
+        let (mut value, mut slope) = ([0.0; WIDE], [[0.0; WIDE]; 3]);
+        for i in 0..WIDE {
+            let (x, y, z) = (x[WIDE * at + i], y[WIDE * at + i], z[WIDE * at + i]);
+            let u = p[0] * x + p[1] * y + p[2] * z + p[3];
+            let v = q[0] * x + q[1] * y + q[2] * z + q[3];
+            let w = r[0] * x + r[1] * y + r[2] * z + r[3];
+            value[i] = constant + (s * (u * u) + t * (v * v) + m * (w * w));
+            let (u, v, w) = (2.0 * s * u, 2.0 * t * v, 2.0 * m * w);
+            for axis in 0..3 {
+                slope[axis][i] = u * p[axis] + v * q[axis] + w * r[axis];
+            }
+        }
+        out.value[at] = value;
         for axis in 0..3 {
-            out.slope[axis][i] = u * p[axis] + v * q[axis] + w * r[axis];
+            out.slope[axis][at] = slope[axis];
         }
     }
 }
 
 /// Lanes of a batch past the last whole pass do not exist.
-const _: () = assert!(BATCH.is_multiple_of(LANES));
+const _: () = assert!(BATCH.is_multiple_of(LANES) && LANES.is_multiple_of(WIDE));
