@@ -365,6 +365,8 @@ impl CellIndex for NearestCopy {
         let positions: Vec<DVec3> = (0..points.len).map(|i| points.position(i)).collect();
         let mut nearest = Vec::with_capacity(BATCH);
         self.middles.nearest_each(&positions, &mut nearest);
+        // No number comes back where there are no copies.
+        out[..points.len].fill(0);
         for (out, number) in out.iter_mut().zip(nearest) {
             *out = self.copies[number];
         }
