@@ -227,13 +227,17 @@ fn build(points: &mut [DVec3], nodes: &mut Vec<Node>) {
 mod tests {
     use super::*;
 
-    #[test]
-    fn the_nearest_is_that_of_a_plain_search() {
-        let mut state = 1_u64;
-        let mut unit = || {
+    /// Numbers from 0 to 1.
+    fn random(mut state: u64) -> impl FnMut() -> f64 {
+        move || {
             state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
             (state >> 11) as f64 / (1_u64 << 53) as f64
-        };
+        }
+    }
+
+    #[test]
+    fn the_nearest_is_that_of_a_plain_search() {
+        let mut unit = random(1);
         // Coarse coordinates, to have ties and points that fall together.
         let points: Vec<DVec3> = (0..500).map(|_| (DVec3::new(unit(), unit(), unit()) * 8.0).floor()).collect();
         let tree = PointTree::new(points);
@@ -252,11 +256,7 @@ mod tests {
     /// Near the points, among them and far away; where the positions' box holds few points, and where it holds many.
     #[test]
     fn positions_that_lie_together_find_the_same() {
-        let mut state = 7_u64;
-        let mut unit = || {
-            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
-            (state >> 11) as f64 / (1_u64 << 53) as f64
-        };
+        let mut unit = random(7);
         let points: Vec<DVec3> = (0..4000).map(|_| (DVec3::new(unit(), unit(), unit()) * 40.0).floor()).collect();
         let tree = PointTree::new(points);
         let mut found = Vec::new();
