@@ -73,19 +73,19 @@ macro_rules! each {
         let [out, a] = $registers
             .get_disjoint_mut([$at.out as usize, $at.a as usize])
             .expect("an output never shares its argument's register");
-        for at in 0..N / WIDE {
+        for whole in 0..N / WIDE {
             let (mut value, mut along_a) = ([0.0; WIDE], [0.0; WIDE]);
             for i in 0..WIDE {
-                let $a = a.value[at][i];
+                let $a = a.value[whole][i];
                 (value[i], along_a[i]) = $pair;
             }
-            out.value[at] = value;
+            out.value[whole] = value;
             for axis in 0..3 {
                 let mut slope = [0.0; WIDE];
                 for i in 0..WIDE {
-                    slope[i] = along_a[i] * a.slope[axis][at][i];
+                    slope[i] = along_a[i] * a.slope[axis][whole][i];
                 }
-                out.slope[axis][at] = slope;
+                out.slope[axis][whole] = slope;
             }
         }
     }};
@@ -104,19 +104,19 @@ macro_rules! both {
             let [out, a, b] = $registers
                 .get_disjoint_mut([$at.out as usize, $at.a as usize, $at.b as usize])
                 .expect("an output never shares its argument's register");
-            for at in 0..N / WIDE {
+            for whole in 0..N / WIDE {
                 let (mut value, mut along_a, mut along_b) = ([0.0; WIDE], [0.0; WIDE], [0.0; WIDE]);
                 for i in 0..WIDE {
-                    let ($a, $b) = (a.value[at][i], b.value[at][i]);
+                    let ($a, $b) = (a.value[whole][i], b.value[whole][i]);
                     (value[i], along_a[i], along_b[i]) = $triple;
                 }
-                out.value[at] = value;
+                out.value[whole] = value;
                 for axis in 0..3 {
                     let mut slope = [0.0; WIDE];
                     for i in 0..WIDE {
-                        slope[i] = flushed(along_a[i] * a.slope[axis][at][i] + along_b[i] * b.slope[axis][at][i]);
+                        slope[i] = flushed(along_a[i] * a.slope[axis][whole][i] + along_b[i] * b.slope[axis][whole][i]);
                     }
-                    out.slope[axis][at] = slope;
+                    out.slope[axis][whole] = slope;
                 }
             }
         }

@@ -122,6 +122,11 @@ fn in_table(cell: [i32; 3]) -> usize {
     ((x * EDGE + y) * EDGE + z) as usize
 }
 
+/// Where a brick of a [`Grid`] stands among its holders, counted from the least, with so many along each axis.
+fn in_grid([x, y, z]: [i32; 3], along: [i32; 3]) -> i32 {
+    (x * along[1] + y) * along[2] + z
+}
+
 impl Grid {
     /// Finds the bricks around all cells from `low` to `high` that lie in the node `from`. `false` where they are too many.
     pub fn find(&mut self, object: &DistanceObject, from: Place, low: [i32; 3], high: [i32; 3]) -> bool {
@@ -162,14 +167,10 @@ impl Grid {
         let [x, y, z] = ranges;
         for x in x {
             for y in y.clone() {
-                let row = self.place([x, y, 0]);
+                let row = in_grid([x, y, 0], self.along) as usize;
                 self.holders[row + z.start as usize..row + z.end as usize].fill(holder);
             }
         }
-    }
-
-    fn place(&self, [x, y, z]: [i32; 3]) -> usize {
-        ((x * self.along[1] + y) * self.along[2] + z) as usize
     }
 
     /// Whether all cells from `low` to `high` are in bricks that were found.
@@ -214,7 +215,7 @@ fn places(
 ) {
     for i in 0..len.min(BATCH) {
         let brick = [(x[i] >> SHIFT) - origin[0], (y[i] >> SHIFT) - origin[1], (z[i] >> SHIFT) - origin[2]];
-        holders[i] = ((brick[0] * along[1] + brick[1]) * along[2] + brick[2]) as u32;
+        holders[i] = in_grid(brick, along) as u32;
         entries[i] = in_table([x[i], y[i], z[i]]) as u32;
     }
 }
