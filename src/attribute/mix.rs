@@ -62,7 +62,8 @@ impl<const N: usize> Mix<N> for Straight {
     }
 }
 
-/// Mixes colours of one object with colours of another.
+/// Mixes colours of one object with colours of another. What lies between two colours that can be shown can be shown too:
+/// where a space's way leads past 1, the channel stays there (or at the greatest of both, where that is more).
 ///
 /// In spaces with a hue the hue goes the short way round and a grey takes the other's. Where two hues are nearly
 /// opposite, the way is that of the objects' mean colours, decided once, so that the body does not go through green
@@ -121,6 +122,16 @@ impl Mixer {
         let mut mixed = [[0.0; N]; 3];
         if mixing {
             self.mix_encoded(&self.encoded(from), &self.encoded(to), weights, &mut mixed);
+            // The way between two colours may lead out of what can be shown: below 0, where decoding stops it, or above 1.
+            for i in 0..N {
+                let mut most: f32 = 1.0;
+                for channel in 0..3 {
+                    most = most.max(from[i][channel]).max(to[i][channel]);
+                }
+                for mixed in &mut mixed {
+                    mixed[i] = mixed[i].min(most);
+                }
+            }
         }
         // Not into `from`, which may be kept: see `lane_math`.
         let mut out = [[0.0; 3]; N];
@@ -265,6 +276,32 @@ mod tests {
     fn linear_light_mixes_by_weight() {
         let mixed = Mixer::new(ColourSpace::Rgb, Turn::Up).mix([1.0, 0.0, 0.5], [0.0, 1.0, 0.5], 0.25);
         assert_eq!(mixed, [0.75, 0.25, 0.5]);
+    }
+
+    /// Also where the plain way through the space leads beyond what can be shown, as between some colours it does.
+    #[test]
+    fn between_colours_that_can_be_shown_all_can() {
+        let corner = |bits: usize| -> LinearRgb { [0, 1, 2].map(|channel| (bits >> channel & 1) as f32) };
+        let mut beyond = 0;
+        for (_, space) in ColourSpace::NAMES {
+            let mixer = Mixer::new(space, Turn::Up);
+            for pair in 0..64 {
+                let (from, to) = (corner(pair >> 3), corner(pair & 7));
+                for weight in [0.1, 0.25, 0.5, 0.75, 0.9] {
+                    let mixed = mixer.mix(from, to, weight);
+                    assert!(mixed.iter().all(|part| (0.0..=1.0).contains(part)), "{space:?} {from:?} {to:?} {mixed:?}");
+                    let bright = mixer.mix(from.map(|part| 3.0 * part), to, weight);
+                    assert!(
+                        bright.iter().all(|part| (0.0..=3.0).contains(part)),
+                        "{space:?} {from:?} {to:?} {bright:?}"
+                    );
+                    let (one, two) = (space.encode(from), space.encode(to));
+                    let plain = space.decode(std::array::from_fn(|i| one[i] + (two[i] - one[i]) * weight));
+                    beyond += usize::from(space == ColourSpace::Oklab && plain.iter().any(|part| *part > 1.01));
+                }
+            }
+        }
+        assert!(beyond > 0, "nothing was held back");
     }
 
     #[test]

@@ -22,11 +22,7 @@ pub fn sweep(
     distances: &mut [f32; BLOCK_VOXELS],
     changed: &mut [bool; BLOCK_VOXELS],
 ) -> bool {
-    let mut limits = [0.0; BLOCK_VOXELS];
-    for (limit, &distance) in limits.iter_mut().zip(distances.iter()) {
-        *limit = limit_of(voxel, reach, distance);
-    }
-    if !any_nearer(voxel, &limits, points, feet, distances) {
+    if !any_nearer(voxel, reach, points, feet, distances) {
         return false;
     }
     let mut any = false;
@@ -74,16 +70,14 @@ pub fn square_beside(square: f32, way: f32, step: f32) -> f32 {
 
 /// Whether a sweep would find anything: the usual answer is no, and a plain loop finds that out fast.
 #[multiversion(targets = "simd")]
-fn any_nearer(
-    voxel: f32,
-    limits: &[f32; BLOCK_VOXELS],
-    points: &Points,
-    feet: &Points,
-    distances: &[f32; BLOCK_VOXELS],
-) -> bool {
+fn any_nearer(voxel: f32, reach: f32, points: &Points, feet: &Points, distances: &[f32; BLOCK_VOXELS]) -> bool {
+    let mut limits = [0.0; BLOCK_VOXELS];
+    for i in 0..BLOCK_VOXELS {
+        limits[i] = limit_of(voxel, reach, distances[i]);
+    }
+    let (mut onward, mut back) = ([0.0; BLOCK_VOXELS], [0.0; BLOCK_VOXELS]);
     let mut any = 0;
     for (stride, points, feet) in [(64, &points.x, &feet.x), (8, &points.y, &feet.y), (1, &points.z, &feet.z)] {
-        let (mut onward, mut back) = ([0.0; BLOCK_VOXELS], [0.0; BLOCK_VOXELS]);
         for i in 0..BLOCK_VOXELS {
             let (square, way) = (distances[i] * distances[i], points[i] - feet[i]);
             onward[i] = square_beside(square, way, voxel);

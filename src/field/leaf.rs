@@ -54,24 +54,26 @@ impl Affine {
 
     /// Bounds over a box, rounded outward.
     pub fn bounds(&self, region: &Aabb) -> Interval {
-        if self.is_constant() {
-            return Interval::checked(self.constant, self.constant);
+        let (mut least, mut most) = (self.constant, self.constant);
+        let (mut below, mut above) = (self.constant.abs(), self.constant.abs());
+        for axis in 0..3 {
+            let slope = self.slope[axis];
+            // A form that does not change along an axis does not at its far ends either. Most change along one alone.
+            if slope == 0.0 {
+                continue;
+            }
+            let (from, to) = (slope * region.min[axis], slope * region.max[axis]);
+            let (from, to) = if from < to { (from, to) } else { (to, from) };
+            least += from;
+            most += to;
+            below += from.abs();
+            above += to.abs();
         }
-        let (from, to) = (self.slope * region.min, self.slope * region.max);
-        let (mut least, mut most) = (from.min(to), from.max(to));
-        if !(region.min.is_finite() && region.max.is_finite()) {
-            // A form that does not change along an axis does not at its far ends either.
-            let changes = self.slope.cmpne(DVec3::ZERO);
-            (least, most) = (DVec3::select(changes, least, DVec3::ZERO), DVec3::select(changes, most, DVec3::ZERO));
-        }
-        let (below, above) = (least.abs(), most.abs());
-        let size = self.constant.abs();
-        // Three products and three sums round to within 6 half-ulps of the largest magnitude that occurs.
+        // Three products and three sums round to within 6 half-ulps of the largest magnitude that occurs. A constant is
+        // what it is.
         const SLACK: f64 = 4.0 * f64::EPSILON;
-        Interval::checked(
-            self.constant + least.x + least.y + least.z - SLACK * (size + below.x + below.y + below.z),
-            self.constant + most.x + most.y + most.z + SLACK * (size + above.x + above.y + above.z),
-        )
+        let slack = if self.is_constant() { 0.0 } else { SLACK };
+        Interval::checked(least - slack * below, most + slack * above)
     }
 
     /// The `f32` form for offsets from an origin: three coefficients and the constant there.
@@ -137,27 +139,30 @@ impl Quadric {
 
     /// Bounds over a box, rounded outward; tight where the forms vary independently.
     pub fn bounds(&self, region: &Aabb) -> Interval {
-        if self.used() == 0 {
-            return Interval::checked(self.constant, self.constant);
-        }
         let (mut lo, mut hi) = (self.constant, self.constant);
         let (mut below, mut above) = (self.constant.abs(), self.constant.abs());
-        for (weight, form) in self.terms.iter().filter(|(weight, _)| *weight != 0.0) {
+        let mut slack = 0.0;
+        for (weight, form) in &self.terms {
+            if *weight == 0.0 {
+                continue;
+            }
+            // Two products a term, and three sums, round to within 6 half-ulps of the largest magnitude that occurs. A
+            // constant is what it is.
+            slack = 8.0 * f64::EPSILON;
             let ends = form.bounds(region);
             let (one, two) = (ends.lo * ends.lo, ends.hi * ends.hi);
-            let least = if ends.contains(0.0) { 0.0 } else { one.min(two) };
+            let (lesser, greater) = if one < two { (one, two) } else { (two, one) };
+            let least = if ends.contains(0.0) { 0.0 } else { lesser };
             // A square too small for a number is still one.
-            let most = if ends == Interval::ZERO { 0.0 } else { one.max(two).max(f64::MIN_POSITIVE) };
-            let (one, two) = (weight * least, weight * most);
-            let (from, to) = (one.min(two), one.max(two));
+            let most = if ends == Interval::ZERO { 0.0 } else { greater.max(f64::MIN_POSITIVE) };
+            let (from, to) =
+                if *weight > 0.0 { (weight * least, weight * most) } else { (weight * most, weight * least) };
             lo += from;
             hi += to;
             below += from.abs();
             above += to.abs();
         }
-        // Two products a term, and three sums, round to within 6 half-ulps of the largest magnitude that occurs.
-        const SLACK: f64 = 8.0 * f64::EPSILON;
-        Interval::checked(lo - SLACK * below, hi + SLACK * above)
+        Interval::checked(lo - slack * below, hi + slack * above)
     }
 
     /// A bound of the slope of `√self`, where `self` is a sum of squares without a constant.

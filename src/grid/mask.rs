@@ -72,6 +72,14 @@ pub fn side(mask: &BlockMask, face: IVec3) -> u64 {
     }
 }
 
+/// The flags of the first so many voxels; the others count as 0.
+pub fn first(mask: &BlockMask, count: usize) -> BlockMask {
+    std::array::from_fn(|x| match count.saturating_sub(x << 6) {
+        left @ 0..64 => mask[x] & !(u64::MAX << left),
+        _ => mask[x],
+    })
+}
+
 /// The places of the flagged voxels, in order.
 pub fn places(mask: &BlockMask) -> impl Iterator<Item = usize> + use<> {
     mask.map(|word| word).into_iter().enumerate().flat_map(|(x, mut word)| {

@@ -588,3 +588,48 @@ fn a_morph_tells_how_far_it_is_made_ready() {
     let back = told.windows(2).map(|two| two[0] - two[1]).fold(0.0, f64::max);
     assert!(back < 0.05, "{told:?}");
 }
+
+/// Nothing is measured for it: nothing is told of progress.
+#[test]
+fn a_morph_without_room_for_its_colours_is_refused_before_it_is_measured() {
+    let scene = |colour: &str| {
+        format!(
+            "frames = \"1-9\"\nmorph = {{ from = \"a\", to = \"b\" }}\n\
+             [shape.parts]\nunion = [{{ sphere = 1{colour} }}]\n[shape.a]\nfacet = \"parts\"\ncells = \"c\"\n\
+             [shape.b]\nbox = 2\n[cells.c]\noctree = \"parts\"\n"
+        )
+    };
+    let prepare = |colour: &str, limit: u64| {
+        let source = Source::Text { name: "scene.toml".into(), text: scene(colour), folder: ".".into() };
+        let model = load(&source, &Overrides::default()).unwrap_or_else(|problems| panic!("{problems}"));
+        let began = std::sync::atomic::AtomicBool::new(false);
+        let progress = |_| began.store(true, std::sync::atomic::Ordering::Relaxed);
+        let limited = PrepareOptions { memory_limit: Some(limit as usize), ..options(Some(64), &progress) };
+        let result = Arc::new(model).prepare(&limited).map(|_| ());
+        (result, began.into_inner())
+    };
+    let needed = |result: Result<(), Error>| match result {
+        Err(Error::Memory { needed, .. }) => needed,
+        other => panic!("{other:?}"),
+    };
+    let (plain, began) = prepare("", 1);
+    let plain = needed(plain);
+    assert!(!began);
+    let (coloured, began) = prepare(", color = \"red\"", plain + 1);
+    assert!(!began && needed(coloured) > 2 * plain);
+    let (with_room, _) = prepare("", plain + 1);
+    assert!(!matches!(with_room, Err(Error::Memory { .. })), "{with_room:?}");
+}
+
+#[test]
+fn what_is_left_out_of_a_round_shape_goes_by_its_radius() {
+    let size = |text: &str| prepared(&format!("[shape.a]\n{text}\n")).extent.size();
+    for (short, long) in [
+        ("torus = 40", "torus = 40\ntube = 10"),
+        ("cylinder = 0.02", "cylinder = 0.02\nheight = 0.04"),
+        ("capsule = 3", "capsule = 3\nlength = 6"),
+    ] {
+        assert_eq!(size(short), size(long), "{short}");
+    }
+    assert!((size("torus = 40").z - 20.0).abs() < 0.2);
+}

@@ -302,17 +302,21 @@ pub const MAKERS: &[Maker] = &[
     },
     Maker {
         key: Key::length("cylinder", Required, "A cylinder along z around the origin: its radius."),
-        parameters: &[Key::length("height", Number(2.0), "From its bottom to its top.")],
+        parameters: &[Key::length("height", Words("twice the radius"), "From its bottom to its top.")],
         formula: "the signed distance to it",
     },
     Maker {
         key: Key::length("torus", Required, "A ring around the z axis: the radius of its middle line."),
-        parameters: &[Key::length("tube", Number(0.25), "The radius of its tube.")],
+        parameters: &[Key::length("tube", Words("a quarter of the radius"), "The radius of its tube.")],
         formula: "s − |(|(x, y)| − r, z)|",
     },
     Maker {
         key: Key::length("capsule", Required, "All that is near a straight line: the radius."),
-        parameters: &[Key::length("length", Number(1.0), "The length of the line, along z around the origin.")],
+        parameters: &[Key::length(
+            "length",
+            Words("twice the radius"),
+            "The length of the line, along z around the origin.",
+        )],
         formula: "r − |p − q|, q the nearest of the line",
     },
     Maker {

@@ -113,12 +113,12 @@ pub enum Maker {
     Box { edges: [Number; 3] },
     /// An ellipsoid by its half axes.
     Ellipsoid { half_axes: [Number; 3] },
-    /// A cylinder along z.
-    Cylinder { radius: Number, height: Number },
-    /// A ring around z.
-    Torus { radius: Number, tube: Number },
-    /// All near a straight line along z.
-    Capsule { radius: Number, length: Number },
+    /// A cylinder along z; twice its radius high where nothing is said.
+    Cylinder { radius: Number, height: Option<Number> },
+    /// A ring around z, its tube a quarter of the radius where nothing is said.
+    Torus { radius: Number, tube: Option<Number> },
+    /// All near a straight line along z, twice the radius long where nothing is said.
+    Capsule { radius: Number, length: Option<Number> },
     /// All behind a plane.
     HalfSpace { normal: [Number; 3], offset: Number },
     /// All between two planes.

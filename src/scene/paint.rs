@@ -17,7 +17,7 @@ use super::assets::Assets;
 use super::colour::{GREY, css};
 use super::displace::measured;
 use super::error::Problem;
-use super::model::{AttributeSource, Component, Maker, Pieces, Shape, ShapeColour, ShapeId, ShapeScalar};
+use super::model::{AttributeSource, Component, Maker, Model, Pieces, Shape, ShapeColour, ShapeId, ShapeScalar};
 use super::placed::{Placed, Way};
 use super::prepare::solid_box;
 use super::solid::{Solids, Stage};
@@ -152,6 +152,21 @@ impl<const N: usize> Paint<N> {
             None => Self::of(Placed { inner: self.attribute, way }),
         }
     }
+}
+
+/// Whether a shape surely has an attribute, before anything of it is built: by its own source or a part's. (A mesh may
+/// bring colours along.)
+pub(super) fn surely_has<const N: usize>(model: &Model, what: impl Asked<N>, id: ShapeId) -> bool {
+    let shape = model.shape(id);
+    let has = |id: &ShapeId| surely_has(model, what, *id);
+    what.source(shape).is_some()
+        || match &shape.maker {
+            Maker::Facet { of, .. } => has(of),
+            Maker::Union { operands, .. } | Maker::Blend { operands, .. } => operands.iter().any(has),
+            Maker::Intersection(operands) => operands.iter().any(has),
+            Maker::Difference(operands) => has(&operands[0]),
+            _ => false,
+        }
 }
 
 impl Solids {

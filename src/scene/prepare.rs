@@ -19,7 +19,7 @@ use super::frames::FrameRange;
 use super::level_sets::LevelSets;
 use super::model::{Content, Model, Morph, MorphMode, ShapeId};
 use super::morphing::{MOST_CELLS, Measuring, Pair, alike, empty_frames, extent_over_shot, pair, plan};
-use super::paint::{Scenery, TheColour, TheScalar};
+use super::paint::{Scenery, TheColour, TheScalar, surely_has};
 use super::prepared::{Prepared, Ready};
 use super::solid::{Solids, Stage};
 use super::variation::Variation;
@@ -182,8 +182,9 @@ fn ready_morphs(
     let both = pairs.iter().map(|pair| pair.both).reduce(Aabb::union).expect("a chain has a morph");
     // The in-betweens' box is known only once the objects are measured; about a voxel is enough for that.
     let about = lattice(model, options, both)?;
+    let numbers = numbers_of(model, morphs);
     for (morph, pair) in morphs.iter().zip(&pairs) {
-        admit(model, morph, pair, &about, options)?;
+        admit(model, morph, pair, numbers, &about, options)?;
     }
     let mut measuring = Measuring {
         voxel: about.voxel_size.get(),
@@ -202,15 +203,32 @@ fn ready_morphs(
     Ok((Ready::Morph(planned), extent, lattice(model, options, extent)?))
 }
 
-/// Refuses a morph whose frames cannot but take too much memory, before its objects are measured.
+/// How many numbers a voxel has at least in the grids beside the level set, before anything is built.
+fn numbers_of(model: &Model, morphs: &[Morph]) -> usize {
+    let output = &model.output;
+    let objects = || morphs.iter().flat_map(|morph| [morph.from, morph.to]);
+    let colour = output.writes(&output.colour_name) && objects().any(|id| surely_has(model, TheColour, id));
+    let has = |name: &&str| output.writes(name) && objects().any(|id| surely_has(model, TheScalar(name), id));
+    (if colour { 3 } else { 0 }) + model.scalar_names().into_iter().filter(has).count()
+}
+
+/// Refuses a morph whose frames, of so many numbers a voxel beside the distance, cannot but take too much memory, before
+/// its objects are measured.
 ///
 /// Judged by the lesser of the two objects as they are: no in-between is much smaller than both.
-fn admit(model: &Model, morph: &Morph, pair: &Pair, about: &Lattice, options: &PrepareOptions<'_>) -> Result<(), Stop> {
+fn admit(
+    model: &Model,
+    morph: &Morph,
+    pair: &Pair,
+    numbers: usize,
+    about: &Lattice,
+    options: &PrepareOptions<'_>,
+) -> Result<(), Stop> {
     let Some(limit) = options.memory_limit else { return Ok(()) };
     let half_width = options.half_width.unwrap_or(model.output.half_width) as f32;
     let [from, to] = pair.bands(about.voxel_size.get(), half_width);
     let least = if from.voxels < to.voxels { from } else { to };
-    let mut needed = least.memory(0, 1);
+    let mut needed = least.memory(numbers, 1);
     if morph.cut.is_some() {
         needed *= LEAST_LEFT;
     }

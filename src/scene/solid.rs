@@ -146,6 +146,11 @@ impl Solids {
         Ok(number.at(&self.moment)?)
     }
 
+    /// A number at the moment, or another where there is none.
+    fn number_or(&self, number: &Option<Number>, otherwise: f64) -> Result<f64, Problem> {
+        number.as_ref().map_or(Ok(otherwise), |number| self.number(number))
+    }
+
     /// Three numbers at the moment.
     pub fn vector(&self, vector: &[Number; 3]) -> Result<DVec3, Problem> {
         Ok(DVec3::new(self.number(&vector[0])?, self.number(&vector[1])?, self.number(&vector[2])?))
@@ -308,15 +313,18 @@ impl Solids {
                 self.graph.ellipsoid(half_axes)
             }
             Maker::Cylinder { radius, height } => {
-                let (radius, height) = (self.number(radius)?, self.number(height)?);
+                let radius = self.number(radius)?;
+                let height = self.number_or(height, 2.0 * radius)?;
                 self.graph.cylinder(radius, height)
             }
             Maker::Torus { radius, tube } => {
-                let (radius, tube) = (self.number(radius)?, self.number(tube)?);
+                let radius = self.number(radius)?;
+                let tube = self.number_or(tube, 0.25 * radius)?;
                 self.graph.torus(radius, tube)
             }
             Maker::Capsule { radius, length } => {
-                let (radius, length) = (self.number(radius)?, self.number(length)?);
+                let radius = self.number(radius)?;
+                let length = self.number_or(length, 2.0 * radius)?;
                 self.graph.capsule(radius, length)
             }
             Maker::HalfSpace { normal, offset } => {

@@ -114,9 +114,9 @@ fn numbers(maker: &Maker) -> Vec<&Number> {
         Maker::Sphere { radius } => vec![radius],
         Maker::Box { edges } => edges.iter().collect(),
         Maker::Ellipsoid { half_axes } => half_axes.iter().collect(),
-        Maker::Cylinder { radius, height } => vec![radius, height],
-        Maker::Torus { radius, tube } => vec![radius, tube],
-        Maker::Capsule { radius, length } => vec![radius, length],
+        Maker::Cylinder { radius, height: other }
+        | Maker::Torus { radius, tube: other }
+        | Maker::Capsule { radius, length: other } => [radius].into_iter().chain(other).collect(),
         Maker::HalfSpace { normal, offset } => normal.iter().chain([offset]).collect(),
         Maker::Slab { thickness, normal } => normal.iter().chain([thickness]).collect(),
         Maker::Heart { width } => vec![width],

@@ -300,14 +300,23 @@ fn flipped(distances: &[f32; BLOCK_VOXELS], background: f32) -> ([f32; BLOCK_VOX
 
 /// The active ones of a block's values.
 fn push_active(values: &[f32; BLOCK_VOXELS], active: &BlockMask, out: &mut Vec<f32>) {
+    let start = out.len();
+    out.resize(start + BLOCK_VOXELS, 0.0);
+    let (room, mut count) = (&mut out[start..], 0);
     let rows = active.iter().flat_map(|word| word.to_le_bytes());
     for (row, flags) in values.as_chunks::<8>().0.iter().zip(rows) {
-        match flags {
-            0 => {}
-            u8::MAX => out.extend_from_slice(row),
-            _ => out.extend((0..8).filter(|z| flags >> z & 1 == 1).map(|z| row[z])),
+        if flags == u8::MAX {
+            room[count..count + 8].copy_from_slice(row);
+            count += 8;
+        } else if flags != 0 {
+            // Each is written to the next place, which only an active one takes up: no branch to guess.
+            for (z, value) in row.iter().enumerate() {
+                room[count] = *value;
+                count += usize::from(flags >> z & 1);
+            }
         }
     }
+    out.truncate(start + count);
 }
 
 /// Refuses a number that is not finite, or that 16 bits do not hold where the grid has them.

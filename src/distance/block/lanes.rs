@@ -9,6 +9,9 @@ use crate::{
     grid::{BLOCK_VOXELS, BlockMask, mask},
 };
 
+/// Voxels of a few rows along z, which are often all far from the surface.
+const ROWS: usize = 16;
+
 /// Distances with the sign of F, world units.
 #[multiversion(targets = "simd")]
 pub fn signed(values: &[f32; BLOCK_VOXELS], distances: &[f32; BLOCK_VOXELS]) -> [f32; BLOCK_VOXELS] {
@@ -37,18 +40,31 @@ pub fn normals(
     normals: &mut [[f32; BLOCK_VOXELS]; 3],
 ) {
     let [nx, ny, nz] = normals;
-    for i in 0..BLOCK_VOXELS {
-        let sign = if at_voxels.value[i] >= 0.0 { 1.0 } else { -1.0 };
-        let far = signed[i].abs() > 0.05 * voxel;
-        // Both are read, and one chosen: a read that depends on which would be a masked one.
-        let x = select_unpredictable(far, (points.x[i] - feet.x[i]) * sign, at_voxels.dx[i]);
-        let y = select_unpredictable(far, (points.y[i] - feet.y[i]) * sign, at_voxels.dy[i]);
-        let z = select_unpredictable(far, (points.z[i] - feet.z[i]) * sign, at_voxels.dz[i]);
-        let inverse = 1.0 / (x * x + y * y + z * z).sqrt();
-        let has = (inverse < f32::INFINITY) & (inverse > 0.0) & (signed[i].abs() < f32::INFINITY);
-        nx[i] = select_unpredictable(has, x * inverse, 0.0);
-        ny[i] = select_unpredictable(has, y * inverse, 0.0);
-        nz[i] = select_unpredictable(has, z * inverse, 0.0);
+    for first in (0..BLOCK_VOXELS).step_by(ROWS) {
+        let rows = first..first + ROWS;
+        let mut found = false;
+        for i in rows.clone() {
+            found |= signed[i].abs() < f32::INFINITY;
+        }
+        if !found {
+            for normals in [&mut *nx, &mut *ny, &mut *nz] {
+                normals[rows.clone()].fill(0.0);
+            }
+            continue;
+        }
+        for i in rows {
+            let sign = if at_voxels.value[i] >= 0.0 { 1.0 } else { -1.0 };
+            let far = signed[i].abs() > 0.05 * voxel;
+            // Both are read, and one chosen: a read that depends on which would be a masked one.
+            let x = select_unpredictable(far, (points.x[i] - feet.x[i]) * sign, at_voxels.dx[i]);
+            let y = select_unpredictable(far, (points.y[i] - feet.y[i]) * sign, at_voxels.dy[i]);
+            let z = select_unpredictable(far, (points.z[i] - feet.z[i]) * sign, at_voxels.dz[i]);
+            let inverse = 1.0 / (x * x + y * y + z * z).sqrt();
+            let has = (inverse < f32::INFINITY) & (inverse > 0.0) & (signed[i].abs() < f32::INFINITY);
+            nx[i] = select_unpredictable(has, x * inverse, 0.0);
+            ny[i] = select_unpredictable(has, y * inverse, 0.0);
+            nz[i] = select_unpredictable(has, z * inverse, 0.0);
+        }
     }
 }
 

@@ -5,13 +5,11 @@
 //! own feet are nearer than the best and do not lie on F = 0; corners only where creases failed in the same way.
 
 mod combine;
+mod single;
 
 use glam::Vec3;
 
-use crate::{
-    field::{BATCH, Evaluator, Gradients, Points},
-    grid::mask,
-};
+use crate::field::{BATCH, Evaluator, Gradients, Points};
 
 pub use combine::COMBINED;
 use combine::Demand;
@@ -41,9 +39,9 @@ const BEYOND: f32 = 0.5;
 /// Feet on one branch alone, by query.
 #[derive(Clone)]
 struct Single {
-    foot: [Lane; 3],
+    foot: Box<[Lane; 3]>,
     /// Infinity where the branch is out of reach.
-    distance: Lane,
+    distance: Box<Lane>,
 }
 
 /// Scratch memory for the candidates of a batch.
@@ -61,8 +59,10 @@ pub(super) struct Scratch {
     /// The branch that each seed lies on, and its |f|/|∇f| there.
     lies_on: Box<[u16; BATCH]>,
     residuals: Box<Lane>,
-    /// F at candidates.
-    values: Box<Lane>,
+    /// F at candidates, or before and behind them.
+    values: [Box<Lane>; 2],
+    /// Places before or behind candidates.
+    probes: Points,
     walls: wall::Scratch,
 }
 
@@ -80,7 +80,8 @@ impl Default for Scratch {
             seeded: Vec::with_capacity(BATCH),
             lies_on: Box::new([0; BATCH]),
             residuals: Box::new([0.0; BATCH]),
-            values: Box::new([0.0; BATCH]),
+            values: [Box::new([0.0; BATCH]), Box::new([0.0; BATCH])],
+            probes: Points::new(glam::DVec3::ZERO),
             walls: wall::Scratch::default(),
         }
     }
@@ -121,15 +122,14 @@ impl Polisher {
         let queries = &Queries { points: queries, inside };
         let branches = evaluator.branches();
         while self.crease.singles.len() < branches {
-            self.crease.singles.push(Single { foot: [[0.0; BATCH]; 3], distance: [f32::INFINITY; BATCH] });
+            let (foot, distance) = (Box::new([[0.0; BATCH]; 3]), Box::new([f32::INFINITY; BATCH]));
+            self.crease.singles.push(Single { foot, distance });
         }
         for branch in 0..branches {
             self.find_single(evaluator, request, queries, branch);
             let single = &self.crease.singles[branch].distance;
             let nearer = kernel::nearer(single, distances, matters(request), queries.points.len);
-            self.crease.group.clear();
-            self.crease.group.extend(mask::places(&nearer).take_while(|&i| i < queries.points.len).map(|i| i as u16));
-            self.judge_single(evaluator, request, queries, branch, &mut Best { feet, distances });
+            self.judge_single(evaluator, request, queries, branch, &nearer, &mut Best { feet, distances });
         }
         let mut best = Best { feet, distances };
         self.demand_pairs(request, branches, queries.points.len, best.distances);
@@ -176,43 +176,9 @@ impl Polisher {
         let evaluate = |points: &Points, out: &mut Gradients| evaluator.branch(branch, points, out);
         let near = kernel::near(&parts[0], queries.points.len, FAR * request.reach);
         self.lanes.solve_known(request, queries.points, &parts[0], &near, &mut self.gradients, evaluate);
-        let (single, len) = (&mut singles[branch], queries.points.len);
-        for (to, from) in single.foot.iter_mut().zip(&self.lanes.foot) {
-            to[..len].copy_from_slice(&from[..len]);
-        }
-        single.distance[..len].copy_from_slice(&self.lanes.distance[..len]);
-    }
-
-    /// Takes the feet of the group on one branch that lie on F = 0; they are nearer than the best.
-    fn judge_single(
-        &mut self,
-        evaluator: &mut dyn Evaluator,
-        request: &Request,
-        queries: &Queries,
-        branch: usize,
-        best: &mut Best,
-    ) {
-        let Scratch { singles, group, .. } = &mut self.crease;
-        let single = &singles[branch];
-        if group.is_empty() {
-            return;
-        }
-        let lanes = &mut *self.lanes;
-        (lanes.points.origin, lanes.points.len) = (queries.points.origin, group.len());
-        lanes.set_bounds(request, queries.points);
-        let feet = [&mut lanes.points.x, &mut lanes.points.y, &mut lanes.points.z];
-        for (to, from) in feet.into_iter().zip(&single.foot) {
-            gather(group, from, to);
-        }
-        for (to, from) in lanes.p.iter_mut().zip([&queries.points.x, &queries.points.y, &queries.points.z]) {
-            gather(group, from, to);
-        }
-        let Scratch { group, parts, values, walls, .. } = &mut self.crease;
-        walls.keep_crossings(evaluator, request, queries.inside, branch, &mut parts[0], lanes, group, values);
-        for (lane, &query) in self.crease.group.iter().enumerate() {
-            let query = usize::from(query);
-            best.take(query, self.lanes.points.offset(lane), self.crease.singles[branch].distance[query]);
-        }
+        // The results change hands, nothing is copied.
+        std::mem::swap(&mut singles[branch].foot, &mut self.lanes.foot);
+        std::mem::swap(&mut singles[branch].distance, &mut self.lanes.distance);
     }
 
     /// Leaves of the candidates (`self.lanes.points`, of the queries `self.crease.group`) on the common zeros of
@@ -225,7 +191,7 @@ impl Polisher {
         branches: &[u16],
         mut rejected: impl FnMut(u16),
     ) {
-        let Scratch { parts, group, values, walls, .. } = &mut self.crease;
+        let Scratch { parts, group, values: [values, _], walls, .. } = &mut self.crease;
         let points = &mut self.lanes.points;
         evaluator.branch(usize::from(branches[0]), points, &mut parts[0]);
         keep_near_surface(evaluator, request, points, group, &mut parts[0], values, &mut rejected);
@@ -280,8 +246,12 @@ impl Polisher {
             self.lanes.load(request, queries.points, best.feet, group.iter().map(|&i| usize::from(i)));
             self.lanes.solve(request, &mut self.gradients, |points, out| evaluator.branch(branch, points, out));
             copy_single(&self.lanes, group, &mut singles[branch]);
-            group.retain(|&query| singles[branch].distance[usize::from(query)] < best.distances[usize::from(query)]);
-            self.judge_single(evaluator, request, queries, branch, best);
+            let mut nearer = [0; 8];
+            for query in group.iter().map(|&query| usize::from(query)) {
+                let is_nearer = singles[branch].distance[query] < best.distances[query];
+                nearer[query >> 6] |= u64::from(is_nearer) << (query & 63);
+            }
+            self.judge_single(evaluator, request, queries, branch, &nearer, best);
         }
     }
 }
@@ -334,12 +304,6 @@ pub(super) fn keep_lanes(
     }
     group.truncate(kept);
     points.len = kept;
-}
-
-fn gather(group: &[u16], from: &Lane, to: &mut Lane) {
-    for (to, &query) in to.iter_mut().zip(group) {
-        *to = from[usize::from(query)];
-    }
 }
 
 fn copy_single(lanes: &Lanes, group: &[u16], single: &mut Single) {

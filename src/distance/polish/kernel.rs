@@ -51,9 +51,10 @@ fn load_axes([x, y, z]: &[[f32; BATCH]; 3], first: usize) -> [Wide; 3] {
     [load(x, first), load(y, first), load(z, first)]
 }
 
-/// The lanes of the whole passes that hold the first `len`.
-fn whole_passes(len: usize) -> usize {
-    len.next_multiple_of(WIDTH)
+/// The lanes of the whole passes that hold the first `len`. Inlined, so that loops know the bound.
+#[inline(always)]
+pub(super) fn whole_passes(len: usize) -> usize {
+    len.next_multiple_of(WIDTH).min(BATCH)
 }
 
 #[inline(always)]

@@ -38,9 +38,9 @@ pub(super) struct Lanes {
     /// The least and greatest offsets at which F may be evaluated.
     pub bounds: [[f32; 3]; 2],
     /// Results: feet and distances by query, and which queries were asked for.
-    pub foot: [Lane; 3],
+    pub foot: Box<[Lane; 3]>,
     /// Infinity where none was found.
-    pub distance: Lane,
+    pub distance: Box<Lane>,
     /// The queries loaded, whose results `store` copies out.
     pub asked: [u16; BATCH],
     /// How many of `asked` there are.
@@ -65,8 +65,8 @@ impl Default for Lanes {
             landing: [ZERO; 3],
             height: ZERO,
             bounds: [[0.0; 3]; 2],
-            foot: [ZERO; 3],
-            distance: ZERO,
+            foot: Box::new([ZERO; 3]),
+            distance: Box::new(ZERO),
             asked: [0; BATCH],
             asked_len: 0,
         }

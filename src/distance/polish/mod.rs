@@ -11,6 +11,7 @@
 
 pub mod around;
 mod crease;
+mod first_step;
 mod kernel;
 mod lanes;
 mod rows;
@@ -76,8 +77,8 @@ impl Polisher {
         let near = kernel::near_in_block(at_queries, FAR * request.reach, OUT_OF_REACH * request.reach);
         let evaluate = |points: &Points, out: &mut Gradients| evaluator.gradients(points, out);
         lanes.solve_known(request, queries, at_queries, &near, gradients, evaluate);
-        distances.copy_from_slice(&lanes.distance);
-        for (feet, found) in [&mut feet.x, &mut feet.y, &mut feet.z].into_iter().zip(&lanes.foot) {
+        *distances = *lanes.distance;
+        for (feet, found) in [&mut feet.x, &mut feet.y, &mut feet.z].into_iter().zip(&*lanes.foot) {
             feet.copy_from_slice(found);
         }
     }

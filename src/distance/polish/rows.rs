@@ -1,167 +1,94 @@
-//! The first step of many queries whose F is known: in whole rows of eight, and nothing kept of those that land.
-//!
-//! Most queries land with it; the others go on one by one ([`Lanes::solve`]).
-
-use std::hint::select_unpredictable;
-
-use multiversion::multiversion;
+//! Some of many queries, taken in whole rows of eight: a row is moved at once, a query here and a query there are not.
 
 use crate::{
-    field::{BATCH, Gradients, Points},
+    field::BATCH,
     grid::{BlockMask, mask},
 };
 
-use super::{
-    Request,
-    kernel::{Before, dot, load, load_each, look, store},
-    lanes::Lanes,
-};
+use super::{kernel::load_each, kernel::store, lanes::Lane};
 
-/// Lanes taken together: the voxels of a block along z.
-const ROW: usize = 8;
+/// Queries taken together: the voxels of a block along z.
+pub(super) const ROW: usize = 8;
 
-type Row = [f32; ROW];
+/// The rows that hold some queries, as lanes side by side.
+pub(super) struct Rows {
+    /// The first query of each.
+    starts: [usize; BATCH / ROW],
+    count: usize,
+    /// Which lanes are of the queries meant.
+    meant: BlockMask,
+}
 
-/// How much nearer than |F|/|∇F| tells a foot may be at the beginning, for the step to count as a gain.
-const DOUBT: f32 = 1.3;
-
-impl Lanes {
-    /// Finds the feet of those queries that are `near` on the zero set of what `evaluate` evaluates and `at_queries` holds
-    /// already, and perhaps of others. The results, by query, are in `foot` and `distance`.
-    pub fn solve_known(
-        &mut self,
-        request: &Request,
-        queries: &Points,
-        at_queries: &Gradients,
-        near: &BlockMask,
-        gradients: &mut Gradients,
-        mut evaluate: impl FnMut(&Points, &mut Gradients),
-    ) {
-        self.distance.fill(f32::INFINITY);
-        let mut rows = [0; BATCH / ROW];
-        let mut count = 0;
-        for row in 0..queries.len.div_ceil(ROW) {
-            rows[count] = ROW * row;
-            count += usize::from(near[row >> 3] >> (8 * (row & 7)) & 0xff != 0);
-        }
-        let rows = &rows[..count];
-        self.points.len = 0;
-        if rows.is_empty() {
-            return;
-        }
-        self.set_bounds(request, queries);
-        self.points.len = ROW * count;
-        begin(rows, queries, at_queries, self);
-        evaluate(&self.points, gradients);
-        let open = land(rows, queries, gradients, request, self);
-        self.keep_open(rows, queries, at_queries, &open, gradients);
-        self.step(request, gradients);
-        self.solve(request, gradients, evaluate);
-    }
-
-    /// Closes up the lanes that are still open, and what was evaluated there, as they are after a first step from
-    /// their queries. `rows` tells where each row's queries are.
-    fn keep_open(
-        &mut self,
-        rows: &[usize],
-        queries: &Points,
-        at_queries: &Gradients,
-        open: &BlockMask,
-        gradients: &mut Gradients,
-    ) {
-        let mut kept = 0;
-        for lane in mask::places(open) {
-            let query = rows[lane / ROW] + lane % ROW;
-            if query >= queries.len {
+impl Rows {
+    /// Those of the flagged queries, of the first `len`.
+    pub fn of(flags: &BlockMask, len: usize) -> Self {
+        let mut rows = Self { starts: [0; BATCH / ROW], count: 0, meant: [0; 8] };
+        let mut lanes = [0; BATCH / ROW];
+        let last = len.div_ceil(ROW);
+        for (first, word) in (0..).step_by(8).zip(mask::first(flags, len)) {
+            if word == 0 {
                 continue;
             }
-            self.query[kept] = query as u16;
-            let p = queries.offset(query).to_array();
-            let step = step_across(at_queries.value[query], at_queries.gradient(query).to_array());
-            for axis in 0..3 {
-                (self.p[axis][kept], self.base[axis][kept]) = (p[axis], p[axis]);
-                (self.normal_step[axis][kept], self.tangent_step[axis][kept]) = (step[axis], 0.0);
+            for (row, flags) in (first..last).zip(word.to_le_bytes()) {
+                // Each is written to the next place, which only a row with a flag takes up.
+                (rows.starts[rows.count], lanes[rows.count]) = (ROW * row, flags);
+                rows.count += usize::from(flags != 0);
             }
-            (self.along[kept], self.across[kept]) = (1.0, 1.0);
-            self.residual[kept] = self.residual[lane];
-            self.merit[kept] = DOUBT * self.residual[lane];
-            for array in [&mut self.points.x, &mut self.points.y, &mut self.points.z] {
-                array[kept] = array[lane];
-            }
-            let Gradients { value, dx, dy, dz } = &mut *gradients;
-            for array in [value, dx, dy, dz] {
-                array[kept] = array[lane];
-            }
-            kept += 1;
         }
-        self.points.len = kept;
+        let (words, _) = lanes.as_chunks::<8>();
+        rows.meant = mask::first(&std::array::from_fn(|word| u64::from_le_bytes(words[word])), rows.lanes());
+        rows
+    }
+
+    /// The first queries of the rows.
+    pub fn starts(&self) -> &[usize] {
+        &self.starts[..self.count]
+    }
+
+    /// All lanes.
+    pub fn lanes(&self) -> usize {
+        ROW * self.count
+    }
+
+    /// The lanes of the queries that were meant.
+    pub fn meant(&self) -> &BlockMask {
+        &self.meant
+    }
+
+    /// The query of a lane.
+    pub fn query(&self, lane: usize) -> usize {
+        self.starts[lane / ROW] + lane % ROW
+    }
+
+    /// Brings the rows side by side.
+    pub fn gather(&self, from: [&Lane; 3], to: [&mut Lane; 3]) {
+        let [x, y, z] = to;
+        for (lane, &start) in (0..).step_by(ROW).zip(self.starts()) {
+            let row: [[f32; ROW]; 3] = load_each(from, start);
+            store(row[0], x, lane);
+            store(row[1], y, lane);
+            store(row[2], z, lane);
+        }
     }
 }
 
-/// The step that would bring F to 0: −F∇F/|∇F|².
-#[inline(always)]
-fn step_across(value: f32, slope: [f32; 3]) -> [f32; 3] {
-    let share = value / dot(slope, slope);
-    [-slope[0] * share, -slope[1] * share, -slope[2] * share]
-}
+#[cfg(test)]
+mod tests {
+    use super::*;
 
-/// Sets the trial points of the rows' queries: a step across the surface. Their residuals are those at the queries.
-#[multiversion(targets = "simd")]
-fn begin(rows: &[usize], queries: &Points, at: &Gradients, lanes: &mut Lanes) {
-    let [least, greatest] = lanes.bounds;
-    let Lanes { points, residual: residuals, .. } = lanes;
-    for (to, &from) in (0..).step_by(ROW).zip(rows) {
-        let p: [Row; 3] = load_each([&queries.x, &queries.y, &queries.z], from);
-        let slope: [Row; 3] = load_each([&at.dx, &at.dy, &at.dz], from);
-        let value: Row = load(&at.value, from);
-        let (mut trial, mut residual) = ([[0.0; ROW]; 3], [0.0; ROW]);
-        for l in 0..ROW {
-            let slope = [slope[0][l], slope[1][l], slope[2][l]];
-            let step = step_across(value[l], slope);
-            for axis in 0..3 {
-                trial[axis][l] = (p[axis][l] + step[axis]).max(least[axis]).min(greatest[axis]);
-            }
-            residual[l] = value[l].abs() * (1.0 / dot(slope, slope).sqrt());
+    #[test]
+    fn rows_hold_the_flagged_queries() {
+        let flags = std::array::from_fn(|i| u8::from(i % 37 == 5 || i / 8 == 11));
+        let flags = mask::pack(&flags);
+        for len in [0, 5, 6, 43, 90, 96, 500, BATCH] {
+            let rows = Rows::of(&flags, len);
+            let queries: Vec<usize> = mask::places(rows.meant()).map(|lane| rows.query(lane)).collect();
+            assert!(queries.iter().copied().eq(mask::places(&flags).take_while(|&query| query < len)));
+            assert!(rows.starts().iter().all(|start| queries.iter().any(|query| query / ROW == start / ROW)));
+            let numbers: Lane = std::array::from_fn(|i| i as f32);
+            let [mut x, mut y, mut z] = [[0.0; BATCH]; 3];
+            rows.gather([&numbers; 3], [&mut x, &mut y, &mut z]);
+            assert!((0..rows.lanes()).all(|lane| [x[lane], y[lane], z[lane]] == [rows.query(lane) as f32; 3]));
         }
-        store(trial[0], &mut points.x, to);
-        store(trial[1], &mut points.y, to);
-        store(trial[2], &mut points.z, to);
-        store(residual, residuals, to);
     }
-}
-
-/// Takes the feet of the rows' queries that land, by what was evaluated at their trial points, and returns the lanes
-/// that go on: all but these and those whose foot is out of reach.
-#[multiversion(targets = "simd")]
-fn land(rows: &[usize], queries: &Points, gradients: &Gradients, request: &Request, lanes: &mut Lanes) -> BlockMask {
-    let mut open = [0; BATCH];
-    let Lanes { points, residual, foot: feet, distance, .. } = lanes;
-    for (first, &row) in (0..).step_by(ROW).zip(rows) {
-        let p: [Row; 3] = load_each([&queries.x, &queries.y, &queries.z], row);
-        let q: [Row; 3] = load_each([&points.x, &points.y, &points.z], first);
-        let slope: [Row; 3] = load_each([&gradients.dx, &gradients.dy, &gradients.dz], first);
-        let value: Row = load(&gradients.value, first);
-        let residual: Row = load(residual, first);
-        let (mut foot, mut height, mut goes_on) = ([[0.0; ROW]; 3], [0.0; ROW], [0; ROW]);
-        for l in 0..ROW {
-            let at = |a: &[Row; 3]| [a[0][l], a[1][l], a[2][l]];
-            let before = Before { merit: DOUBT * residual[l], residual: residual[l], length: 0.0, full: true };
-            let trial = look(at(&p), at(&q), value[l], at(&slope), &before, request.unit);
-            for axis in 0..3 {
-                foot[axis][l] = p[axis][l] - trial.normal[axis] * trial.landing;
-            }
-            height[l] = select_unpredictable(trial.lands, trial.landing.abs(), f32::INFINITY);
-            // The foot is where F leads from q, but for what was left across and along the surface, twice over.
-            let [x, y, z] = trial.tangent;
-            let farthest = request.reach + 2.0 * (trial.residual.abs() + x.abs() + y.abs() + z.abs());
-            let is_beyond = trial.taken & (dot(trial.towards, trial.towards) > farthest * farthest);
-            goes_on[l] = u8::from(!trial.lands & !is_beyond);
-        }
-        for (foot, feet) in foot.into_iter().zip(&mut *feet) {
-            store(foot, feet, row);
-        }
-        store(height, distance, row);
-        open[first..first + ROW].copy_from_slice(&goes_on);
-    }
-    mask::pack_first(&open, ROW * rows.len())
 }

@@ -11,17 +11,12 @@ use crate::field::{BATCH, Evaluator, Gradients, Points};
 use super::{
     Request,
     crease::{Queries, keep_lanes},
-    kernel,
-    lanes::{Lane, Lanes},
+    lanes::Lane,
 };
 
 /// How far from a candidate the other side is looked for, in units. Smaller would meet the error of the candidate
 /// itself, larger would take gaps and sheets for walls that are thicker than they need be.
 const BESIDE: f32 = 0.04;
-
-/// The same on both sides of a candidate on one branch alone. More than its error; gaps and sheets thinner than twice
-/// this are taken for walls.
-const ACROSS: f32 = 0.01;
 
 /// Sign patterns of three planes: the sectors into which they divide the neighbourhood of a common zero.
 const SECTORS: usize = 8;
@@ -45,52 +40,6 @@ impl Default for Scratch {
 }
 
 impl Scratch {
-    /// Keeps of the candidates on one branch those where the surface is crossed: the query's side is right before them,
-    /// the other right behind. `lanes.points` are the candidates, `lanes.p` their queries in `group`; `part` and `values`
-    /// are scratch memory.
-    #[expect(clippy::too_many_arguments, reason = "the parts of one scratch memory")]
-    pub fn keep_crossings(
-        &mut self,
-        evaluator: &mut dyn Evaluator,
-        request: &Request,
-        inside: &[bool; BATCH],
-        branch: usize,
-        part: &mut Gradients,
-        lanes: &mut Lanes,
-        group: &mut Vec<u16>,
-        values: &mut Lane,
-    ) {
-        let across = ACROSS * request.unit;
-        kernel::steps_onward(lanes, across);
-        // A query on the surface has no way to its foot, but a normal.
-        let is_on_surface = |lanes: &Lanes, lane: usize| lanes.normal_step.iter().all(|step| step[lane] == 0.0);
-        if (0..group.len()).any(|lane| is_on_surface(lanes, lane)) {
-            evaluator.branch(branch, &lanes.points, part);
-            for lane in 0..group.len() {
-                if is_on_surface(lanes, lane) {
-                    let outward = if inside[usize::from(group[lane])] { -across } else { across };
-                    let step = part.gradient(lane).normalize_or_zero() * outward;
-                    for (steps, step) in lanes.normal_step.iter_mut().zip(step.to_array()) {
-                        steps[lane] = step;
-                    }
-                }
-            }
-        }
-        (self.probes.origin, self.probes.len) = (lanes.points.origin, lanes.points.len);
-        kernel::stepped(lanes, 1.0, &mut self.probes);
-        evaluator.values(&self.probes, values);
-        self.confirmed.fill(false);
-        for (lane, &query) in group.iter().enumerate() {
-            self.confirmed[lane] = (values[lane] >= 0.0) != inside[usize::from(query)];
-        }
-        kernel::stepped(lanes, -1.0, &mut self.probes);
-        evaluator.values(&self.probes, values);
-        for (lane, &query) in group.iter().enumerate() {
-            self.confirmed[lane] &= (values[lane] >= 0.0) == inside[usize::from(query)];
-        }
-        keep_lanes(&mut lanes.points, group, |lane| self.confirmed[lane], |_| {});
-    }
-
     /// Leaves out the candidates on walls. `points` are candidates on the common zeros of two or three `branches`, of the
     /// queries in `group`; `parts` and `values` are scratch memory.
     #[expect(clippy::too_many_arguments, reason = "the parts of one scratch memory")]

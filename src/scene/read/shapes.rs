@@ -82,12 +82,10 @@ impl<'r, 'a> Building<'r, 'a> {
             "box" => Maker::Box { edges: fields.required_vector("box") },
             "ellipsoid" => Maker::Ellipsoid { half_axes: fields.required_vector("ellipsoid") },
             "cylinder" => {
-                Maker::Cylinder { radius: fields.required_number("cylinder"), height: fields.required_number("height") }
+                Maker::Cylinder { radius: fields.required_number("cylinder"), height: fields.number("height") }
             }
-            "torus" => Maker::Torus { radius: fields.required_number("torus"), tube: fields.required_number("tube") },
-            "capsule" => {
-                Maker::Capsule { radius: fields.required_number("capsule"), length: fields.required_number("length") }
-            }
+            "torus" => Maker::Torus { radius: fields.required_number("torus"), tube: fields.number("tube") },
+            "capsule" => Maker::Capsule { radius: fields.required_number("capsule"), length: fields.number("length") },
             "half_space" => Maker::HalfSpace {
                 normal: fields.required_vector("half_space"),
                 offset: fields.required_number("offset_along"),

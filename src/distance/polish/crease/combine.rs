@@ -1,10 +1,13 @@
 //! Creases and corners: feet on the common zeros of two or three branches.
 
-use glam::Vec3;
+use std::hint::select_unpredictable;
+
+use multiversion::multiversion;
 
 use crate::{
     distance::polish::{
-        Polisher, Request, kernel,
+        Polisher, Request,
+        kernel::{self, dot, verdict, whole_passes},
         lanes::{Lane, Lanes},
         smooth::LAST_STEP,
     },
@@ -52,7 +55,7 @@ impl Polisher {
         for (limit, best) in limits.iter_mut().zip(best).take(len) {
             *limit = best.min(most) - 1e-3 * request.unit;
         }
-        let several = kernel::several(singles[..branches].iter().map(|single| &single.distance), &limits, len);
+        let several = kernel::several(singles[..branches].iter().map(|single| &*single.distance), &limits, len);
         for query in mask::places(&several).take_while(|&query| query < len) {
             let mut near = [0u16; COMBINED];
             let mut count = 0;
@@ -149,11 +152,13 @@ impl Polisher {
             for (part, &branch) in self.crease.parts[..order].iter_mut().zip(&branches) {
                 evaluator.branch(usize::from(branch), &lanes.points, part);
             }
-            let mut keep = [true; BATCH];
-            for (lane, keep) in keep.iter_mut().enumerate().take(lanes.points.len) {
-                *keep = advance(lanes, request, &self.crease.parts[..order], lane);
+            let [one, two, three] = &self.crease.parts;
+            if order == 2 {
+                step_to_crease(lanes, [one, two], LAST_STEP * request.unit);
+            } else {
+                step_to_corner(lanes, [one, two, three], LAST_STEP * request.unit);
             }
-            lanes.compact(&keep);
+            lanes.close_up();
         }
         self.judge_group(evaluator, request, queries, group, order, best);
     }
@@ -197,44 +202,91 @@ impl Polisher {
     }
 }
 
-/// One Newton step of a lane towards the nearest common zero of two or three branches; false when it is done.
-fn advance(lanes: &mut Lanes, request: &Request, parts: &[Box<Gradients>], lane: usize) -> bool {
-    let q = lanes.points.offset(lane);
-    let p = offset(&lanes.p, lane);
-    let mut normals = [Vec3::ZERO; 3];
-    let mut residuals = [0.0; 3];
-    for ((normal, residual), part) in normals.iter_mut().zip(&mut residuals).zip(parts) {
-        let gradient = part.gradient(lane);
-        let slope = gradient.length();
-        *normal = gradient / slope;
-        *residual = part.value[lane] / slope;
-    }
-    let [n1, n2, n3] = normals;
-    let next = if parts.len() == 2 {
-        // The line where both linearised branches vanish; its point nearest to p.
-        let cosine = n1.dot(n2);
+/// A branch at a lane's point: its unit gradient, and how far its zero set is along that.
+#[inline(always)]
+fn plane(part: &Gradients, lane: usize) -> ([f32; 3], f32) {
+    let gradient = [part.dx[lane], part.dy[lane], part.dz[lane]];
+    let slope = dot(gradient, gradient).sqrt();
+    ([gradient[0] / slope, gradient[1] / slope, gradient[2] / slope], part.value[lane] / slope)
+}
+
+/// One Newton step of all lanes towards the nearest common zero of two branches: the point nearest to the query of the
+/// line where both, linearised, vanish. Lanes between branches that hardly make a crease fail.
+#[multiversion(targets = "simd")]
+fn step_to_crease(lanes: &mut Lanes, [first, second]: [&Gradients; 2], last: f32) {
+    for lane in 0..whole_passes(lanes.points.len) {
+        let ([p, q], [(n1, r1), (n2, r2)]) = (lanes.places(lane), [plane(first, lane), plane(second, lane)]);
+        let back = [p[0] - q[0], p[1] - q[1], p[2] - q[2]];
+        let cosine = dot(n1, n2);
         let sine = 1.0 - cosine * cosine;
-        if sine < LEAST_SINE {
-            return false;
-        }
-        let (h1, h2) = (residuals[0] + n1.dot(p - q), residuals[1] + n2.dot(p - q));
-        p - n1 * ((h1 - cosine * h2) / sine) - n2 * ((h2 - cosine * h1) / sine)
-    } else {
-        let volume = n1.dot(n2.cross(n3));
-        if volume.abs() < LEAST_SINE {
-            return false;
-        }
-        q - (n2.cross(n3) * residuals[0] + n3.cross(n1) * residuals[1] + n1.cross(n2) * residuals[2]) / volume
-    };
-    let [least, greatest] = lanes.bounds.map(Vec3::from_array);
-    let next = next.clamp(least, greatest);
-    if !next.is_finite() {
-        return false;
+        let (h1, h2) = (r1 + dot(n1, back), r2 + dot(n2, back));
+        let (s1, s2) = ((h1 - cosine * h2) / sine, (h2 - cosine * h1) / sine);
+        let next = [p[0] - n1[0] * s1 - n2[0] * s2, p[1] - n1[1] * s1 - n2[1] * s2, p[2] - n1[2] * s1 - n2[2] * s2];
+        lanes.go(lane, next, sine < LEAST_SINE, last);
     }
-    if (next - q).length_squared() <= (LAST_STEP * request.unit) * (LAST_STEP * request.unit) {
-        lanes.finish(lane, next.to_array(), (p - next).length());
-        return false;
+}
+
+/// The same towards the common zero of three branches.
+#[multiversion(targets = "simd")]
+fn step_to_corner(lanes: &mut Lanes, [first, second, third]: [&Gradients; 3], last: f32) {
+    for lane in 0..whole_passes(lanes.points.len) {
+        let [_, q] = lanes.places(lane);
+        let [(n1, r1), (n2, r2), (n3, r3)] = [plane(first, lane), plane(second, lane), plane(third, lane)];
+        let (n23, n31, n12) = (cross(n2, n3), cross(n3, n1), cross(n1, n2));
+        let volume = dot(n1, n23);
+        let along = |axis: usize| q[axis] - (n23[axis] * r1 + n31[axis] * r2 + n12[axis] * r3) / volume;
+        lanes.go(lane, [along(0), along(1), along(2)], volume.abs() < LEAST_SINE, last);
     }
-    (lanes.points.x[lane], lanes.points.y[lane], lanes.points.z[lane]) = next.into();
-    true
+}
+
+#[inline(always)]
+fn cross(a: [f32; 3], b: [f32; 3]) -> [f32; 3] {
+    [a[1] * b[2] - b[1] * a[2], a[2] * b[0] - b[2] * a[0], a[0] * b[1] - b[0] * a[1]]
+}
+
+impl Lanes {
+    /// A lane's query p and its point q.
+    #[inline(always)]
+    fn places(&self, lane: usize) -> [[f32; 3]; 2] {
+        let q = [self.points.x[lane], self.points.y[lane], self.points.z[lane]];
+        [[self.p[0][lane], self.p[1][lane], self.p[2][lane]], q]
+    }
+
+    /// Moves a lane to its next point, within the bounds, or judges it done: landed there where the way is no more than
+    /// the `last` step, or failed.
+    #[inline(always)]
+    fn go(&mut self, lane: usize, next: [f32; 3], fails: bool, last: f32) {
+        let [p, q] = self.places(lane);
+        let [least, greatest] = self.bounds;
+        let mut at = [0.0; 3];
+        for axis in 0..3 {
+            // What is no number stays none.
+            let next = if next[axis] < least[axis] { least[axis] } else { next[axis] };
+            at[axis] = if next > greatest[axis] { greatest[axis] } else { next };
+        }
+        let (way, from_query) =
+            ([at[0] - q[0], at[1] - q[1], at[2] - q[2]], [p[0] - at[0], p[1] - at[1], p[2] - at[2]]);
+        let square = dot(way, way);
+        let moves_or_lands = select_unpredictable(square <= last * last, verdict::LANDS, verdict::MOVES);
+        let fails = fails | !square.is_finite();
+        self.verdict[lane] = select_unpredictable(fails, verdict::FAILS, moves_or_lands);
+        self.height[lane] = dot(from_query, from_query).sqrt();
+        (self.points.x[lane], self.points.y[lane], self.points.z[lane]) = (at[0], at[1], at[2]);
+    }
+
+    /// Takes the feet of lanes that have landed, and closes up those that move on.
+    fn close_up(&mut self) {
+        let mut keep = [true; BATCH];
+        let mut all = true;
+        for lane in 0..self.points.len {
+            keep[lane] = self.verdict[lane] == verdict::MOVES;
+            all &= keep[lane];
+            if self.verdict[lane] == verdict::LANDS {
+                self.finish(lane, self.points.offset(lane).to_array(), self.height[lane]);
+            }
+        }
+        if !all {
+            self.compact(&keep);
+        }
+    }
 }
