@@ -271,8 +271,10 @@ impl Leaf {
 /// A level set's values, negative inside: **the one place where the sign flips on the way out**.
 fn push_distances(band: &Band, block: usize, head: &mut Vec<u8>, out: &mut Vec<f32>) -> i8 {
     let (active, distances) = (&band.active[block], &band.distances[block]);
-    let (values, inside) = flipped(distances, band.background());
-    push_active(&values, active, out);
+    let start = out.len();
+    out.resize(start + BLOCK_VOXELS, 0.0);
+    let (count, inside) = flip_active(distances, active, band.background(), &mut out[start..]);
+    out.truncate(start + count);
     let outside: BlockMask = std::array::from_fn(|word| !inside[word] & !active[word]);
     let any_inside = (0..8).any(|word| inside[word] & !active[word] != 0);
     match (outside != [0; 8], any_inside) {
@@ -286,37 +288,36 @@ fn push_distances(band: &Band, block: usize, head: &mut Vec<u8>, out: &mut Vec<f
     }
 }
 
-/// A block's distances as the file has them, limited to ± the background, and which voxels lie inside. A zero becomes
-/// +0.
+/// Puts the active ones of a block's distances, as the file has them, limited to ± the background, at the front of
+/// `out`. Returns how many they are, and which voxels lie inside. A zero becomes +0.
 #[multiversion::multiversion(targets = "simd")]
-fn flipped(distances: &[f32; BLOCK_VOXELS], background: f32) -> ([f32; BLOCK_VOXELS], BlockMask) {
-    let (mut values, mut inside) = ([0.0; BLOCK_VOXELS], [0; BLOCK_VOXELS]);
-    for at in 0..BLOCK_VOXELS {
-        values[at] = (0.0 - distances[at]).clamp(-background, background);
-        inside[at] = u8::from(distances[at] >= 0.0);
-    }
-    (values, mask::pack(&inside))
-}
-
-/// The active ones of a block's values.
-fn push_active(values: &[f32; BLOCK_VOXELS], active: &BlockMask, out: &mut Vec<f32>) {
-    let start = out.len();
-    out.resize(start + BLOCK_VOXELS, 0.0);
-    let (room, mut count) = (&mut out[start..], 0);
-    let rows = active.iter().flat_map(|word| word.to_le_bytes());
-    for (row, flags) in values.as_chunks::<8>().0.iter().zip(rows) {
-        if flags == u8::MAX {
-            room[count..count + 8].copy_from_slice(row);
-            count += 8;
+fn flip_active(
+    distances: &[f32; BLOCK_VOXELS],
+    active: &BlockMask,
+    background: f32,
+    out: &mut [f32],
+) -> (usize, BlockMask) {
+    const ROW: usize = 8;
+    let (mut count, mut inside) = (0, [0; BLOCK_VOXELS]);
+    for (at, row) in distances.as_chunks::<ROW>().0.iter().enumerate() {
+        let mut flipped = [0.0; ROW];
+        for z in 0..ROW {
+            flipped[z] = (0.0 - row[z]).clamp(-background, background);
+            inside[ROW * at + z] = u8::from(row[z] >= 0.0);
+        }
+        let flags = active[at / ROW] >> (ROW * (at % ROW)) & 0xFF;
+        if flags == 0xFF {
+            out[count..count + ROW].copy_from_slice(&flipped);
+            count += ROW;
         } else if flags != 0 {
             // Each is written to the next place, which only an active one takes up: no branch to guess.
-            for (z, value) in row.iter().enumerate() {
-                room[count] = *value;
-                count += usize::from(flags >> z & 1);
+            for (z, value) in flipped.into_iter().enumerate() {
+                out[count] = value;
+                count += (flags >> z & 1) as usize;
             }
         }
     }
-    out.truncate(start + count);
+    (count, mask::pack(&inside))
 }
 
 /// Refuses a number that is not finite, or that 16 bits do not hold where the grid has them.
@@ -407,14 +408,17 @@ mod tests {
     }
 
     #[test]
-    fn active_values_keep_their_order() {
-        let values = std::array::from_fn(|at| at as f32);
+    fn active_distances_change_their_sign_and_keep_their_order() {
+        let distances: [f32; BLOCK_VOXELS] = std::array::from_fn(|at| at as f32 - 200.0);
+        let background = 150.0;
         for step in [1, 2, 3, 7, 64, 511] {
             let flags = std::array::from_fn(|at| u8::from(at % step == 0 || at / 9 % step == 1));
             let active = mask::pack(&flags);
-            let mut out = Vec::new();
-            push_active(&values, &active, &mut out);
-            assert!(out.iter().map(|value| *value as usize).eq(mask::places(&active)));
+            let mut out = [f32::NAN; BLOCK_VOXELS];
+            let (count, inside) = flip_active(&distances, &active, background, &mut out);
+            let expected = mask::places(&active).map(|at| (200.0 - at as f32).clamp(-background, background));
+            assert!(out[..count].iter().map(|value| value.to_bits()).eq(expected.map(f32::to_bits)));
+            assert!(mask::places(&inside).eq(200..BLOCK_VOXELS));
         }
     }
 }
