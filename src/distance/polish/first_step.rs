@@ -18,8 +18,6 @@ use super::{
     rows::{ROW, Rows},
 };
 
-type Row = [f32; ROW];
-
 /// How much nearer than |F|/|∇F| tells a foot may be at the beginning, for the step to count as a gain.
 const DOUBT: f32 = 1.3;
 
@@ -96,17 +94,39 @@ fn step_across(value: f32, slope: [f32; 3]) -> [f32; 3] {
     [-slope[0] * share, -slope[1] * share, -slope[2] * share]
 }
 
+/// Two rows side by side: a vector of the widest registers.
+const PAIR: usize = 2 * ROW;
+
+type Pair = [f32; PAIR];
+
+/// Of two rows of queries the numbers by axis.
+#[inline(always)]
+fn load_pairs([x, y, z]: [&[f32; BATCH]; 3], starts: [usize; 2]) -> [Pair; 3] {
+    [load_pair(x, starts), load_pair(y, starts), load_pair(z, starts)]
+}
+
+#[inline(always)]
+fn load_pair(from: &[f32; BATCH], [one, other]: [usize; 2]) -> Pair {
+    let (one, other): ([f32; ROW], [f32; ROW]) = (load(from, one), load(from, other));
+    let mut pair = [0.0; PAIR];
+    pair[..ROW].copy_from_slice(&one);
+    pair[ROW..].copy_from_slice(&other);
+    pair
+}
+
 /// Sets the trial points of the rows' queries: a step across the surface. Their residuals are those at the queries.
 #[multiversion(targets = "simd")]
 fn begin(rows: &[usize], queries: &Points, at: &Gradients, lanes: &mut Lanes) {
     let [least, greatest] = lanes.bounds;
     let Lanes { points, residual: residuals, .. } = lanes;
-    for (to, &from) in (0..).step_by(ROW).zip(rows) {
-        let p: [Row; 3] = load_each([&queries.x, &queries.y, &queries.z], from);
-        let slope: [Row; 3] = load_each([&at.dx, &at.dy, &at.dz], from);
-        let value: Row = load(&at.value, from);
-        let (mut trial, mut residual) = ([[0.0; ROW]; 3], [0.0; ROW]);
-        for l in 0..ROW {
+    for (to, pair) in (0..).step_by(PAIR).zip(rows.chunks(2)) {
+        // Where one is left it stands for both; what comes of the second then is in lanes that nobody reads.
+        let starts = [pair[0], pair[pair.len() - 1]];
+        let p = load_pairs([&queries.x, &queries.y, &queries.z], starts);
+        let slope = load_pairs([&at.dx, &at.dy, &at.dz], starts);
+        let value = load_pair(&at.value, starts);
+        let (mut trial, mut residual) = ([[0.0; PAIR]; 3], [0.0; PAIR]);
+        for l in 0..PAIR {
             let slope = [slope[0][l], slope[1][l], slope[2][l]];
             let step = step_across(value[l], slope);
             for axis in 0..3 {
@@ -127,15 +147,15 @@ fn begin(rows: &[usize], queries: &Points, at: &Gradients, lanes: &mut Lanes) {
 fn land(rows: &[usize], queries: &Points, gradients: &Gradients, request: &Request, lanes: &mut Lanes) -> BlockMask {
     let mut open = [0; BATCH];
     let Lanes { points, residual, foot: feet, distance, .. } = lanes;
-    for (first, &row) in (0..).step_by(ROW).zip(rows) {
-        let p: [Row; 3] = load_each([&queries.x, &queries.y, &queries.z], row);
-        let q: [Row; 3] = load_each([&points.x, &points.y, &points.z], first);
-        let slope: [Row; 3] = load_each([&gradients.dx, &gradients.dy, &gradients.dz], first);
-        let value: Row = load(&gradients.value, first);
-        let residual: Row = load(residual, first);
-        let (mut foot, mut height, mut goes_on) = ([[0.0; ROW]; 3], [0.0; ROW], [0; ROW]);
-        for l in 0..ROW {
-            let at = |a: &[Row; 3]| [a[0][l], a[1][l], a[2][l]];
+    for (first, pair) in (0..).step_by(PAIR).zip(rows.chunks(2)) {
+        let p = load_pairs([&queries.x, &queries.y, &queries.z], [pair[0], pair[pair.len() - 1]]);
+        let q: [Pair; 3] = load_each([&points.x, &points.y, &points.z], first);
+        let slope: [Pair; 3] = load_each([&gradients.dx, &gradients.dy, &gradients.dz], first);
+        let value: Pair = load(&gradients.value, first);
+        let residual: Pair = load(residual, first);
+        let (mut foot, mut height, mut goes_on) = ([[0.0; PAIR]; 3], [0.0; PAIR], [0; PAIR]);
+        for l in 0..PAIR {
+            let at = |a: &[Pair; 3]| [a[0][l], a[1][l], a[2][l]];
             let before = Before { merit: DOUBT * residual[l], residual: residual[l], length: 0.0, full: true };
             let trial = look(at(&p), at(&q), value[l], at(&slope), &before, request.unit);
             for axis in 0..3 {
@@ -148,11 +168,13 @@ fn land(rows: &[usize], queries: &Points, gradients: &Gradients, request: &Reque
             let is_beyond = trial.taken & (dot(trial.towards, trial.towards) > farthest * farthest);
             goes_on[l] = u8::from(!trial.lands & !is_beyond);
         }
-        for (foot, feet) in foot.into_iter().zip(feet.iter_mut()) {
-            store(foot, feet, row);
+        for (half, &row) in (0..).step_by(ROW).zip(pair) {
+            for (foot, feet) in foot.iter().zip(feet.iter_mut()) {
+                feet[row..row + ROW].copy_from_slice(&foot[half..half + ROW]);
+            }
+            distance[row..row + ROW].copy_from_slice(&height[half..half + ROW]);
+            open[first + half..first + half + ROW].copy_from_slice(&goes_on[half..half + ROW]);
         }
-        store(height, distance, row);
-        open[first..first + ROW].copy_from_slice(&goes_on);
     }
     mask::pack_first(&open, ROW * rows.len())
 }
