@@ -59,11 +59,10 @@ impl Lanes {
         gradients: &mut Gradients,
     ) {
         let mut kept = 0;
-        for lane in mask::places(open) {
+        // Others of their rows have come along, and are too far.
+        let meant: BlockMask = std::array::from_fn(|word| open[word] & rows.meant()[word]);
+        for lane in mask::places(&meant) {
             let query = rows.query(lane);
-            if query >= queries.len {
-                continue;
-            }
             self.query[kept] = query as u16;
             let p = queries.offset(query).to_array();
             let step = step_across(at_queries.value[query], at_queries.gradient(query).to_array());
