@@ -96,6 +96,8 @@ def read(logs):
             if kind == "ROW":
                 key = tuple(fields[:4])
                 rows.setdefault(key, (line.partition(" goal ")[2], []))[1].append(float(fields[4]))
+            elif kind == "MACHINE":
+                others[kind].append(" ".join(fields))
             elif kind in ("STAGE", "BOUND", "GROWTH", "EXPONENT", "PROGRAM", "MEMORY"):
                 others[kind].append(fields)
     return rows, others
@@ -175,12 +177,16 @@ def memory(lines):
 
 
 def main():
+    # Written into the logs as they begin: the page may be made again when the program has gone on.
+    if sys.argv[1:] == ["--machine"]:
+        print("MACHINE", machine())
+        return
     rows, others = read(sys.argv[1:])
-    if not rows:
+    if not rows or not others["MACHINE"]:
         sys.exit("performance: no logs; run scripts/performance.sh without arguments")
     page = (ROOT / "docs/performance.in.md").read_text()
     parts = {
-        "machine": machine(),
+        "machine": "\n".join(sorted(set(others["MACHINE"]))),
         "goals": goals(rows),
         "errors": errors(rows),
         "runs": {1: "one run", 3: "three runs"}.get(len(sys.argv) - 1, f"{len(sys.argv) - 1} runs"),

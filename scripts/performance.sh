@@ -44,6 +44,7 @@ measure() {
     mkdir -p "$logs"
     rm -f "$logs"/*.txt
     for ((run = 1; run <= runs; run++)); do
+        scripts/performance.py --machine >>"$logs/$run.txt"
         for bench in "${benches[@]}"; do
             printf '== run %d of %d: %s\n' "$run" "$runs" "$bench"
             cargo bench --quiet --locked --features rivals --bench "$bench" | tee -a "$logs/$run.txt"
