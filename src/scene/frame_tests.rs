@@ -1,7 +1,7 @@
 //! Frames made from scenes: where they are inside, how large voxels are, which colours they have.
 
 use std::path::PathBuf;
-use std::sync::{Arc, Mutex};
+use std::sync::Arc;
 
 use glam::{DVec3, Vec3};
 
@@ -21,7 +21,7 @@ fn prepare(model: Model, resolution: Option<u32>) -> Result<Prepared, Error> {
     Arc::new(model).prepare(&options(resolution, &|_| ()))
 }
 
-fn options(resolution: Option<u32>, progress: &(dyn Fn(f64) + Sync)) -> PrepareOptions<'_> {
+pub(super) fn options(resolution: Option<u32>, progress: &(dyn Fn(f64) + Sync)) -> PrepareOptions<'_> {
     PrepareOptions {
         voxel_size: None,
         resolution,
@@ -566,59 +566,6 @@ fn empty_frames_of_the_papers_mode_are_named_once() {
         prepared_with(&format!("{text}slab = [-1, 2]\ns = 0.25\na0 = 0.3\na1 = 2.5\na2 = 2.5\na3 = 0.3\n"), Some(24))
             .unwrap_or_else(|error| panic!("{error}"));
     assert!(alive.warnings.is_empty(), "{}", alive.warnings);
-}
-
-/// In order but for what two threads tell at once; an object whose cells end early takes a step.
-#[test]
-fn a_morph_tells_how_far_it_is_made_ready() {
-    let text =
-        "frames = '1-9'\nmorph = { from = 'a', to = 'b' }\n[shape.a]\nsphere = 1\n[shape.b]\nbox = [1, 1.4, 1]\n";
-    let source = Source::Text { name: "scene.toml".into(), text: text.into(), folder: PathBuf::new() };
-    let model = load(&source, &Overrides::default()).unwrap_or_else(|problems| panic!("{problems}"));
-    let told = Mutex::new(Vec::new());
-    let progress = |share| told.lock().unwrap().push(share);
-    Arc::new(model).prepare(&options(Some(64), &progress)).unwrap_or_else(|error| panic!("{error}"));
-    let told = told.into_inner().unwrap();
-    assert_eq!(told.last(), Some(&1.0));
-    assert!(told.iter().all(|share| (0.0..=1.0).contains(share)), "{told:?}");
-    // Of each object, before it is done.
-    for object in [0.0..0.45, 0.45..0.9] {
-        assert!(told.iter().filter(|share| object.contains(*share)).count() > 10, "{told:?}");
-    }
-    let back = told.windows(2).map(|two| two[0] - two[1]).fold(0.0, f64::max);
-    assert!(back < 0.05, "{told:?}");
-}
-
-/// Nothing is measured for it: nothing is told of progress.
-#[test]
-fn a_morph_without_room_for_its_colours_is_refused_before_it_is_measured() {
-    let scene = |colour: &str| {
-        format!(
-            "frames = \"1-9\"\nmorph = {{ from = \"a\", to = \"b\" }}\n\
-             [shape.parts]\nunion = [{{ sphere = 1{colour} }}]\n[shape.a]\nfacet = \"parts\"\ncells = \"c\"\n\
-             [shape.b]\nbox = 2\n[cells.c]\noctree = \"parts\"\n"
-        )
-    };
-    let prepare = |colour: &str, limit: u64| {
-        let source = Source::Text { name: "scene.toml".into(), text: scene(colour), folder: ".".into() };
-        let model = load(&source, &Overrides::default()).unwrap_or_else(|problems| panic!("{problems}"));
-        let began = std::sync::atomic::AtomicBool::new(false);
-        let progress = |_| began.store(true, std::sync::atomic::Ordering::Relaxed);
-        let limited = PrepareOptions { memory_limit: Some(limit as usize), ..options(Some(64), &progress) };
-        let result = Arc::new(model).prepare(&limited).map(|_| ());
-        (result, began.into_inner())
-    };
-    let needed = |result: Result<(), Error>| match result {
-        Err(Error::Memory { needed, .. }) => needed,
-        other => panic!("{other:?}"),
-    };
-    let (plain, began) = prepare("", 1);
-    let plain = needed(plain);
-    assert!(!began);
-    let (coloured, began) = prepare(", color = \"red\"", plain + 1);
-    assert!(!began && needed(coloured) > 2 * plain);
-    let (with_room, _) = prepare("", plain + 1);
-    assert!(!matches!(with_room, Err(Error::Memory { .. })), "{with_room:?}");
 }
 
 #[test]

@@ -49,6 +49,8 @@ mod level_set_tests;
 #[cfg(test)]
 mod partition_tests;
 #[cfg(test)]
+mod ready_tests;
+#[cfg(test)]
 mod scalar_tests;
 #[cfg(test)]
 mod tests;

@@ -246,6 +246,19 @@ pub struct VoxelSource {
     pub outside: Outside,
 }
 
+impl Maker {
+    /// The shapes whose attributes it takes where it has none of its own. What is cut shows the inside of what it is cut
+    /// from.
+    pub fn painters(&self) -> &[ShapeId] {
+        match self {
+            Self::Facet { of, .. } => std::slice::from_ref(of),
+            Self::Union { operands, .. } | Self::Blend { operands, .. } | Self::Intersection(operands) => operands,
+            Self::Difference(operands) => &operands[..1],
+            _ => &[],
+        }
+    }
+}
+
 impl<const N: usize, K, M> AttributeSource<N, K, M> {
     /// The shapes whose values it takes.
     pub fn parts(&self) -> &[ShapeId] {

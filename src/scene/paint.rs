@@ -158,15 +158,7 @@ impl<const N: usize> Paint<N> {
 /// bring colours along.)
 pub(super) fn surely_has<const N: usize>(model: &Model, what: impl Asked<N>, id: ShapeId) -> bool {
     let shape = model.shape(id);
-    let has = |id: &ShapeId| surely_has(model, what, *id);
-    what.source(shape).is_some()
-        || match &shape.maker {
-            Maker::Facet { of, .. } => has(of),
-            Maker::Union { operands, .. } | Maker::Blend { operands, .. } => operands.iter().any(has),
-            Maker::Intersection(operands) => operands.iter().any(has),
-            Maker::Difference(operands) => has(&operands[0]),
-            _ => false,
-        }
+    what.source(shape).is_some() || shape.maker.painters().iter().any(|part| surely_has(model, what, *part))
 }
 
 impl Solids {
@@ -240,20 +232,16 @@ impl Solids {
     ) -> Result<Option<Paint<N>>, Problem> {
         match &shape.maker {
             Maker::Mesh { .. } => Ok(what.of_mesh(self.assets().mesh(id)).map(Paint::shared)),
-            Maker::Facet { of, .. } => self.paint(what, *of, Stage::Placed, voxel),
             Maker::Union { operands, seam } => self.parts_paint(what, operands, Rule::Union { seam: *seam }, voxel),
             Maker::Blend { operands, .. } => self.parts_paint(what, operands, Rule::Blend, voxel),
-            // What is cut shows the inside of what it is cut from.
-            Maker::Difference(operands) => self.paint(what, operands[0], Stage::Placed, voxel),
-            Maker::Intersection(operands) => {
-                for operand in operands {
-                    if let Some(paint) = self.paint(what, *operand, Stage::Placed, voxel)? {
+            maker => {
+                for part in maker.painters() {
+                    if let Some(paint) = self.paint(what, *part, Stage::Placed, voxel)? {
                         return Ok(Some(paint));
                     }
                 }
                 Ok(None)
             }
-            _ => Ok(None),
         }
     }
 

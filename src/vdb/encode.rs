@@ -242,7 +242,7 @@ impl Piece {
 struct Leaf {
     /// All that stands before the values.
     head: Vec<u8>,
-    /// The values, where they are not those of the grid as they are.
+    /// The values, where they are not those of the grid as they are, with room for a whole block's.
     values: Vec<f32>,
 }
 
@@ -254,8 +254,9 @@ impl Leaf {
         head.extend(grid.blocks().active[block].iter().flat_map(|word| word.to_le_bytes()));
         let (components, flag, values): (_, _, &[f32]) = match &grid.content {
             Content::LevelSet(band) => {
-                own.clear();
-                (1, push_distances(band, block, head, own), own)
+                own.resize(BLOCK_VOXELS, 0.0);
+                let (flag, count) = put_distances(band, block, head, own);
+                (1, flag, &own[..count])
             }
             Content::Floats { values, .. } => (1, BACKGROUND, &values.channel.values[block]),
             Content::Vectors { values, .. } => (3, BACKGROUND, values.channel.values[block].as_flattened()),
@@ -269,15 +270,13 @@ impl Leaf {
 }
 
 /// A level set's values, negative inside: **the one place where the sign flips on the way out**.
-fn push_distances(band: &Band, block: usize, head: &mut Vec<u8>, out: &mut Vec<f32>) -> i8 {
-    let (active, distances) = (&band.active[block], &band.distances[block]);
-    let start = out.len();
-    out.resize(start + BLOCK_VOXELS, 0.0);
-    let (count, inside) = flip_active(distances, active, band.background(), &mut out[start..]);
-    out.truncate(start + count);
+/// How a leaf keeps its inactive ones, and how many active ones stand at the front of `out`.
+fn put_distances(band: &Band, block: usize, head: &mut Vec<u8>, out: &mut [f32]) -> (i8, usize) {
+    let active = &band.active[block];
+    let (count, inside) = flip_active(&band.distances[block], active, band.background(), out);
     let outside: BlockMask = std::array::from_fn(|word| !inside[word] & !active[word]);
     let any_inside = (0..8).any(|word| inside[word] & !active[word] != 0);
-    match (outside != [0; 8], any_inside) {
+    let flag = match (outside != [0; 8], any_inside) {
         (_, false) => BACKGROUND,
         (false, true) => MINUS_BACKGROUND,
         (true, true) => {
@@ -285,7 +284,8 @@ fn push_distances(band: &Band, block: usize, head: &mut Vec<u8>, out: &mut Vec<f
             head.extend(outside.iter().flat_map(|word| word.to_le_bytes()));
             BOTH
         }
-    }
+    };
+    (flag, count)
 }
 
 /// Puts the active ones of a block's distances, as the file has them, limited to ± the background, at the front of

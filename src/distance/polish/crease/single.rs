@@ -40,10 +40,10 @@ impl Polisher {
         }
         let lanes = &mut *self.lanes;
         let Scratch { singles, parts, values: [behind, before], probes, .. } = &mut self.crease;
-        let single = &singles[branch];
+        let (feet, distances) = (singles[branch].foot.each_ref(), &*singles[branch].distance);
         lanes.set_bounds(request, queries.points);
         lanes.points.len = rows.lanes();
-        rows.gather(single.foot.each_ref(), [&mut lanes.points.x, &mut lanes.points.y, &mut lanes.points.z]);
+        rows.gather(feet, [&mut lanes.points.x, &mut lanes.points.y, &mut lanes.points.z]);
         let [x, y, z] = &mut lanes.p;
         rows.gather([&queries.points.x, &queries.points.y, &queries.points.z], [x, y, z]);
         kernel::steps_onward(lanes, ACROSS * request.unit);
@@ -64,14 +64,7 @@ impl Polisher {
         evaluator.values(probes, behind);
         kernel::stepped(lanes, -1.0, probes);
         evaluator.values(probes, before);
-        take_crossed(
-            &rows,
-            queries.inside,
-            [before, behind],
-            [&single.foot[0], &single.foot[1], &single.foot[2]],
-            &single.distance,
-            best,
-        );
+        take_crossed(&rows, queries.inside, [before, behind], feet, distances, best);
     }
 }
 
