@@ -5,7 +5,7 @@ use multiversion::multiversion;
 use super::kernel::{Run, pass};
 use super::lane_math as math;
 use super::op::{Binary, Unary};
-use super::tape::{Code, LaneQuadric};
+use super::tape::{Code, LaneQuadric, QuadricShape};
 use super::width::VectorWidth;
 use super::{BATCH, Gradients};
 
@@ -277,7 +277,35 @@ fn affine<const N: usize>([a, b, c, d]: [f32; 4], [x, y, z]: [&[f32; N]; 3], out
 }
 
 #[inline(always)]
-fn quadric<const N: usize>(quadric: &LaneQuadric, [x, y, z]: [&[f32; N]; 3], out: &mut Dual) {
+fn quadric<const N: usize>(quadric: &LaneQuadric, position: [&[f32; N]; 3], out: &mut Dual) {
+    match quadric.shape {
+        QuadricShape::Aligned => aligned_quadric(quadric, position, out),
+        QuadricShape::General => general_quadric(quadric, position, out),
+    }
+}
+
+/// Bit for bit the general one with zeros left out.
+#[inline(always)]
+fn aligned_quadric<const N: usize>(quadric: &LaneQuadric, [x, y, z]: [&[f32; N]; 3], out: &mut Dual) {
+    let ([p, q, r], constant, sign) = (quadric.rows, quadric.constant, quadric.signs[0]);
+    let steep = [2.0 * sign * p[0], 2.0 * sign * q[1], 2.0 * sign * r[2]];
+    for at in 0..N / WIDE {
+        let (mut value, mut slope) = ([0.0; WIDE], [[0.0; WIDE]; 3]);
+        for i in 0..WIDE {
+            let (x, y, z) = (x[WIDE * at + i], y[WIDE * at + i], z[WIDE * at + i]);
+            let (u, v, w) = (p[0] * x + p[3], q[1] * y + q[3], r[2] * z + r[3]);
+            value[i] = constant + sign * (u * u + v * v + w * w);
+            (slope[0][i], slope[1][i], slope[2][i]) = (steep[0] * u, steep[1] * v, steep[2] * w);
+        }
+        out.value[at] = value;
+        for axis in 0..3 {
+            out.slope[axis][at] = slope[axis];
+        }
+    }
+}
+
+#[inline(always)]
+fn general_quadric<const N: usize>(quadric: &LaneQuadric, [x, y, z]: [&[f32; N]; 3], out: &mut Dual) {
     let ([p, q, r], constant, [s, t, m]) = (quadric.rows, quadric.constant, quadric.signs);
     for at in 0..N / WIDE {
         let (mut value, mut slope) = ([0.0; WIDE], [[0.0; WIDE]; 3]);

@@ -2,6 +2,7 @@
 
 use glam::DVec3;
 
+use super::leaf::Quadric;
 use super::op::{Binary, Op, Unary};
 use super::program::Program;
 
@@ -40,7 +41,7 @@ pub(super) struct LaneQuadric {
 /// Which loop a sum of squares takes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum QuadricShape {
-    /// Three terms of one sign, along x, y and z.
+    /// Terms of one sign, each along another axis, of which it is the axis' row; zeros where there is none.
     Aligned,
     /// Anything else.
     General,
@@ -156,14 +157,58 @@ impl Tape {
         self.rows.clear();
         self.rows.extend(self.affine_leaves.iter().map(|&leaf| program.affines[leaf as usize].around(origin)));
         self.quadrics.clear();
-        self.quadrics.extend(self.quadric_leaves.iter().map(|&leaf| {
-            let quadric = &program.quadrics[leaf as usize];
-            let rows = quadric.terms.map(|(weight, form)| form.linear(weight.abs().sqrt(), 0.0).around(origin));
-            let signs = quadric.terms.map(|(weight, _)| if weight < 0.0 { -1.0 } else { 1.0 });
-            let only = |row: [f32; 4], axis: usize| (0..3).all(|i| (row[i] != 0.0) == (i == axis));
-            let aligned = (0..3).all(|axis| only(rows[axis], axis) && signs[axis] == signs[0]);
-            let shape = if aligned { QuadricShape::Aligned } else { QuadricShape::General };
-            LaneQuadric { rows, signs, constant: quadric.constant as f32, shape }
-        }));
+        let lane_quadric = |&leaf: &u32| LaneQuadric::new(&program.quadrics[leaf as usize], origin);
+        self.quadrics.extend(self.quadric_leaves.iter().map(lane_quadric));
+    }
+}
+
+impl LaneQuadric {
+    fn new(quadric: &Quadric, origin: DVec3) -> Self {
+        let rows = quadric.terms.map(|(weight, form)| form.linear(weight.abs().sqrt(), 0.0).around(origin));
+        let signs = quadric.terms.map(|(weight, _)| if weight < 0.0 { -1.0 } else { 1.0 });
+        let used = quadric.terms.map(|(weight, _)| weight != 0.0);
+        let constant = quadric.constant as f32;
+        match Self::by_axis(rows, signs, used) {
+            Some(rows) => Self { rows, signs: [signs[0]; 3], constant, shape: QuadricShape::Aligned },
+            None => Self { rows, signs, constant, shape: QuadricShape::General },
+        }
+    }
+
+    /// The rows of the terms that are used by the axis that each is along; none where two are along one, one is along
+    /// none, or their signs differ.
+    fn by_axis(rows: [[f32; 4]; 3], signs: [f32; 3], used: [bool; 3]) -> Option<[[f32; 4]; 3]> {
+        let mut by_axis = [[0.0; 4]; 3];
+        let mut taken = [false; 3];
+        for (term, row) in rows.into_iter().enumerate().filter(|&(term, _)| used[term]) {
+            let axis = (0..3).find(|&axis| (0..3).all(|i| (row[i] != 0.0) == (i == axis)))?;
+            if std::mem::replace(&mut taken[axis], true) || signs[term] != signs[0] {
+                return None;
+            }
+            by_axis[axis] = row;
+        }
+        Some(by_axis)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::field::leaf::Affine;
+
+    #[test]
+    fn squares_along_the_axes_take_the_short_way() {
+        let sum = |terms: &[(f64, DVec3)]| {
+            let square = |&(weight, slope): &(f64, DVec3)| Quadric::square(Affine::new(slope, 0.5)).linear(weight, 0.0);
+            let sum = terms.iter().map(square).reduce(|a, b| a.plus(&b).unwrap()).unwrap();
+            LaneQuadric::new(&sum, DVec3::new(1.0, 2.0, 3.0))
+        };
+        let [x, y, z] = DVec3::AXES;
+        assert_eq!(sum(&[(-4.0, y)]).rows, [[0.0; 4], [0.0, 2.0, 0.0, 5.0], [0.0; 4]]);
+        for aligned in [&[(1.0, x), (1.0, y), (1.0, z)][..], &[(-1.0, z), (-2.0, x)]] {
+            assert_eq!(sum(aligned).shape, QuadricShape::Aligned);
+        }
+        for general in [&[(1.0, x), (-1.0, y)][..], &[(1.0, x), (2.0, x)], &[(1.0, x + y)]] {
+            assert_eq!(sum(general).shape, QuadricShape::General);
+        }
     }
 }

@@ -1,5 +1,8 @@
 //! From a frame to a file that is whole.
 
+use std::fs::File;
+use std::ops::Range;
+use std::os::fd::AsRawFd;
 use std::os::unix::fs::FileExt;
 use std::path::{Path, PathBuf};
 
@@ -9,6 +12,10 @@ use super::bridge::ffi;
 use super::walk::walk_pieces;
 use super::{Encoded, Error, Frame, encode};
 use crate::disk::{self, Temporary, folder_of};
+
+/// So many bytes of a file are sent to the disk at a time while the rest is written, so that little is left to wait for
+/// when the file is synced.
+const WRITTEN_OUT: u64 = 4 << 20;
 
 /// How a file's buffers are compressed. In all cases inactive voxels are not stored where they can be restored.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -131,7 +138,7 @@ impl Encoded {
     fn send(&self, temporary: &mut Temporary, path: &Path) -> Result<(), Error> {
         let file = temporary.file_mut();
         let reading = |error| Error::system(path, "read it back", error);
-        let (mut arrived, mut start) = (Vec::new(), 0);
+        let (mut arrived, mut start, mut on_its_way) = (Vec::new(), 0, 0);
         for piece in &self.pieces {
             file.write_all_at(piece, start).map_err(|error| Error::system(path, "write it", error))?;
             arrived.resize(piece.len().max(arrived.len()), 0);
@@ -143,6 +150,10 @@ impl Encoded {
                 return Err(Error::Damaged { path: path.into(), offset: start + same as u64, problem });
             }
             start += piece.len() as u64;
+            if start - on_its_way >= WRITTEN_OUT {
+                begin_to_write_out(file, on_its_way..start);
+                on_its_way = start;
+            }
         }
         let bytes = file.metadata().map_err(reading)?.len();
         if bytes != start {
@@ -157,6 +168,15 @@ impl Encoded {
         self.pieces.iter().for_each(|piece| hash.update(piece));
         hash.finalize().into()
     }
+}
+
+/// Has the system begin to bring a part of a file to the disk, and waits for nothing. Whether it gets there is told when
+/// the file is synced; where the system or the file's place knows no such thing, all is left to that.
+#[expect(unsafe_code, reason = "no library has this call in a safe form")]
+fn begin_to_write_out(file: &File, part: Range<u64>) {
+    let [start, bytes] = [part.start, part.end - part.start].map(|number| number as i64);
+    // SAFETY: the call gets numbers alone, of which the descriptor is open as long as `file` lives.
+    unsafe { libc::sync_file_range(file.as_raw_fd(), start, bytes, libc::SYNC_FILE_RANGE_WRITE) };
 }
 
 /// What is wrong with a target before any work is done.

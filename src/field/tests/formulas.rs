@@ -18,7 +18,7 @@ fn field(text: &str) -> Expression {
 type Plain = fn(DVec3) -> f64;
 
 /// Formulas with what they say in plain Rust.
-const CASES: [(&str, Plain); 20] = [
+const CASES: [(&str, Plain); 24] = [
     ("sin(3*x + y) * cos(z)", |p| (3.0 * p.x + p.y).sin() * p.z.cos()),
     ("sin(x*2)*cos(y*2) + sin(y*2)*cos(z*2) + sin(z*2)*cos(x*2)", |p| {
         let (s, c) = ((p * 2.0).map(f64::sin), (p * 2.0).map(f64::cos));
@@ -46,6 +46,10 @@ const CASES: [(&str, Plain); 20] = [
     ("sign(x) * step(0, y) + z", |p| p.x.signum() * if p.y >= 0.0 { 1.0 } else { 0.0 } + p.z),
     ("max(min(x, y), z^2 - 1, abs(x))", |p| p.x.min(p.y).max(p.z * p.z - 1.0).max(p.x.abs())),
     ("1 - length(x, 2*y, z)", |p| 1.0 - DVec3::new(p.x, 2.0 * p.y, p.z).length()),
+    ("1 - x^2 - 4*(z - 0.1)^2", |p| 1.0 - p.x * p.x - 4.0 * (p.z - 0.1).powi(2)),
+    ("(y + 0.2)^2 - 0.5", |p| (p.y + 0.2).powi(2) - 0.5),
+    ("x^2 + 2*y^2 - z^2", |p| p.x * p.x + 2.0 * p.y * p.y - p.z * p.z),
+    ("(x + y)^2 + 3*z^2 - 1", |p| (p.x + p.y).powi(2) + 3.0 * p.z * p.z - 1.0),
     ("sqrt(x^2 + y^2 + 0.01) * (x + y)", |p| (p.x * p.x + p.y * p.y + 0.01).sqrt() * (p.x + p.y)),
 ];
 
