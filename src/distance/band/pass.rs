@@ -223,20 +223,21 @@ where
         staged.par_iter().map_init(visitor, |visitor, block| outcome(self.scope, &mut **visitor, block)).collect()
     }
 
-    /// Takes the staged blocks, whose places in the chunk are `order`, into the band. Memory that is touched first is
-    /// the dear part, so all threads do.
+    /// Takes the staged blocks, whose places in the chunk are `order`, into the band. One thread does, while others measure:
+    /// where several touch new memory at once, each gets the same huge page ready, and all but one for nothing.
     fn push(&mut self, staged: &[Staged], outcomes: Vec<Outcome<T>>, order: &[usize]) {
         let mut in_order: Vec<_> = outcomes.iter().map(|_| None).collect();
         for ((block, outcome), &place) in staged.iter().zip(outcomes).zip(order) {
             in_order[place] = Some((block, outcome));
         }
-        let mut kept = Vec::with_capacity(in_order.len());
+        let background = self.scope.background();
         for (block, outcome) in in_order.into_iter().flatten() {
             match outcome {
                 Outcome::Band(visit) => {
                     self.measured.band.origins.push(block.origin);
+                    self.measured.band.distances.push(block.clamped(background));
                     self.measured.band.active.push(block.active);
-                    kept.push((block, visit));
+                    self.measured.visits.push(visit);
                 }
                 Outcome::Inside => {
                     self.measured.band.inside_tiles.push(InsideTile { origin: block.origin, edge: BLOCK_EDGE })
@@ -244,9 +245,6 @@ where
                 Outcome::Outside => {}
             }
         }
-        let background = self.scope.background();
-        self.measured.band.distances.par_extend(kept.par_iter().map(|(block, _)| block.clamped(background)));
-        self.measured.visits.par_extend(kept.into_par_iter().map(|(_, visit)| visit));
     }
 
     /// Measures the blocks again to which later ones offered nearer feet, and then those to which these do.
