@@ -4,11 +4,11 @@
 //! most ρ from a middle A, and the nearest voxel of A at the distance D, that of a is at most D + ρ from a, so at most
 //! D + 2ρ from A.
 
-use glam::{DVec3, IVec3};
+use glam::{DVec3, IVec3, UVec3};
 
 use super::Volume;
 use super::group::{Group, ball, halves};
-use super::tree::{Below, Tree, cube, is_full};
+use super::tree::{Below, EDGE, Tree, bits, centre, cube, is_full};
 
 /// The most children that wait at one time: seven a level, and cubes of blocks halve a space of 2³² at most 32 times.
 const DEPTH: usize = 8 * 34;
@@ -34,9 +34,65 @@ pub(super) fn foot(at: DVec3, low: IVec3, high: IVec3) -> DVec3 {
 pub(super) struct Nearest<'a, const N: usize> {
     volume: &'a Volume<N>,
     tree: &'a Tree,
-    /// Cubes of 4³ that may hold the nearest voxel of one of a group, the nearest first: their distance from the
-    /// group's middle, and their node.
-    cubes: Vec<(f64, u32)>,
+    /// Cubes of 4³ that may hold the nearest voxel of one of a group, the nearest to its middle first.
+    cubes: Vec<Cube>,
+}
+
+/// A cube of 4³ voxels, as all points of a group look at it.
+struct Cube {
+    /// The distance of its active voxels' box from the group's middle.
+    distance: f64,
+    /// The least and the greatest centre of its active voxels.
+    low: IVec3,
+    high: IVec3,
+    /// The centre of its first voxel.
+    corner: IVec3,
+    /// Which are active: a bit each, by x, then y, then z, from the lowest.
+    bits: u64,
+}
+
+/// How far away the nearest voxel known is, squared, and which it is: of several, the least.
+type Best = (f64, [i32; 3]);
+
+impl Cube {
+    /// Puts the voxel that is nearest to a point in the place of one that is farther; whether it did.
+    fn improve(&self, at: DVec3, best: &mut Best) -> bool {
+        let foot = foot(at, self.low, self.high);
+        if at.distance_squared(foot) > best.0 {
+            return false;
+        }
+        let mut improved = false;
+        let mut tell = |square: f64, voxel: [i32; 3]| {
+            if square < best.0 || square == best.0 && voxel < best.1 {
+                *best = (square, voxel);
+                improved = true;
+            }
+        };
+        if self.bits == u64::MAX {
+            // The one that the point's nearest neighbour in the box is in; of several, the least.
+            let voxel = (foot - 0.5).ceil().as_ivec3().clamp(self.low, self.high);
+            tell(distance_squared(at, voxel, voxel), voxel.to_array());
+            return improved;
+        }
+        // The square of a voxel's distance is the sum of one of each axis.
+        let along = |axis: usize| -> [f64; EDGE as usize] {
+            std::array::from_fn(|step| {
+                let centre = f64::from(self.corner[axis] + step as i32);
+                let away = at[axis] - at[axis].clamp(centre - 0.5, centre + 0.5);
+                away * away
+            })
+        };
+        let (x, y, z) = (along(0), along(1), along(2));
+        let mut left = self.bits;
+        while left != 0 {
+            let bit = left.trailing_zeros();
+            left &= left - 1;
+            let [i, j, k] = [bit >> 4, bit >> 2 & 3, bit & 3];
+            let square = x[i as usize] + y[j as usize] + z[k as usize];
+            tell(square, (self.corner + UVec3::new(i, j, k).as_ivec3()).to_array());
+        }
+        improved
+    }
 }
 
 impl<'a, const N: usize> Nearest<'a, N> {
@@ -105,14 +161,17 @@ impl<'a, const N: usize> Nearest<'a, N> {
         let mut len = 1;
         while len > 0 {
             len -= 1;
-            let index = waiting[len];
-            let node = &self.tree.nodes[index as usize];
+            let node = &self.tree.nodes[waiting[len] as usize];
             let distance = distance_squared(at, node.low, node.high).sqrt();
             if distance > reach {
                 continue;
             }
             match node.below {
-                Below::Voxels { .. } => self.cubes.push((distance, index)),
+                Below::Voxels { block, place } => {
+                    let corner = centre(self.volume, block, place);
+                    let bits = bits(self.volume, block, place);
+                    self.cubes.push(Cube { distance, low: node.low, high: node.high, corner, bits });
+                }
                 Below::Nodes(first, count) => {
                     for child in first..first + u32::from(count) {
                         waiting[len] = child;
@@ -121,37 +180,23 @@ impl<'a, const N: usize> Nearest<'a, N> {
                 }
             }
         }
-        self.cubes.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
+        self.cubes.sort_unstable_by(|a, b| a.distance.total_cmp(&b.distance));
     }
 
     /// The nearest of the cubes collected, for a point so far from their group's middle. `near`, any active voxel, only
     /// makes it faster.
     fn of_point(&self, at: DVec3, away: f64, near: Option<IVec3>) -> IVec3 {
-        let key = |voxel: IVec3| (distance_squared(at, voxel, voxel), voxel.to_array());
-        let mut best = near.map_or((f64::INFINITY, [i32::MAX; 3]), key);
-        let mut reach = (best.0.sqrt() + away) * ROUNDING;
-        for (distance, node) in &self.cubes {
-            if *distance > reach {
+        let known = |voxel: IVec3| (distance_squared(at, voxel, voxel), voxel.to_array());
+        let mut best = near.map_or((f64::INFINITY, [i32::MAX; 3]), known);
+        let reach = |best: &Best| (best.0.sqrt() + away) * ROUNDING;
+        let mut farthest = reach(&best);
+        for cube in &self.cubes {
+            if cube.distance > farthest {
                 break;
             }
-            let node = &self.tree.nodes[*node as usize];
-            if distance_squared(at, node.low, node.high) > best.0 {
-                continue;
+            if cube.improve(at, &mut best) {
+                farthest = reach(&best);
             }
-            let Below::Voxels { block, place } = node.below else { continue };
-            let mut tell = |voxel: IVec3| {
-                let key = key(voxel);
-                if key < best {
-                    best = key;
-                }
-            };
-            if is_full(self.volume, block, place) {
-                // The one that the point's nearest neighbour in the box is in; of several, the least.
-                tell((foot(at, node.low, node.high) - 0.5).ceil().as_ivec3().clamp(node.low, node.high));
-            } else {
-                cube(self.volume, block, place).for_each(|(voxel, _)| tell(voxel));
-            }
-            reach = (best.0.sqrt() + away) * ROUNDING;
         }
         IVec3::from_array(best.1)
     }

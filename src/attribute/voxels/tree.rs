@@ -16,7 +16,7 @@ pub(super) struct Tree {
 pub(super) const BYTES_A_NODE: u64 = size_of::<Node>() as u64;
 
 /// The edge of the least cubes.
-const EDGE: i32 = 4;
+pub(super) const EDGE: i32 = 4;
 
 /// How many of them are in a block.
 pub(super) const CUBES_A_BLOCK: u64 = 8;
@@ -94,7 +94,7 @@ fn around(boxes: impl Iterator<Item = (IVec3, IVec3)>) -> (IVec3, IVec3) {
 }
 
 /// Which voxels of the 4³ at a place of a block are active: a bit each, by x, then y, then z, from the lowest.
-fn bits<const N: usize>(volume: &Volume<N>, block: u32, place: u16) -> u64 {
+pub(super) fn bits<const N: usize>(volume: &Volume<N>, block: u32, place: u16) -> u64 {
     let rows = (0..16).map(|row| {
         let offset = place + (row >> 2 << 6) + ((row & 3) << 3);
         (volume.active[block as usize][usize::from(offset >> 6)] >> (offset & 63) & 15) << (row * 4)
@@ -107,6 +107,12 @@ pub(super) fn is_full<const N: usize>(volume: &Volume<N>, block: u32, place: u16
     bits(volume, block, place) == u64::MAX
 }
 
+/// The centre of the voxel at a place of a block.
+pub(super) fn centre<const N: usize>(volume: &Volume<N>, block: u32, place: u16) -> IVec3 {
+    let step = IVec3::new(i32::from(place >> 6), i32::from(place >> 3 & 7), i32::from(place & 7));
+    volume.origins[block as usize] + step
+}
+
 /// The active voxels of the 4³ at a place of a block: centre and value.
 pub(super) fn cube<const N: usize>(
     volume: &Volume<N>,
@@ -114,13 +120,11 @@ pub(super) fn cube<const N: usize>(
     place: u16,
 ) -> impl Iterator<Item = (IVec3, [f32; N])> + use<'_, N> {
     let mut left = bits(volume, block, place);
-    let block = block as usize;
     std::iter::from_fn(move || {
         let bit = (left != 0).then(|| left.trailing_zeros() as u16)?;
         left &= left - 1;
         let offset = place + (bit >> 4 << 6) + ((bit >> 2 & 3) << 3) + (bit & 3);
-        let step = IVec3::new(i32::from(offset >> 6), i32::from(offset >> 3 & 7), i32::from(offset & 7));
-        Some((volume.origins[block] + step, volume.values[block][usize::from(offset)]))
+        Some((centre(volume, block, offset), volume.values[block as usize][usize::from(offset)]))
     })
 }
 
