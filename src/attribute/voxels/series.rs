@@ -243,8 +243,9 @@ fn add(sums: &mut Abreast, power: u32, scale: f32, way: &[[f32; LANES]; 3], mome
             slopes[a][i] = sum[i] * inverse[i];
         }
     }
+    // Where there are fewer nodes than before, what is left of those is multiplied by 0.
+    let (mut slope, mut moment) = ([[0.0; LANES]; MONOMIALS], [[0.0; LANES]; MONOMIALS]);
     for (first, moments) in moments.chunks(ABREAST).enumerate() {
-        let (mut slope, mut moment) = ([[0.0; LANES]; MONOMIALS], [[0.0; LANES]; MONOMIALS]);
         for a in 0..MONOMIALS {
             let four: [f32; ABREAST] =
                 std::array::from_fn(|node| if node < moments.len() { slopes[a][first * ABREAST + node] } else { 0.0 });
@@ -255,18 +256,34 @@ fn add(sums: &mut Abreast, power: u32, scale: f32, way: &[[f32; LANES]; 3], mome
                 moment[a][node * SUMS..][..SUMS].copy_from_slice(&moments[a]);
             }
         }
-        // Sums next to one another do not wait for each other.
-        for b in 0..MONOMIALS {
-            let moment = moment[b];
-            for (here, product) in sums.iter_mut().zip(&PRODUCTS[b]).take(FACTORS[b]) {
-                let slope = &slope[usize::from(*product)];
-                for i in 0..LANES {
-                    here[i] += slope[i] * moment[i];
-                }
+        add_degree::<0, 1>(sums, &slope, &moment);
+        add_degree::<1, 3>(sums, &slope, &moment);
+        add_degree::<4, 6>(sums, &slope, &moment);
+        add_degree::<10, 10>(sums, &slope, &moment);
+        add_degree::<20, 15>(sums, &slope, &moment);
+        add_degree::<35, 21>(sums, &slope, &moment);
+    }
+}
+
+/// Adds to the coefficients of one degree, the `COUNT` monomials from the `FIRST` on: so few that they stay in registers
+/// meanwhile, and sums next to one another do not wait for each other.
+#[inline(always)]
+fn add_degree<const FIRST: usize, const COUNT: usize>(sums: &mut Abreast, slope: &Abreast, moment: &Abreast) {
+    let mut here = [[0.0; LANES]; COUNT];
+    here.copy_from_slice(&sums[FIRST..FIRST + COUNT]);
+    for b in 0..FACTORS[FIRST] {
+        for k in 0..COUNT {
+            let slope = &slope[usize::from(PRODUCTS[b][FIRST + k])];
+            for i in 0..LANES {
+                here[k][i] += slope[i] * moment[b][i];
             }
         }
     }
+    sums[FIRST..FIRST + COUNT].copy_from_slice(&here);
 }
+
+/// The last degree's monomials are the last ones.
+const _: () = assert!(DEGREE == 5 && MONOMIALS == 35 + 21);
 
 /// Adds a series at points, each given by its way from the series' middle.
 pub(super) fn evaluate(series: &Series, at: &[[f32; LANES]; 3], sums: &mut [[f32; LANES]; SUMS]) {
