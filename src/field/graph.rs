@@ -90,7 +90,7 @@ impl Graph {
                 (*weight, *form) = (0.0, Affine::ZERO);
             }
         }
-        // Terms along x, y, z in this order, so that aligned balls take their short way.
+        // Used terms first, along x, y, z in this order: equal sums are one leaf, however they were written.
         quadric.terms.sort_by_key(|(weight, form)| {
             let axis = form.slope.to_array().iter().position(|slope| *slope != 0.0);
             (*weight == 0.0, axis)
