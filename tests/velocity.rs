@@ -258,6 +258,22 @@ fn what_is_too_fast_is_held_and_counted() {
     assert!(error < 1e-3, "{error}");
 }
 
+/// A surface that crosses an eighth of the shot in a frame is one that meets, parts or vanishes; motion is not.
+#[test]
+fn changes_are_held_sooner_than_motion() {
+    // It grows by 0.875 a frame, in a box some 6 wide, and moves by 1.
+    let text = "frames = '1-3'\n[shape.a]\nsphere = {1 = 0.25, 3 = 2}\nmove = ['2*t', 0, 0]\n[output]\nvoxel_size = 0.05\ngrids = ['surface', 'vel']\n";
+    let computed = computed(&prepared_as_it_is(text.into()), 2);
+    let velocities = computed.velocities.as_ref().expect("velocities");
+    assert_eq!(velocities.held_voxels, computed.band.active_voxels());
+    let (most, change) = (velocities.max_speed, velocities.max_change);
+    assert!((24.0 * 4.25..=24.0 * 6.5).contains(&most) && change == most / 8.0, "{most}, {change}");
+    let error = greatest_error(&band(&computed), |voxel| {
+        DVec3::new(24.0, 0.0, 0.0) + (voxel.centre - DVec3::X).normalize() * change
+    });
+    assert!(error < 0.01, "{error}");
+}
+
 #[test]
 fn the_program_writes_them() {
     let place = Workplace::new();

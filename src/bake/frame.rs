@@ -93,11 +93,16 @@ pub(super) fn warnings(computed: &Computed) -> Vec<String> {
     if computed.bright_voxels > 0 {
         warnings.push(format!("colours above 1 at {}; they are kept", voxels(computed.bright_voxels)));
     }
-    if let Some(Velocities { held_voxels, max_speed, .. }) = &computed.velocities
+    if let Some(Velocities { held_voxels, max_speed, max_change, .. }) = &computed.velocities
         && *held_voxels > 0
     {
+        let own = if max_change < max_speed {
+            format!(", {max_speed:.6} with the objects' own motion,")
+        } else {
+            String::new()
+        };
         warnings.push(format!(
-            "faster than {max_speed:.6} units a second at {}, and held to that (`output.max_speed`)",
+            "faster than {max_change:.6} units a second{own} at {}, and held to that (`output.max_speed`)",
             voxels(*held_voxels)
         ));
     }

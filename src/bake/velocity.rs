@@ -23,10 +23,12 @@ pub struct Velocities {
     pub active: Vec<BlockMask>,
     /// World units a second; 0 elsewhere.
     pub channel: Channel<[f32; 3]>,
-    /// Voxels of the band whose velocity was held to the greatest speed.
+    /// Voxels of the band whose velocity was held to a greatest speed.
     pub held_voxels: u64,
-    /// That speed.
+    /// That of the whole.
     pub max_speed: f64,
+    /// That beside the objects' own motion.
+    pub max_change: f64,
 }
 
 /// The velocities of one block's active voxels, in their order.
@@ -129,7 +131,7 @@ pub(super) fn grid(band: &Band, blocks: Vec<BlockVelocities>, movement: &Movemen
     let origins = sorted.iter().map(|(origin, _)| *origin).collect();
     let active: Vec<BlockMask> = sorted.iter().map(|(_, (active, _))| *active).collect();
     let channel = Channel::of_blocks("vel", &active, sorted.into_iter().map(|(_, (_, values))| *values), [0.0; 3]);
-    Velocities { origins, active, channel, held_voxels, max_speed: movement.max_speed }
+    Velocities { origins, active, channel, held_voxels, max_speed: movement.max_speed, max_change: movement.max_change }
 }
 
 /// The neighbours that a voxel hands its velocity on to: outside, without one, and no farther from the surface point

@@ -99,7 +99,7 @@ impl Display for Problem {
             Self::Open { boundary_edges, inconsistent_edges } => write!(
                 f,
                 "is not closed, so it has no inside: {boundary_edges} boundary edges, {inconsistent_edges} edges whose \
-                 neighbours face opposite ways; fill the holes and unify the normals, or allow an open mesh"
+                 neighbours face opposite ways; fill the holes and unify the normals"
             ),
         }
     }

@@ -72,6 +72,9 @@ pub struct Movement {
     pub around: Vec<Around>,
     /// The greatest speed, world units a second: faster surfaces are held to it.
     pub max_speed: f64,
+    /// The greatest speed along the normal beside the objects' own motion, world units a second. Where pieces meet, part
+    /// or vanish that has no limit, and what is fast is carried far outward.
+    pub max_change: f64,
     /// Seconds that a frame lasts.
     pub frame_seconds: f64,
 }
@@ -82,6 +85,7 @@ impl Movement {
         Meter {
             around: self.around.iter().map(Then::new).collect(),
             max_speed: self.max_speed,
+            max_change: self.max_change,
             tolerance: TOLERANCE * voxel as f32,
             carried: Points::new(DVec3::ZERO),
             moved: Points::new(DVec3::ZERO),
@@ -110,6 +114,7 @@ impl<'a> Then<'a> {
 pub struct Meter<'a> {
     around: Vec<Then<'a>>,
     max_speed: f64,
+    max_change: f64,
     tolerance: f32,
     carried: Points,
     moved: Points,
@@ -120,7 +125,7 @@ pub struct Meter<'a> {
 
 impl Meter<'_> {
     /// The velocities at surface points with these outward unit normals, world units a second, and whether each was
-    /// held to the greatest speed.
+    /// held to a greatest speed.
     pub fn velocities(
         &mut self,
         feet: &Points,
@@ -130,23 +135,24 @@ impl Meter<'_> {
     ) {
         let len = feet.len;
         held[..len].fill(false);
-        let mut sums = [DVec3::ZERO; BATCH];
+        let (mut own, mut along) = ([DVec3::ZERO; BATCH], [0.0; BATCH]);
         for number in 0..self.around.len() {
             let Instant { seconds, weight } = self.around[number].instant;
-            let limit = (self.max_speed * seconds.abs()) as f32;
+            let limit = (self.max_change * seconds.abs()) as f32;
             self.find(number, limit, feet, outward);
             for i in 0..len {
-                let way =
-                    DVec3::from_array(self.own[i].map(f64::from)) + outward[i].as_dvec3() * f64::from(self.along[i]);
-                sums[i] += way * weight;
+                own[i] += DVec3::from_array(self.own[i].map(f64::from)) * weight;
+                along[i] += f64::from(self.along[i]) * weight;
                 held[i] |= limit > 0.0 && self.along[i].abs() >= limit;
             }
         }
         for i in 0..len {
-            let speed = sums[i].length();
-            held[i] |= speed > self.max_speed;
+            let change = along[i].clamp(-self.max_change, self.max_change);
+            let whole = own[i] + outward[i].as_dvec3() * change;
+            let speed = whole.length();
+            held[i] |= change != along[i] || speed > self.max_speed;
             let factor = if speed > self.max_speed { self.max_speed / speed } else { 1.0 };
-            out[i] = (sums[i] * factor).as_vec3().to_array();
+            out[i] = (whole * factor).as_vec3().to_array();
         }
     }
 

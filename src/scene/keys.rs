@@ -547,8 +547,8 @@ pub const OUTPUT: &[Key] = &[
     Key::new(
         "max_speed",
         Kind::Constant,
-        Words("the longest side of the shot's box in one frame"),
-        "The greatest speed in `vel`: where surfaces meet or part they move without limit.",
+        Words("the longest side of the shot's box in one frame, for changes of shape an eighth of that"),
+        "The greatest speed in `vel`: where surfaces meet, part or vanish they move without limit.",
     )
     .limit(Limit::Positive)
     .unit("units/s"),

@@ -21,6 +21,10 @@ use super::solid::{Solids, Stage};
 /// farther: what turns or speeds up within a frame is cut short.
 const STEP: f64 = 0.125;
 
+/// The greatest speed of a change of shape where the scene says none, against that of a motion: a surface that crosses
+/// the whole shot in fewer than eight frames is one that meets, parts or vanishes.
+const CHANGE: f64 = 0.125;
+
 /// A vector attribute; `None` is 0 everywhere.
 type Vectors = Option<Arc<dyn Attribute<3>>>;
 
@@ -29,9 +33,12 @@ impl Prepared {
     pub(super) fn movement(&self, frame: i64) -> Result<Movement, Stop> {
         let shot = self.model.shot;
         let (first, last) = (shot.range.first, shot.range.last);
-        let by_default = self.extent.size().max_element() * shot.fps;
-        let max_speed = self.model.output.max_speed.unwrap_or(by_default);
-        let mut movement = Movement { around: Vec::new(), max_speed, frame_seconds: 1.0 / shot.fps };
+        let across = self.extent.size().max_element() * shot.fps;
+        let (max_speed, max_change) = match self.model.output.max_speed {
+            Some(max_speed) => (max_speed, max_speed),
+            None => (across, CHANGE * across),
+        };
+        let mut movement = Movement { around: Vec::new(), max_speed, max_change, frame_seconds: 1.0 / shot.fps };
         if first == last || frame < first || frame > last || matches!(self.content, Ready::Still(_)) {
             return Ok(movement);
         }

@@ -239,6 +239,16 @@ fn texts_that_are_no_scene() {
         "[shape.a]\nsphere = ball\n",
         "2:10 not TOML: invalid TOML value, did you mean to use a quoted string?; text stands in quotes",
     );
+    // Frames with a point, which TOML takes for tables.
+    only(
+        "[shape.a]\nsphere = {1 = 0, 12 = 1, 12.5 = 2}\n",
+        "2:26 not TOML: dotted key attempted to extend non-table type; a point in a key opens a table; a key with a point \
+         of its own stands in quotes: \"12.5\"",
+    );
+    only(
+        "[shape.a]\nsphere = {1 = 1, 12.5 = 2}\n",
+        "2:21 unknown key `5` in `shape.a.sphere.12`; a key with a point stands in quotes: \"12.5\"",
+    );
     only("{\"shape\": {\"a\": {\"sphere\": }}}", "1:28 not JSON: expected value");
     only("{\"shape\": {\"a\": {\"sphere\": null}}}", "1:28 null stands for nothing here; leave the key out");
     for hostile in ["[", "\u{0}", "a.b.c.d = {", "=", "[[shape]]", "shape = [[[[[[[]]]]]]]", "[shape.a]\nsphere = nan"]

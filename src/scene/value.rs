@@ -160,6 +160,8 @@ pub fn parse_toml(text: &str, source: usize, origin: Origin) -> Result<Table, Di
         let diagnostic = Diagnostic::error(Span::new(source, error.span.into()), format!("not TOML: {error}"));
         match error.kind {
             toml_span::ErrorKind::UnquotedString => diagnostic.help("text stands in quotes"),
+            toml_span::ErrorKind::DottedKeyInvalidType { .. } => diagnostic
+                .help("a point in a key opens a table; a key with a point of its own stands in quotes: \"12.5\""),
             _ => diagnostic,
         }
     })?;

@@ -81,6 +81,13 @@ impl Reader<'_> {
             self.wrong_kind(name, "a number", value);
             return None;
         };
+        // TOML reads `12.5 = 3` as the key 12 with a table in which 5 = 3.
+        if let Some(entry) = table.0.iter().find(|entry| is_digits(&entry.key)) {
+            let problem = format!("unknown key `{}` in `{}`", clip(&entry.key), clip(name));
+            let help = format!("a key with a point stands in quotes: \"{frame}.{}\"", clip(&entry.key));
+            self.say(Diagnostic::error(entry.key_span, problem).help(help));
+            return None;
+        }
         let fields = Fields::new(self, name, "key", value.span, table, keys::KEY.iter().collect());
         let at = fields.constant("value")?;
         self.check_limit(&format!("{name}.value"), limit, at, value.span);
@@ -101,6 +108,10 @@ impl Reader<'_> {
         };
         Some(Key { frame, value: at, before: handle("in", -1.0), after: handle("out", 1.0) })
     }
+}
+
+fn is_digits(key: &str) -> bool {
+    !key.is_empty() && key.bytes().all(|byte| byte.is_ascii_digit())
 }
 
 /// Whether two keys beside one another in one text stand in the wrong order.
