@@ -283,6 +283,9 @@ fn the_program_writes_them() {
     let run = place.hfvdb("bake moving.toml --resolution 24 --half vel --frames 3 -o one/m.####.vdb").ok();
     let (_, told) = run.stderr.split_once("faster than 9").unwrap_or_else(|| panic!("{}", run.stderr));
     assert!(told.contains(" units a second at ") && told.contains(" voxels, and held to that"), "{}", run.stderr);
+    let count = told.split_once(" second at ").and_then(|(_, told)| told.split_once(" voxels")).expect("a count").0;
+    let record = std::fs::read_to_string(place.path("one/.m.0003.hfvdb-record.json")).expect("a record");
+    assert!(record.contains(&format!("\"held_voxels\": {count}")), "{count} voxels, {record}");
     let bytes = |path: &str| {
         let mut bytes = std::fs::read(place.path(path)).expect("a frame");
         bytes[21..57].fill(0);

@@ -70,6 +70,9 @@ pub fn empty(prepared: &Prepared) -> Computed {
     Computed { band, colour: None, scalars: Vec::new(), velocities: None, report, bright_voxels: 0, ranges }
 }
 
+/// One voxel in so many that are too fast is worth a warning: a few are wherever pieces meet or vanish.
+const NOTED: u64 = 1000;
+
 /// What the measurement noticed, in words.
 pub(super) fn warnings(computed: &Computed) -> Vec<String> {
     let mut warnings = Vec::new();
@@ -94,7 +97,7 @@ pub(super) fn warnings(computed: &Computed) -> Vec<String> {
         warnings.push(format!("colours above 1 at {}; they are kept", voxels(computed.bright_voxels)));
     }
     if let Some(Velocities { held_voxels, max_speed, max_change, .. }) = &computed.velocities
-        && *held_voxels > 0
+        && held_voxels * NOTED >= computed.band.active_voxels().max(1)
     {
         let own = if max_change < max_speed {
             format!(", {max_speed:.6} with the objects' own motion,")

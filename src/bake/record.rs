@@ -53,6 +53,9 @@ pub struct GridRecord {
     pub least: Vec<f32>,
     /// The greatest.
     pub greatest: Vec<f32>,
+    /// Of velocities: voxels of the band whose own is held to a greatest speed.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub held_voxels: Option<u64>,
 }
 
 /// The file that stands beside a frame: its record, and what it was baked from.
@@ -108,9 +111,10 @@ fn grids(computed: &Computed) -> Vec<GridRecord> {
     for (scalar, range) in computed.scalars.iter().zip(scalars) {
         grids.push(GridRecord::new(&scalar.name, active_voxels, *range));
     }
-    if let Some(Velocities { channel, .. }) = &computed.velocities {
+    if let Some(Velocities { channel, held_voxels, .. }) = &computed.velocities {
         let active_voxels = channel.values.iter().map(|block| block.len() as u64).sum();
-        grids.push(GridRecord::new(&channel.name, active_voxels, Range::of_blocks(&channel.values)));
+        let grid = GridRecord::new(&channel.name, active_voxels, Range::of_blocks(&channel.values));
+        grids.push(GridRecord { held_voxels: Some(*held_voxels), ..grid });
     }
     grids
 }
@@ -118,6 +122,7 @@ fn grids(computed: &Computed) -> Vec<GridRecord> {
 impl GridRecord {
     fn new<const N: usize>(name: &str, active_voxels: u64, range: Range<N>) -> Self {
         let some = |values: [f32; N]| if active_voxels > 0 { values.to_vec() } else { Vec::new() };
-        Self { name: name.into(), active_voxels, least: some(range.least), greatest: some(range.greatest) }
+        let (least, greatest) = (some(range.least), some(range.greatest));
+        Self { name: name.into(), active_voxels, least, greatest, held_voxels: None }
     }
 }
