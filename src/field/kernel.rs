@@ -190,6 +190,22 @@ fn affine<const N: usize>(row: [f32; 4], [x, y, z]: [&[f32; N]; 3], out: &mut [f
 fn quadric<const N: usize>(quadric: &LaneQuadric, [x, y, z]: [&[f32; N]; 3], out: &mut [f32; N]) {
     let ([p, q, r], constant) = (quadric.rows, quadric.constant);
     match quadric.shape {
+        // Bit for bit the next one with factors of 1 left out.
+        QuadricShape::Ball => {
+            let square = |i: usize| {
+                let (u, v, w) = (x[i] + p[3], y[i] + q[3], z[i] + r[3]);
+                u * u + v * v + w * w
+            };
+            if quadric.signs[0] < 0.0 {
+                for i in 0..N {
+                    out[i] = constant - square(i);
+                }
+            } else {
+                for i in 0..N {
+                    out[i] = constant + square(i);
+                }
+            }
+        }
         QuadricShape::Aligned => {
             let sign = quadric.signs[0];
             for i in 0..N {

@@ -279,7 +279,7 @@ fn affine<const N: usize>([a, b, c, d]: [f32; 4], [x, y, z]: [&[f32; N]; 3], out
 #[inline(always)]
 fn quadric<const N: usize>(quadric: &LaneQuadric, position: [&[f32; N]; 3], out: &mut Dual) {
     match quadric.shape {
-        QuadricShape::Aligned => aligned_quadric(quadric, position, out),
+        QuadricShape::Ball | QuadricShape::Aligned => aligned_quadric(quadric, position, out),
         QuadricShape::General => general_quadric(quadric, position, out),
     }
 }

@@ -41,6 +41,8 @@ pub(super) struct LaneQuadric {
 /// Which loop a sum of squares takes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum QuadricShape {
+    /// The squared distance from a point, or less it: terms of one sign, each along another axis, of slope 1.
+    Ball,
     /// Terms of one sign, each along another axis, of which it is the axis' row; zeros where there is none.
     Aligned,
     /// Anything else.
@@ -169,7 +171,11 @@ impl LaneQuadric {
         let used = quadric.terms.map(|(weight, _)| weight != 0.0);
         let constant = quadric.constant as f32;
         match Self::by_axis(rows, signs, used) {
-            Some(rows) => Self { rows, signs: [signs[0]; 3], constant, shape: QuadricShape::Aligned },
+            Some(rows) => {
+                let is_ball = (0..3).all(|axis| rows[axis][axis] == 1.0);
+                let shape = if is_ball { QuadricShape::Ball } else { QuadricShape::Aligned };
+                Self { rows, signs: [signs[0]; 3], constant, shape }
+            }
             None => Self { rows, signs, constant, shape: QuadricShape::General },
         }
     }
@@ -204,7 +210,10 @@ mod tests {
         };
         let [x, y, z] = DVec3::AXES;
         assert_eq!(sum(&[(-4.0, y)]).rows, [[0.0; 4], [0.0, 2.0, 0.0, 5.0], [0.0; 4]]);
-        for aligned in [&[(1.0, x), (1.0, y), (1.0, z)][..], &[(-1.0, z), (-2.0, x)]] {
+        for ball in [[(1.0, x), (1.0, y), (1.0, z)], [(-1.0, z), (-1.0, x), (-1.0, y)]] {
+            assert_eq!(sum(&ball).shape, QuadricShape::Ball);
+        }
+        for aligned in [&[(1.0, x), (1.0, y), (2.0, z)][..], &[(-1.0, z), (-2.0, x)], &[(1.0, x), (1.0, y)]] {
             assert_eq!(sum(aligned).shape, QuadricShape::Aligned);
         }
         for general in [&[(1.0, x), (-1.0, y)][..], &[(1.0, x), (2.0, x)], &[(1.0, x + y)]] {
