@@ -236,13 +236,19 @@ fn velocities_reach_as_far_outside_as_the_surface_moves() {
         let (active, at) = (&velocities.active[block], voxel_offset(voxel));
         is_active(active, at).then(|| Vec3::from(velocities.channel.at(block, active, at)))
     };
-    for beyond in [1.0, 4.0, 8.5] {
-        for direction in [DVec3::X, DVec3::NEG_Y, DVec3::ONE.normalize()] {
-            let found = velocity(DVec3::X * 1.5 + direction * (0.5 + beyond * VOXEL)).expect("a velocity there");
+    let beyond = |direction: DVec3, voxels: f64| velocity(DVec3::X * 1.5 + direction * (0.5 + voxels * VOXEL));
+    let diagonal = DVec3::ONE.normalize();
+    let ways = [(DVec3::X, 8.5), (DVec3::NEG_X, 8.5), (DVec3::NEG_Y, 1.0), (diagonal, 4.0)];
+    for (direction, farthest) in ways {
+        for voxels in [1.0, 4.0, 8.5].into_iter().filter(|voxels| *voxels <= farthest) {
+            let found = beyond(direction, voxels).unwrap_or_else(|| panic!("no velocity {voxels} along {direction}"));
             assert!(found.distance(Vec3::X * 9.0) < 1e-2, "{found}");
         }
     }
-    assert_eq!(velocity(DVec3::X * 1.5 + DVec3::Z * (0.5 + 12.0 * VOXEL)), None);
+    // Where the surface does not come in the frame.
+    for (direction, voxels) in [(DVec3::X, 12.0), (DVec3::NEG_Y, 5.5), (DVec3::Z, 8.5), (diagonal, 8.5)] {
+        assert_eq!(beyond(direction, voxels), None, "{voxels} along {direction}");
+    }
     // Not inside, where the band ends.
     assert_eq!(velocity(DVec3::X * 1.5), None);
     assert!(velocities.origins.is_sorted_by_key(|origin| hfvdb::grid::block_order(*origin)));

@@ -1,7 +1,8 @@
 //! The grid of velocities: on the band, and as far outside of it as the surface moves in a frame.
 //!
 //! A renderer that blurs motion asks for the velocity where the surface will have been or come to within the frame. So
-//! each surface point's velocity is carried outward along with the point, as far as it moves in one frame.
+//! each surface point's velocity is carried along the point's own way, forward and back as far as it moves in one frame,
+//! over a width of the band's.
 
 use std::cmp::Ordering;
 
@@ -134,27 +135,29 @@ pub(super) fn grid(band: &Band, blocks: Vec<BlockVelocities>, movement: &Movemen
     Velocities { origins, active, channel, held_voxels, max_speed: movement.max_speed, max_change: movement.max_change }
 }
 
-/// The neighbours that a voxel hands its velocity on to: outside, without one, and no farther from the surface point
-/// than that moves in a frame, and a voxel more for samples between voxels.
+/// The neighbours that a voxel hands its velocity on to: outside, without one, and no farther along the surface point's
+/// way than that moves in a frame, nor beside it than the band is wide; and a voxel more for samples between voxels.
 fn outward<'a>(
     carried: Carried,
     band: &'a Band,
     movement: &'a Movement,
     known: &'a FxHashMap<IVec3, Block>,
 ) -> impl Iterator<Item = Carried> + 'a {
-    let speed = Vec3::from(carried.velocity).as_dvec3().length();
-    let reach = speed * movement.frame_seconds;
-    let voxel = band.lattice.voxel_size.get();
+    let velocity = Vec3::from(carried.velocity).as_dvec3();
+    let (direction, reach) = (velocity.normalize_or_zero(), velocity.length() * movement.frame_seconds);
+    let (voxel, width) = (band.lattice.voxel_size.get(), f64::from(band.background()));
     let away = band.lattice.centre(carried.voxel) - carried.foot;
-    let neighbours = if reach > f64::from(band.background()) { 27 } else { 0 };
+    let neighbours = if reach > width { 27 } else { 0 };
     (0..neighbours).filter_map(move |i| {
         let neighbour = carried.voxel + IVec3::new(i / 9, i / 3 % 3, i % 3) - 1;
         let from_foot = band.lattice.centre(neighbour) - carried.foot;
-        let distance = from_foot.length();
+        let along = from_foot.dot(direction);
+        let beside = (from_foot - along * direction).length();
         let is_known = |(active, _): &Block| is_active(active, voxel_offset(neighbour));
         let taken = from_foot.dot(away) > 0.0
-            && distance <= reach + voxel
+            && along.abs() <= reach + voxel
+            && beside <= width + voxel
             && !known.get(&block_origin(neighbour)).is_some_and(is_known);
-        taken.then_some(Carried { voxel: neighbour, distance, ..carried })
+        taken.then_some(Carried { voxel: neighbour, distance: from_foot.length(), ..carried })
     })
 }
