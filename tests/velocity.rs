@@ -5,7 +5,7 @@ mod support;
 use std::sync::Arc;
 
 use glam::{DMat3, DVec3, Vec3};
-use hfvdb::bake::{Bytes, Computed, Interrupt, compute_frame};
+use hfvdb::bake::{Bytes, Computed, Interrupt, compute_frame, estimate};
 use hfvdb::field::{Field, Gradients, Points};
 use hfvdb::grid::{block_origin, is_active, voxel_offset};
 use hfvdb::scene::{Overrides, PrepareOptions, Prepared, Source, load};
@@ -252,6 +252,25 @@ fn velocities_reach_as_far_outside_as_the_surface_moves() {
     // Not inside, where the band ends.
     assert_eq!(velocity(DVec3::X * 1.5), None);
     assert!(velocities.origins.is_sorted_by_key(|origin| hfvdb::grid::block_order(*origin)));
+}
+
+/// What is carried outward is estimated before it is: for a fast ball more than all else together.
+#[test]
+fn estimates_count_what_is_carried() {
+    for text in [
+        "frames = '1-6'\n[shape.a]\nsphere = 0.8\nmove = ['4*t', 0, 0]",
+        "frames = '1-6'\n[shape.a]\nsphere = {1 = 0.2, 6 = 2}",
+        "frames = '1-24'\n[shape.a]\nbox = 1\nrotate = [0, 0, '30*t']",
+    ] {
+        let scene = prepared(text);
+        let estimate = estimate(&scene, &scene.frame(3).expect("a frame"), 1);
+        let computed = computed(&scene, 3);
+        let velocities = computed.velocities.as_ref().expect("velocities");
+        let all: usize = velocities.channel.values.iter().map(|block| block.len()).sum();
+        let bytes = (4 * computed.band.active_voxels() + 12 * all as u64) as f64;
+        let ratio = estimate.file.0 as f64 / bytes;
+        assert!((0.8..2.0).contains(&ratio), "{ratio} of {bytes} bytes of {text}");
+    }
 }
 
 #[test]

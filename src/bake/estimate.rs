@@ -1,6 +1,6 @@
 //! What frames will take, estimated before anything is allocated.
 
-use super::{Bytes, Error};
+use super::{Bytes, Error, velocity};
 use crate::distance::descent::Scope;
 use crate::distance::extent::{self, Effort};
 use crate::scene::{FrameContent, Prepared};
@@ -21,6 +21,10 @@ pub struct Estimate {
 /// What the program takes whatever it bakes: itself, OpenVDB, stacks, a chunk of blocks in flight.
 const BASE_BYTES: f64 = 120e6;
 
+/// What a voxel of the band takes more while velocities are carried outward, and what one takes that they come to.
+const VELOCITY_BYTES: f64 = 70.0;
+const CARRIED_BYTES: f64 = 28.0;
+
 /// How many of so many frames are in memory at once while they are baked: one is computed while one is written.
 pub fn in_flight(frames: usize) -> usize {
     frames.clamp(1, 2)
@@ -34,12 +38,18 @@ pub fn estimate(prepared: &Prepared, content: &FrameContent, in_flight: usize) -
 fn estimate_by(prepared: &Prepared, content: &FrameContent, in_flight: usize, effort: Effort) -> Estimate {
     let scope = Scope { lattice: prepared.lattice, half_width: prepared.half_width, region: content.region };
     let found = extent::estimate(&*content.field, &scope, effort);
-    // Velocities reach further than the band, by as much as the surface moves.
-    let velocity = if content.movement.is_some() { 6 } else { 0 };
+    let velocity = if content.movement.is_some() { 3 } else { 0 };
     let numbers = if content.colour.is_some() { 3 } else { 0 } + content.scalars.len() + velocity;
-    let memory = BASE_BYTES + prepared.memory_estimate() as f64 + found.memory(numbers, in_flight);
+    let mut memory = BASE_BYTES + prepared.memory_estimate() as f64 + found.memory(numbers, in_flight);
+    let mut file = found.file(numbers);
+    if let Some(movement) = &content.movement {
+        // Velocities reach further than the band, by as much as the surface moves.
+        let carried = found.area * velocity::carried_a_face(&*content.field, movement, &scope);
+        memory += found.voxels * VELOCITY_BYTES + carried * CARRIED_BYTES;
+        file += carried * 12.0;
+    }
     let bytes = |value: f64| Bytes(value.min(u64::MAX as f64) as u64);
-    Estimate { voxels: found.voxels, blocks: found.blocks, memory: bytes(memory), file: bytes(found.file(numbers)) }
+    Estimate { voxels: found.voxels, blocks: found.blocks, memory: bytes(memory), file: bytes(file) }
 }
 
 /// Refuses frames whose estimate is over the limit. Of a frame that is far from it a quick one says enough.

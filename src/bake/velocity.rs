@@ -11,7 +11,9 @@ use rayon::prelude::*;
 use rustc_hash::FxHashMap;
 
 use crate::distance::band::MeasuredBlock;
-use crate::field::{BATCH, Points};
+use crate::distance::descent::Scope;
+use crate::distance::extent;
+use crate::field::{BATCH, Field, Gradients, Points};
 use crate::grid::{BLOCK_VOXELS, Band, BlockMask, Channel, block_order, block_origin, is_active, mask, voxel_offset};
 use crate::morph::{Meter, Movement};
 
@@ -135,6 +137,41 @@ pub(super) fn grid(band: &Band, blocks: Vec<BlockVelocities>, movement: &Movemen
     Velocities { origins, active, channel, held_voxels, max_speed: movement.max_speed, max_change: movement.max_change }
 }
 
+/// How many voxels outside of the band the velocities are carried to for each voxel face of the surface, about, from some
+/// places of the surface.
+pub(super) fn carried_a_face(field: &dyn Field, movement: &Movement, scope: &Scope) -> f64 {
+    let near = extent::near_surface(field, scope);
+    let Some(first) = near.first() else { return 0.0 };
+    let (mut points, mut at) = (Points::new(*first), Gradients::new());
+    for position in near.iter().step_by(near.len().div_ceil(BATCH)) {
+        points.push((*position - points.origin).as_vec3());
+    }
+    field.evaluator().gradients(&points, &mut at);
+    let (mut feet, mut outward) = (Points::new(*first), Vec::with_capacity(BATCH));
+    for i in 0..points.len {
+        let gradient = at.gradient(i);
+        let step = gradient * (at.value[i] / gradient.length_squared());
+        if step.is_finite() {
+            feet.push(points.offset(i) - step);
+            outward.push(-gradient.normalize());
+        }
+    }
+    if outward.is_empty() {
+        return 0.0;
+    }
+    let voxel = scope.lattice.voxel_size.get();
+    let (mut velocities, mut held) = ([[0.0; 3]; BATCH], [false; BATCH]);
+    movement.meter(voxel).velocities(&feet, &outward, &mut velocities, &mut held);
+    let beyond = |(velocity, outward): (&[f32; 3], &Vec3)| {
+        let across = f64::from(Vec3::from(*velocity).dot(*outward)).abs() * movement.frame_seconds / voxel;
+        (across + 1.0 - f64::from(scope.half_width)).max(0.0)
+    };
+    velocities.iter().zip(&outward).map(beyond).sum::<f64>() / outward.len() as f64
+}
+
+/// The steps to the voxels that share a face.
+const FACES: [IVec3; 6] = [IVec3::X, IVec3::NEG_X, IVec3::Y, IVec3::NEG_Y, IVec3::Z, IVec3::NEG_Z];
+
 /// The neighbours that a voxel hands its velocity on to: outside, without one, and no farther along the surface point's
 /// way than that moves in a frame, nor beside it than the band is wide; and a voxel more for samples between voxels.
 fn outward<'a>(
@@ -147,9 +184,9 @@ fn outward<'a>(
     let (direction, reach) = (velocity.normalize_or_zero(), velocity.length() * movement.frame_seconds);
     let (voxel, width) = (band.lattice.voxel_size.get(), f64::from(band.background()));
     let away = band.lattice.centre(carried.voxel) - carried.foot;
-    let neighbours = if reach > width { 27 } else { 0 };
-    (0..neighbours).filter_map(move |i| {
-        let neighbour = carried.voxel + IVec3::new(i / 9, i / 3 % 3, i % 3) - 1;
+    let neighbours: &[IVec3] = if reach > width { &FACES } else { &[] };
+    neighbours.iter().filter_map(move |step| {
+        let neighbour = carried.voxel + *step;
         let from_foot = band.lattice.centre(neighbour) - carried.foot;
         let along = from_foot.dot(direction);
         let beside = (from_foot - along * direction).length();
