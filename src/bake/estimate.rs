@@ -2,7 +2,7 @@
 
 use super::{Bytes, Error, velocity};
 use crate::distance::descent::Scope;
-use crate::distance::extent::{self, Effort};
+use crate::distance::extent::{BandBoxes, Effort};
 use crate::scene::{FrameContent, Prepared};
 
 /// What a frame will take, estimated before anything is allocated.
@@ -37,14 +37,16 @@ pub fn estimate(prepared: &Prepared, content: &FrameContent, in_flight: usize) -
 
 fn estimate_by(prepared: &Prepared, content: &FrameContent, in_flight: usize, effort: Effort) -> Estimate {
     let scope = Scope { lattice: prepared.lattice, half_width: prepared.half_width, region: content.region };
-    let found = extent::estimate(&*content.field, &scope, effort);
+    let boxes = BandBoxes::find(&*content.field, &scope, effort);
+    let found = boxes.estimate(&scope);
     let velocity = if content.movement.is_some() { 3 } else { 0 };
     let numbers = if content.colour.is_some() { 3 } else { 0 } + content.scalars.len() + velocity;
     let mut memory = BASE_BYTES + prepared.memory_estimate() as f64 + found.memory(numbers, in_flight);
     let mut file = found.file(numbers);
     if let Some(movement) = &content.movement {
         // Velocities reach further than the band, by as much as the surface moves.
-        let carried = found.area * velocity::carried_a_face(&*content.field, movement, &scope);
+        let faces = found.voxels / (2.0 * f64::from(scope.half_width));
+        let carried = faces * velocity::carried_a_face(&*content.field, movement, &scope, &boxes);
         memory += found.voxels * VELOCITY_BYTES + carried * CARRIED_BYTES;
         file += carried * 12.0;
     }

@@ -12,9 +12,11 @@ use rustc_hash::FxHashMap;
 
 use crate::distance::band::MeasuredBlock;
 use crate::distance::descent::Scope;
-use crate::distance::extent;
+use crate::distance::extent::BandBoxes;
 use crate::field::{BATCH, Field, Gradients, Points};
-use crate::grid::{BLOCK_VOXELS, Band, BlockMask, Channel, block_order, block_origin, is_active, mask, voxel_offset};
+use crate::grid::{
+    BLOCK_VOXELS, Band, BlockMask, Channel, FACES, block_order, block_origin, is_active, mask, voxel_offset,
+};
 use crate::morph::{Meter, Movement};
 
 /// Velocities over blocks of their own.
@@ -137,17 +139,14 @@ pub(super) fn grid(band: &Band, blocks: Vec<BlockVelocities>, movement: &Movemen
     Velocities { origins, active, channel, held_voxels, max_speed: movement.max_speed, max_change: movement.max_change }
 }
 
-/// How many voxels outside of the band the velocities are carried to for each voxel face of the surface, about, from some
-/// places of the surface.
-pub(super) fn carried_a_face(field: &dyn Field, movement: &Movement, scope: &Scope) -> f64 {
-    let near = extent::near_surface(field, scope);
-    let Some(first) = near.first() else { return 0.0 };
-    let (mut points, mut at) = (Points::new(*first), Gradients::new());
-    for position in near.iter().step_by(near.len().div_ceil(BATCH)) {
-        points.push((*position - points.origin).as_vec3());
-    }
+/// How many voxels outside of the band the velocities are carried to for each voxel face of the surface, about, from the
+/// places of the surface beside some of the band's boxes.
+pub(super) fn carried_a_face(field: &dyn Field, movement: &Movement, scope: &Scope, boxes: &BandBoxes) -> f64 {
+    let origin = scope.region.centre();
+    let (mut points, mut at) = (Points::new(origin), Gradients::new());
+    boxes.middles(BATCH).for_each(|middle| points.push((middle - origin).as_vec3()));
     field.evaluator().gradients(&points, &mut at);
-    let (mut feet, mut outward) = (Points::new(*first), Vec::with_capacity(BATCH));
+    let (mut feet, mut outward) = (Points::new(origin), Vec::with_capacity(BATCH));
     for i in 0..points.len {
         let gradient = at.gradient(i);
         let step = gradient * (at.value[i] / gradient.length_squared());
@@ -168,9 +167,6 @@ pub(super) fn carried_a_face(field: &dyn Field, movement: &Movement, scope: &Sco
     };
     velocities.iter().zip(&outward).map(beyond).sum::<f64>() / outward.len() as f64
 }
-
-/// The steps to the voxels that share a face.
-const FACES: [IVec3; 6] = [IVec3::X, IVec3::NEG_X, IVec3::Y, IVec3::NEG_Y, IVec3::Z, IVec3::NEG_Z];
 
 /// The neighbours that a voxel hands its velocity on to: outside, without one, and no farther along the surface point's
 /// way than that moves in a frame, nor beside it than the band is wide; and a voxel more for samples between voxels.

@@ -166,8 +166,6 @@ pub struct Estimate {
     pub voxels: f64,
     /// Bytes of one float grid over the blocks.
     pub bytes: f64,
-    /// Area of the surface, in voxel faces.
-    pub area: f64,
 }
 
 /// What the allocator takes for lists of active voxels' values, in parts of what they hold.
@@ -217,38 +215,50 @@ impl Effort {
 /// A plane meets, in the mean over its directions, A·1.5·(e − 1 + 2w)/e³ nodes of e³ voxels grown by w, with its
 /// area A in voxel faces; that gives A from the boxes found and the blocks from A.
 pub fn estimate(field: &dyn Field, scope: &Scope, effort: Effort) -> Estimate {
-    let (width, block) = (2.0 * f64::from(scope.half_width), f64::from(BLOCK_EDGE));
-    let thickness = |edge: f64| 1.5 * (edge - 1.0 + width);
-    let (found, edge) = boxes_at_band(field, scope, effort);
-    let nodes = edge / scope.lattice.voxel_size.get();
-    let area = found.len() as f64 * nodes.powi(3) / thickness(nodes.max(1.0));
-    // What the scaling takes too low for the shape's curvature, and what the descent opens in vain.
-    let blocks = area * thickness(block) / block.powi(3) * 1.25;
-    let bytes_a_block = (BLOCK_VOXELS * 4 + 64 + 12) as f64;
-    Estimate { blocks, voxels: area * width, bytes: blocks * bytes_a_block, area }
+    BandBoxes::find(field, scope, effort).estimate(scope)
 }
 
-/// Some positions near the surface, spread over it; none where there is no surface.
-pub fn near_surface(field: &dyn Field, scope: &Scope) -> Vec<DVec3> {
-    let (found, edge) = boxes_at_band(field, scope, Effort::Quick);
-    found.into_iter().map(|corner| corner + 0.5 * edge).collect()
+/// Boxes that may hold a piece of the band, small enough to be many.
+pub struct BandBoxes {
+    corners: Vec<DVec3>,
+    edge: f64,
 }
 
-/// Boxes that may hold a piece of the band, by their least corners, and their edge: small enough to be many.
-fn boxes_at_band(field: &dyn Field, scope: &Scope, effort: Effort) -> (Vec<DVec3>, f64) {
-    let voxel = scope.lattice.voxel_size.get();
-    let longest = scope.region.size().max_element().max(voxel);
-    let (mut edge, mut found) = (longest, vec![scope.region.min]);
-    let mut bounded = 0;
-    while !found.is_empty() && found.len() < effort.enough() && edge >= f64::from(BLOCK_EDGE) * voxel {
-        bounded += 8 * found.len();
-        if bounded > ESTIMATE_BUDGET {
-            break;
+impl BandBoxes {
+    /// Descends the region until there are enough.
+    pub fn find(field: &dyn Field, scope: &Scope, effort: Effort) -> Self {
+        let voxel = scope.lattice.voxel_size.get();
+        let longest = scope.region.size().max_element().max(voxel);
+        let (mut edge, mut corners) = (longest, vec![scope.region.min]);
+        let mut bounded = 0;
+        while !corners.is_empty() && corners.len() < effort.enough() && edge >= f64::from(BLOCK_EDGE) * voxel {
+            bounded += 8 * corners.len();
+            if bounded > ESTIMATE_BUDGET {
+                break;
+            }
+            corners = halves_at_band(field, scope, &corners, edge);
+            edge /= 2.0;
         }
-        found = halves_at_band(field, scope, &found, edge);
-        edge /= 2.0;
+        Self { corners, edge }
     }
-    (found, edge)
+
+    /// See [`estimate`].
+    pub fn estimate(&self, scope: &Scope) -> Estimate {
+        let (width, block) = (2.0 * f64::from(scope.half_width), f64::from(BLOCK_EDGE));
+        let thickness = |edge: f64| 1.5 * (edge - 1.0 + width);
+        let nodes = self.edge / scope.lattice.voxel_size.get();
+        let area = self.corners.len() as f64 * nodes.powi(3) / thickness(nodes.max(1.0));
+        // What the scaling takes too low for the shape's curvature, and what the descent opens in vain.
+        let blocks = area * thickness(block) / block.powi(3) * 1.25;
+        let bytes_a_block = (BLOCK_VOXELS * 4 + 64 + 12) as f64;
+        Estimate { blocks, voxels: area * width, bytes: blocks * bytes_a_block }
+    }
+
+    /// The middles of at most so many, evenly chosen.
+    pub fn middles(&self, most: usize) -> impl Iterator<Item = DVec3> {
+        let stride = self.corners.len().div_ceil(most).max(1);
+        self.corners.iter().step_by(stride).map(|corner| corner + 0.5 * self.edge)
+    }
 }
 
 /// The least corners of those halves of boxes of one edge that may hold a piece of the band.

@@ -2,6 +2,8 @@
 //!
 //! Knows no fields, no files and no OpenVDB; [`crate::distance`] fills what is here and [`crate::vdb`] stores it.
 
+use glam::IVec3;
+
 mod band;
 mod lattice;
 pub mod mask;
@@ -18,6 +20,9 @@ pub const BLOCK_EDGE: i32 = 8;
 pub const BLOCK_VOXELS: usize = 512;
 /// Active flags of a block: word `x`, bit `y·8 + z`.
 pub type BlockMask = [u64; 8];
+
+/// The steps to the voxels, or blocks, that share a face.
+pub(crate) const FACES: [IVec3; 6] = [IVec3::X, IVec3::Y, IVec3::Z, IVec3::NEG_X, IVec3::NEG_Y, IVec3::NEG_Z];
 
 /// Whether the voxel at a place in its block ([`voxel_offset`]) is active.
 pub fn is_active(mask: &BlockMask, offset: usize) -> bool {

@@ -8,10 +8,8 @@ use glam::IVec3;
 use rayon::prelude::*;
 
 use super::lookup::{Lookup, Place, Surroundings, local_of};
-use crate::grid::{BLOCK_VOXELS, Band, BlockMask, is_active, mask};
+use crate::grid::{BLOCK_VOXELS, Band, BlockMask, FACES, is_active, mask};
 
-/// One step each way along each axis.
-const FACES: [IVec3; 6] = [IVec3::X, IVec3::Y, IVec3::Z, IVec3::NEG_X, IVec3::NEG_Y, IVec3::NEG_Z];
 /// The two steps of each diagonal of a voxel pair that shares an edge, each such pair once.
 const DIAGONALS: [(IVec3, IVec3); 6] = [
     (IVec3::X, IVec3::Y),
