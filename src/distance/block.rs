@@ -42,7 +42,7 @@ pub struct Meter<'a> {
     open: Vec<Approach>,
     at_voxels: Box<Gradients>,
     points: Points,
-    feet: Points,
+    feet: Box<Points>,
     /// Unsigned.
     distances: Box<[f32; BLOCK_VOXELS]>,
     changed: Box<[bool; BLOCK_VOXELS]>,
@@ -67,7 +67,7 @@ impl<'a> Meter<'a> {
             open: Vec::new(),
             at_voxels: Box::default(),
             points: Points::of_block(IVec3::ZERO, &scope.lattice),
-            feet: empty(),
+            feet: Box::new(empty()),
             distances: Box::new([0.0; BLOCK_VOXELS]),
             changed: Box::new([false; BLOCK_VOXELS]),
             some_queries: empty(),
@@ -107,7 +107,7 @@ impl<'a> Meter<'a> {
     /// Improves a measured block by what its neighbours offer: no voxel's foot gets farther.
     pub fn improve(&mut self, seeds: &[Seed], block: &mut Staged) {
         self.enter_block(block.origin);
-        self.feet.clone_from(&self.points);
+        (*self.feet).clone_from(&self.points);
         for i in 0..BLOCK_VOXELS {
             self.distances[i] = block.distances[i].abs();
             if let Some(to_foot) = block.to_foot(i) {
@@ -131,9 +131,9 @@ impl<'a> Meter<'a> {
     /// Lets the voxels take each other's feet, and signs the distances.
     fn settle(&mut self, out: &mut Staged) {
         self.exchange();
-        out.distances = lanes::signed(&self.at_voxels.value, &self.distances);
+        lanes::signed(&self.at_voxels.value, &self.distances, &mut out.distances);
         if self.find_crossings(&out.distances) {
-            out.distances = lanes::signed(&self.at_voxels.value, &self.distances);
+            lanes::signed(&self.at_voxels.value, &self.distances, &mut out.distances);
         }
     }
 

@@ -50,16 +50,22 @@ pub fn limit_of(voxel: f32, reach: f32, distance: f32) -> f32 {
     limit * limit
 }
 
-/// Whether a voxel's neighbour by one is in its row. Looked up, for short rows make short vectors.
-const HAS_NEXT: [u32; BLOCK_VOXELS] = {
-    let mut has_next = [1; BLOCK_VOXELS];
-    let mut last = 7;
-    while last < BLOCK_VOXELS {
-        has_next[last] = 0;
-        last += 8;
+/// Whether a voxel's next one along z is in its row. Looked up, for short rows make short vectors.
+const HAS_NEXT_Z: [u32; BLOCK_VOXELS] = has_next(1);
+
+/// Whether a voxel's next one along y is in its slab.
+const HAS_NEXT_Y: [u32; BLOCK_VOXELS] = has_next(8);
+
+/// Whether a voxel is not the last along the axis whose steps are by `stride`.
+const fn has_next(stride: usize) -> [u32; BLOCK_VOXELS] {
+    let mut has_next = [0; BLOCK_VOXELS];
+    let mut voxel = 0;
+    while voxel < BLOCK_VOXELS {
+        has_next[voxel] = (voxel / stride % 8 != 7) as u32;
+        voxel += 1;
     }
     has_next
-};
+}
 
 /// The square of the distance from a foot to the voxel's neighbour at `step` along an axis, by the square of its own
 /// distance and the way from its foot to it along the axis.
@@ -75,27 +81,22 @@ fn any_nearer(voxel: f32, reach: f32, points: &Points, feet: &Points, distances:
     for i in 0..BLOCK_VOXELS {
         limits[i] = limit_of(voxel, reach, distances[i]);
     }
-    let (mut onward, mut back) = ([0.0; BLOCK_VOXELS], [0.0; BLOCK_VOXELS]);
+    // Whether one of two neighbours along an axis has a nearer foot for the other.
+    let either = |points: &[f32; BLOCK_VOXELS], feet: &[f32; BLOCK_VOXELS], low: usize, high: usize| {
+        let onward = square_beside(distances[low] * distances[low], points[low] - feet[low], voxel);
+        let back = square_beside(distances[high] * distances[high], points[high] - feet[high], -voxel);
+        u32::from((onward < limits[high]) | (back < limits[low]))
+    };
     let mut any = 0;
-    for (stride, points, feet) in [(64, &points.x, &feet.x), (8, &points.y, &feet.y), (1, &points.z, &feet.z)] {
-        for i in 0..BLOCK_VOXELS {
-            let (square, way) = (distances[i] * distances[i], points[i] - feet[i]);
-            onward[i] = square_beside(square, way, voxel);
-            back[i] = square_beside(square, way, -voxel);
-        }
-        if stride == 1 {
-            for low in 0..BLOCK_VOXELS - 1 {
-                let nearer = (onward[low] < limits[low + 1]) | (back[low + 1] < limits[low]);
-                any |= HAS_NEXT[low] & u32::from(nearer);
-            }
-            continue;
-        }
-        // Runs of voxels whose neighbours at `stride` are in the block.
-        for start in (0..BLOCK_VOXELS).step_by(8 * stride) {
-            for low in start..start + 7 * stride {
-                any |= u32::from((onward[low] < limits[low + stride]) | (back[low + stride] < limits[low]));
-            }
-        }
+    for low in 0..BLOCK_VOXELS - 64 {
+        any |= either(&points.x, &feet.x, low, low + 64);
+    }
+    for low in 0..BLOCK_VOXELS - 8 {
+        any |= HAS_NEXT_Y[low] & either(&points.y, &feet.y, low, low + 8);
+        any |= HAS_NEXT_Z[low] & either(&points.z, &feet.z, low, low + 1);
+    }
+    for low in BLOCK_VOXELS - 9..BLOCK_VOXELS - 1 {
+        any |= HAS_NEXT_Z[low] & either(&points.z, &feet.z, low, low + 1);
     }
     any != 0
 }
@@ -136,16 +137,24 @@ pub fn miss_a_crossing(voxel: f32, here: f32, there: f32) -> bool {
 /// Whether any two neighbours in a block miss a crossing. The usual answer is no, and a plain loop finds that out fast.
 #[multiversion(targets = "simd")]
 pub fn any_crossing_missed(voxel: f32, signed: &[f32; BLOCK_VOXELS]) -> bool {
-    let mut any = 0;
-    for stride in [64, 8] {
-        for start in (0..BLOCK_VOXELS).step_by(8 * stride) {
-            for low in start..start + 7 * stride {
-                any |= u32::from(miss_a_crossing(voxel, signed[low], signed[low + stride]));
-            }
-        }
+    let (mut inside, mut outside) = (0, 0);
+    for distance in signed {
+        inside |= u32::from(*distance >= 0.0);
+        outside |= u32::from(*distance < 0.0);
     }
-    for low in 0..BLOCK_VOXELS - 1 {
-        any |= HAS_NEXT[low] & u32::from(miss_a_crossing(voxel, signed[low], signed[low + 1]));
+    if inside == 0 || outside == 0 {
+        return false;
+    }
+    let missed = |low: usize, high: usize| u32::from(miss_a_crossing(voxel, signed[low], signed[high]));
+    let mut any = 0;
+    for low in 0..BLOCK_VOXELS - 64 {
+        any |= missed(low, low + 64);
+    }
+    for low in 0..BLOCK_VOXELS - 8 {
+        any |= HAS_NEXT_Y[low] & missed(low, low + 8) | HAS_NEXT_Z[low] & missed(low, low + 1);
+    }
+    for low in BLOCK_VOXELS - 9..BLOCK_VOXELS - 1 {
+        any |= HAS_NEXT_Z[low] & missed(low, low + 1);
     }
     any != 0
 }

@@ -9,7 +9,7 @@ use super::branch::{Branches, Part};
 use super::graph::{Graph, Node};
 use super::op::Op;
 use super::program::Program;
-use super::prune::{Asked, Pruner};
+use super::prune::{Asked, Pruner, is_irreducible};
 use super::tape::Tape;
 use super::width::VectorWidth;
 use super::{Aabb, BATCH, Evaluator, Field, Gradients, Interval, Points, Slope, extent, machine::Machine};
@@ -56,7 +56,7 @@ impl Expression {
     /// A width that the processor lacks falls back to a narrower one.
     pub fn evaluator_of_width(&self, width: VectorWidth) -> ExpressionEvaluator<'_> {
         let program = &*self.program;
-        let mut whole = Level::default();
+        let mut whole = Level { irreducible: is_irreducible(&program.ops), ..Level::default() };
         whole.ops.clone_from(&program.ops);
         ExpressionEvaluator {
             program,
@@ -95,9 +95,13 @@ impl Field for Expression {
 struct Level {
     /// The level whose program this is: itself, or an outer one where nothing could be pruned.
     owner: usize,
-    /// Of F over the region.
+    /// None for the whole program.
+    region: Option<Aabb>,
+    /// Of F over the region, where they are known.
     bounds: Option<Interval>,
     ops: Vec<Op>,
+    /// Whether no region leaves anything out of `ops`: bounds are then found when somebody asks for them.
+    irreducible: bool,
     tape: Tape,
     compiled: bool,
     /// The external fields that entered the region.
@@ -197,11 +201,20 @@ impl Evaluator for ExpressionEvaluator<'_> {
             self.levels.push(Level::default());
         }
         let (outer, inner) = self.levels.split_at_mut(self.depth);
-        let (ops, level) = (&outer[owner].ops, &mut inner[0]);
+        let (Level { ops, irreducible, .. }, level) = (&outer[owner], &mut inner[0]);
+        level.owner = owner;
+        level.region = Some(*region);
+        level.bounds = None;
+        level.entered.clear();
+        level.branches_known.set(false);
+        level.branch_tapes.iter_mut().for_each(|known| known.compiled = false);
+        if *irreducible {
+            return;
+        }
 
         self.program.bound(ops, region, &mut self.externals, &mut self.bounds);
+        level.bounds = self.bounds.last().copied();
         let shorter = self.pruner.plan(ops, &self.bounds, self.asked);
-        level.entered.clear();
         if !self.externals.is_empty() {
             for (op, asked) in ops.iter().zip(&self.pruner.asked) {
                 let Op::External { leaf, .. } = *op else { continue };
@@ -212,15 +225,12 @@ impl Evaluator for ExpressionEvaluator<'_> {
                 }
             }
         }
-        level.owner = owner;
         if shorter {
             self.pruner.shorten(ops, &mut level.ops);
+            level.irreducible = is_irreducible(&level.ops);
             level.owner = self.depth;
             level.compiled = false;
         }
-        level.branches_known.set(false);
-        level.branch_tapes.iter_mut().for_each(|known| known.compiled = false);
-        level.bounds = self.bounds.last().copied();
     }
 
     fn has_many_parts(&self) -> bool {
@@ -228,7 +238,15 @@ impl Evaluator for ExpressionEvaluator<'_> {
     }
 
     fn bounds(&mut self) -> Interval {
-        self.levels[self.depth].bounds.unwrap_or(Interval::ALL)
+        let Level { owner, region, bounds, .. } = self.levels[self.depth];
+        let Some(region) = region else { return Interval::ALL };
+        bounds.unwrap_or_else(|| {
+            let ops = &self.levels[owner].ops;
+            self.program.bound(ops, &region, &mut self.externals, &mut self.bounds);
+            let found = self.bounds.last().copied();
+            self.levels[self.depth].bounds = found;
+            found.unwrap_or(Interval::ALL)
+        })
     }
 
     fn leave(&mut self) {

@@ -43,7 +43,7 @@ impl Meter<'_> {
             polisher.closest_from(&mut **evaluator, &request, points, at_voxels, feet, distances);
             return;
         }
-        self.feet.clone_from(&self.points);
+        (*self.feet).clone_from(&self.points);
         self.changed.fill(false);
         let mut any = false;
         for i in 0..BLOCK_VOXELS {

@@ -14,8 +14,10 @@ const ROWS: usize = 16;
 
 /// Distances with the sign of F, world units.
 #[multiversion(targets = "simd")]
-pub fn signed(values: &[f32; BLOCK_VOXELS], distances: &[f32; BLOCK_VOXELS]) -> [f32; BLOCK_VOXELS] {
-    std::array::from_fn(|i| if values[i] >= 0.0 { distances[i] } else { -distances[i] })
+pub fn signed(values: &[f32; BLOCK_VOXELS], distances: &[f32; BLOCK_VOXELS], signed: &mut [f32; BLOCK_VOXELS]) {
+    for i in 0..BLOCK_VOXELS {
+        signed[i] = if values[i] >= 0.0 { distances[i] } else { -distances[i] };
+    }
 }
 
 /// The voxels nearer to the surface than the background.
@@ -42,13 +44,25 @@ pub fn normals(
     let [nx, ny, nz] = normals;
     for first in (0..BLOCK_VOXELS).step_by(ROWS) {
         let rows = first..first + ROWS;
-        let mut found = false;
+        let (mut found, mut close) = (false, false);
         for i in rows.clone() {
             found |= signed[i].abs() < f32::INFINITY;
+            close |= signed[i].abs() <= 0.05 * voxel;
         }
         if !found {
             for normals in [&mut *nx, &mut *ny, &mut *nz] {
                 normals[rows.clone()].fill(0.0);
+            }
+            continue;
+        }
+        if !close {
+            for i in rows {
+                // As long as the way to the foot is. Where there is none, 1/∞.
+                let inverse = 1.0 / signed[i];
+                let has = signed[i].abs() < f32::INFINITY;
+                nx[i] = select_unpredictable(has, (points.x[i] - feet.x[i]) * inverse, 0.0);
+                ny[i] = select_unpredictable(has, (points.y[i] - feet.y[i]) * inverse, 0.0);
+                nz[i] = select_unpredictable(has, (points.z[i] - feet.z[i]) * inverse, 0.0);
             }
             continue;
         }

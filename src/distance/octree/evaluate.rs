@@ -213,7 +213,12 @@ impl Evaluator for OctreeEvaluator<'_> {
             }
             None => {
                 let Gradients { value, dx, dy, dz } = out;
-                kernel::gradients(&object.polynomials, located, [value, dx, dy, dz], len);
+                let out = [value, dx, dy, dz];
+                if kernel::stand_in_rows(points) {
+                    kernel::gradients_in_rows(&object.polynomials, located, out);
+                } else {
+                    kernel::gradients(&object.polynomials, located, out, len);
+                }
             }
         }
         if outside {

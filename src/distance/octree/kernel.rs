@@ -75,13 +75,13 @@ fn gradient_at([values, slopes]: &[AlongX; 2], [y, z]: [f32; 2]) -> [f32; 4] {
 
 /// a + t(b + t(c + t·d)), of numbers or of several side by side.
 #[inline(always)]
-fn cubic<T: Copy + Add<Output = T> + Mul<f32, Output = T>>([a, b, c, d]: [T; 4], t: f32) -> T {
+fn cubic<T: Copy + Add<Output = T> + Mul<S, Output = T>, S: Copy>([a, b, c, d]: [T; 4], t: S) -> T {
     a + (b + (c + d * t) * t) * t
 }
 
 /// The same, and its slope.
 #[inline(always)]
-fn cubic_and_slope<T: Copy + Add<Output = T> + Mul<f32, Output = T>>([a, b, c, d]: [T; 4], t: f32) -> (T, T) {
+fn cubic_and_slope<T: Copy + Add<Output = T> + Mul<S, Output = T>, S: Copy>([a, b, c, d]: [T; 4], t: S) -> (T, T) {
     let highest = d * t;
     let last = c + highest;
     let first = b + last * t;
@@ -217,6 +217,75 @@ pub fn gradients(polynomials: &[Polynomial], located: &Located, out: [&mut [f32;
             (value[i], dx[i], dy[i], dz[i]) = (f, by_x * inverse_edge, by_y * inverse_edge, by_z * inverse_edge);
         }
     }
+}
+
+/// Points of a row: the voxels of a block along z.
+const ROW: usize = 8;
+
+/// Whether points are a block's voxels in rows along z of the octree: x is one number in each, and y. So they are where an
+/// object was moved, or turned about z.
+#[multiversion(targets("x86_64+avx512f+avx512vl", "x86_64+avx+avx2", "x86_64+sse4.1"))]
+pub fn stand_in_rows(points: &Points) -> bool {
+    if points.len != BATCH {
+        return false;
+    }
+    let mut differs = 0;
+    for row in (0..BATCH).step_by(ROW) {
+        for lane in 1..ROW {
+            differs |= points.x[row + lane].to_bits() ^ points.x[row].to_bits();
+            differs |= points.y[row + lane].to_bits() ^ points.y[row].to_bits();
+        }
+    }
+    differs == 0
+}
+
+/// The same as [`gradients`] for points in rows: what x and y leave of a cell's polynomial serves all points of a row that
+/// lie in it.
+#[multiversion(targets("x86_64+avx512f+avx512vl", "x86_64+avx+avx2", "x86_64+sse4.1"))]
+pub fn gradients_in_rows(polynomials: &[Polynomial], located: &Located, out: [&mut [f32; BATCH]; 4]) {
+    // Lanes spelt out by four: a loop over a whole row would be taken apart into single numbers.
+    const LANES: [Vec4; 2] = [Vec4::new(0.0, 1.0, 2.0, 3.0), Vec4::new(4.0, 5.0, 6.0, 7.0)];
+    let mut along_x = [[0.0; 16]; 2];
+    let [value, dx, dy, dz] = out;
+    for first in (0..BATCH).step_by(ROW) {
+        let halves = |numbers: &[f32; BATCH]| [0, 4].map(|lane| Vec4::from_slice(&numbers[first + lane..]));
+        let leaves = &located.leaf[first..first + ROW];
+        let z = halves(&located.t[2]);
+        let mut found = [[Vec4::ZERO; 4]; 2];
+        let mut start = 0;
+        while start < ROW {
+            let [x, y] = [located.t[0][first + start], located.t[1][first + start]];
+            polynomials[leaves[start] as usize].along_x_and_slopes(x, &mut along_x);
+            let [values, slopes] = [by_y(&along_x[0]), by_y(&along_x[1])];
+            let (by_z, dy) = cubic_and_slope(values, y);
+            let [by_z, dx, dy] = [splat_each(by_z), splat_each(cubic(slopes, y)), splat_each(dy)];
+            for half in 0..2 {
+                let (sum, slope) = cubic_and_slope(by_z, z[half]);
+                let here = [sum, cubic(dx, z[half]), cubic(dy, z[half]), slope];
+                // Taken from here on, of which the next cell takes its own.
+                let lanes = LANES[half].cmpge(Vec4::splat(start as f32));
+                for n in 0..4 {
+                    found[half][n] = Vec4::select(lanes, here[n], found[half][n]);
+                }
+            }
+            start += leaves[start..].iter().take_while(|leaf| **leaf == leaves[start]).count();
+        }
+        let inverse_edge = halves(&located.inverse_edge);
+        for half in 0..2 {
+            let [sum, by_x, by_y, by_z] = found[half];
+            let at = first + 4 * half;
+            sum.write_to_slice(&mut value[at..]);
+            (by_x * inverse_edge[half]).write_to_slice(&mut dx[at..]);
+            (by_y * inverse_edge[half]).write_to_slice(&mut dy[at..]);
+            (by_z * inverse_edge[half]).write_to_slice(&mut dz[at..]);
+        }
+    }
+}
+
+#[inline(always)]
+fn splat_each(numbers: Vec4) -> [Vec4; 4] {
+    let [a, b, c, d] = numbers.to_array();
+    [Vec4::splat(a), Vec4::splat(b), Vec4::splat(c), Vec4::splat(d)]
 }
 
 /// Values at so many points that all lie in one cell; entries of `out` past them are unspecified.

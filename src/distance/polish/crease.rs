@@ -7,7 +7,7 @@
 mod combine;
 mod single;
 
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 
 use crate::field::{BATCH, Evaluator, Gradients, Points};
 
@@ -39,7 +39,7 @@ const BEYOND: f32 = 0.5;
 /// Feet on one branch alone, by query.
 #[derive(Clone)]
 struct Single {
-    foot: Box<[Lane; 3]>,
+    foot: Box<Points>,
     /// Infinity where the branch is out of reach.
     distance: Box<Lane>,
 }
@@ -81,7 +81,7 @@ impl Default for Scratch {
             lies_on: Box::new([0; BATCH]),
             residuals: Box::new([0.0; BATCH]),
             values: [Box::new([0.0; BATCH]), Box::new([0.0; BATCH])],
-            probes: Points::new(glam::DVec3::ZERO),
+            probes: Points::new(DVec3::ZERO),
             walls: wall::Scratch::default(),
         }
     }
@@ -122,7 +122,7 @@ impl Polisher {
         let queries = &Queries { points: queries, inside };
         let branches = evaluator.branches();
         while self.crease.singles.len() < branches {
-            let (foot, distance) = (Box::new([[0.0; BATCH]; 3]), Box::new([f32::INFINITY; BATCH]));
+            let (foot, distance) = (Box::new(Points::new(DVec3::ZERO)), Box::new([f32::INFINITY; BATCH]));
             self.crease.singles.push(Single { foot, distance });
         }
         for branch in 0..branches {
@@ -310,9 +310,8 @@ fn copy_single(lanes: &Lanes, group: &[u16], single: &mut Single) {
     for &query in group {
         let i = usize::from(query);
         single.distance[i] = lanes.distance[i];
-        for axis in 0..3 {
-            single.foot[axis][i] = lanes.foot[axis][i];
-        }
+        let (to, from) = (&mut single.foot, &lanes.foot);
+        (to.x[i], to.y[i], to.z[i]) = (from.x[i], from.y[i], from.z[i]);
     }
 }
 

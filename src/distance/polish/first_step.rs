@@ -65,7 +65,8 @@ impl Lanes {
             let query = rows.query(lane);
             self.query[kept] = query as u16;
             let p = queries.offset(query).to_array();
-            let step = step_across(at_queries.value[query], at_queries.gradient(query).to_array());
+            let slope = at_queries.gradient(query).to_array();
+            let step = step_across(at_queries.value[query], slope, inverse_of(slope));
             for axis in 0..3 {
                 (self.p[axis][kept], self.base[axis][kept]) = (p[axis], p[axis]);
                 (self.normal_step[axis][kept], self.tangent_step[axis][kept]) = (step[axis], 0.0);
@@ -86,10 +87,16 @@ impl Lanes {
     }
 }
 
+/// One over |∇F|.
+#[inline(always)]
+fn inverse_of(slope: [f32; 3]) -> f32 {
+    1.0 / dot(slope, slope).sqrt()
+}
+
 /// The step that would bring F to 0: −F∇F/|∇F|².
 #[inline(always)]
-fn step_across(value: f32, slope: [f32; 3]) -> [f32; 3] {
-    let share = value / dot(slope, slope);
+fn step_across(value: f32, slope: [f32; 3], inverse: f32) -> [f32; 3] {
+    let share = value * inverse * inverse;
     [-slope[0] * share, -slope[1] * share, -slope[2] * share]
 }
 
@@ -127,11 +134,12 @@ fn begin(rows: &[usize], queries: &Points, at: &Gradients, lanes: &mut Lanes) {
         let (mut trial, mut residual) = ([[0.0; PAIR]; 3], [0.0; PAIR]);
         for l in 0..PAIR {
             let slope = [slope[0][l], slope[1][l], slope[2][l]];
-            let step = step_across(value[l], slope);
+            let inverse = inverse_of(slope);
+            let step = step_across(value[l], slope, inverse);
             for axis in 0..3 {
                 trial[axis][l] = (p[axis][l] + step[axis]).max(least[axis]).min(greatest[axis]);
             }
-            residual[l] = value[l].abs() * (1.0 / dot(slope, slope).sqrt());
+            residual[l] = value[l].abs() * inverse;
         }
         store(trial[0], &mut points.x, to);
         store(trial[1], &mut points.y, to);
@@ -168,7 +176,7 @@ fn land(rows: &[usize], queries: &Points, gradients: &Gradients, request: &Reque
             goes_on[l] = u8::from(!trial.lands & !is_beyond);
         }
         for (half, &row) in (0..).step_by(ROW).zip(pair) {
-            for (foot, feet) in foot.iter().zip(feet.iter_mut()) {
+            for (foot, feet) in foot.iter().zip([&mut feet.x, &mut feet.y, &mut feet.z]) {
                 feet[row..row + ROW].copy_from_slice(&foot[half..half + ROW]);
             }
             distance[row..row + ROW].copy_from_slice(&height[half..half + ROW]);

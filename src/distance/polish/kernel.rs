@@ -211,13 +211,16 @@ pub(super) fn look(p: [f32; 3], q: [f32; 3], value: f32, slope: [f32; 3], before
     let up = dot(towards, n);
     let tangent = [towards[0] - n[0] * up, towards[1] - n[1] * up, towards[2] - n[2] * up];
     let ahead = [towards[0] + n[0] * e, towards[1] + n[1] * e, towards[2] + n[2] * e];
-    let merit = dot(ahead, ahead).sqrt() + 0.3 * e.abs();
+    let (square, doubt) = (dot(ahead, ahead), 0.3 * e.abs());
 
     // A step that left the surface far (the more so the longer it was) has a merit not to be trusted.
     let strayed = e.abs() > 0.8 * before.residual + 0.3 * before.length;
-    let improves = (merit <= before.merit * 1.0001) & !strayed;
+    // Squares are compared: some callers have no use for the merit itself, and save the root.
+    let room = before.merit * 1.0001 - doubt;
+    let improves = (room >= 0.0) & (square <= room * room) & !strayed;
     let approaches = (before.residual > near) & (e.abs() < 0.8 * before.residual);
-    let taken = (merit < f32::INFINITY) & (improves | approaches);
+    let taken = (square < f32::INFINITY) & (doubt < f32::INFINITY) & (improves | approaches);
+    let merit = square.sqrt() + doubt;
 
     // What a full step across the surface left of the residual tells how F bends along it, and so what the next step
     // will leave: e³ to the residual's square, which that step takes along.

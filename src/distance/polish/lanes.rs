@@ -38,7 +38,7 @@ pub(super) struct Lanes {
     /// The least and greatest offsets at which F may be evaluated.
     pub bounds: [[f32; 3]; 2],
     /// Results: feet and distances by query, and which queries were asked for.
-    pub foot: Box<[Lane; 3]>,
+    pub foot: Box<Points>,
     /// Infinity where none was found.
     pub distance: Box<Lane>,
     /// The queries loaded, whose results `store` copies out.
@@ -65,7 +65,7 @@ impl Default for Lanes {
             landing: [ZERO; 3],
             height: ZERO,
             bounds: [[0.0; 3]; 2],
-            foot: Box::new([ZERO; 3]),
+            foot: Box::new(Points::new(glam::DVec3::ZERO)),
             distance: Box::new(ZERO),
             asked: [0; BATCH],
             asked_len: 0,
@@ -114,7 +114,7 @@ impl Lanes {
             let i = usize::from(query);
             distances[i] = self.distance[i];
             if self.distance[i] < f32::INFINITY {
-                (feet.x[i], feet.y[i], feet.z[i]) = (self.foot[0][i], self.foot[1][i], self.foot[2][i]);
+                (feet.x[i], feet.y[i], feet.z[i]) = self.foot.offset(i).into();
             }
         }
     }
@@ -123,9 +123,7 @@ impl Lanes {
     pub fn finish(&mut self, lane: usize, foot: [f32; 3], distance: f32) {
         let i = usize::from(self.query[lane]);
         self.distance[i] = distance;
-        for (axis, offset) in foot.into_iter().enumerate() {
-            self.foot[axis][i] = offset;
-        }
+        (self.foot.x[i], self.foot.y[i], self.foot.z[i]) = foot.into();
     }
 
     /// Drops the lanes that are not kept, the others close up in order.

@@ -63,8 +63,8 @@ impl Polisher {
         request: &Request,
         queries: &Points,
         at_queries: &Gradients,
-        feet: &mut Points,
-        distances: &mut [f32; BATCH],
+        feet: &mut Box<Points>,
+        distances: &mut Box<[f32; BATCH]>,
     ) {
         (feet.origin, feet.len) = (queries.origin, queries.len);
         if evaluator.branches() > 1 {
@@ -77,10 +77,9 @@ impl Polisher {
         let near = kernel::near_in_block(at_queries, FAR * request.reach, OUT_OF_REACH * request.reach);
         let evaluate = |points: &Points, out: &mut Gradients| evaluator.gradients(points, out);
         lanes.solve_known(request, queries, at_queries, &near, gradients, evaluate);
-        *distances = *lanes.distance;
-        for (feet, found) in [&mut feet.x, &mut feet.y, &mut feet.z].into_iter().zip(&*lanes.foot) {
-            feet.copy_from_slice(found);
-        }
+        std::mem::swap(distances, &mut lanes.distance);
+        std::mem::swap(feet, &mut lanes.foot);
+        (feet.origin, feet.len) = (queries.origin, queries.len);
     }
 
     /// Finds the closest surface point of each query; `inside` tells where F ≥ 0.

@@ -15,7 +15,7 @@ use crate::{
     grid::mask,
 };
 
-use super::{Best, Queries, Scratch, matters, offset};
+use super::{Best, Queries, Scratch, matters};
 
 /// At most this many branches, the nearest, are combined for one query: more make pairs and triples explode.
 pub const COMBINED: usize = 16;
@@ -142,7 +142,7 @@ impl Polisher {
                 distance(a).total_cmp(&distance(b))
             };
             let start = branches.iter().copied().max_by(farther).unwrap_or(branches[0]);
-            let start = offset(&singles[usize::from(start)].foot, query);
+            let start = singles[usize::from(start)].foot.offset(query);
             (lanes.points.x[lane], lanes.points.y[lane], lanes.points.z[lane]) = start.into();
         }
         for _ in 0..STEPS {
@@ -180,7 +180,7 @@ impl Polisher {
             let query = usize::from(demand.query());
             if lanes.distance[query] < best.distances[query].min(matters(request)) {
                 self.crease.group.push(demand.query());
-                lanes.points.push(offset(&lanes.foot, query));
+                lanes.points.push(lanes.foot.offset(query));
             }
         }
         if self.crease.group.is_empty() {

@@ -40,7 +40,8 @@ impl Polisher {
         }
         let lanes = &mut *self.lanes;
         let Scratch { singles, parts, values: [behind, before], probes, .. } = &mut self.crease;
-        let (feet, distances) = (singles[branch].foot.each_ref(), &*singles[branch].distance);
+        let (feet, distances) = (&*singles[branch].foot, &*singles[branch].distance);
+        let feet = [&feet.x, &feet.y, &feet.z];
         lanes.set_bounds(request, queries.points);
         lanes.points.len = rows.lanes();
         rows.gather(feet, [&mut lanes.points.x, &mut lanes.points.y, &mut lanes.points.z]);
