@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use glam::{DAffine3, DMat3, DVec3, Mat3, Vec3};
+use glam::{DAffine3, DMat3, DVec3, Mat3};
 
 use super::over_time::OverTime;
 use crate::attribute::{Attribute, MappedSampler, Sampler, SpaceMap};
@@ -73,14 +73,16 @@ impl SpaceMap for Similarity {
         out.origin = self.to_object(points.origin);
         out.len = points.len;
         let turn = Mat3::from_cols_array(&(self.rotation.transpose() * (1.0 / self.scale)).to_cols_array().map(to_f32));
-        rotate(turn, [&points.x, &points.y, &points.z], [&mut out.x, &mut out.y, &mut out.z], points.len);
+        let (from, to) = ([&points.x, &points.y, &points.z], [&mut out.x, &mut out.y, &mut out.z]);
+        if turn == Mat3::IDENTITY {
+            to.into_iter().zip(from).for_each(|(to, from)| to[..points.len].copy_from_slice(&from[..points.len]));
+        } else {
+            rotate(turn, from, to, points.len);
+        }
     }
 
     fn gradients(&self, len: usize, out: &mut Gradients) -> bool {
-        let turn = Mat3::from_cols_array(&(self.rotation * (1.0 / self.scale)).to_cols_array().map(to_f32));
-        for i in 0..len {
-            (out.dx[i], out.dy[i], out.dz[i]) = (turn * out.gradient(i)).into();
-        }
+        turn_gradients(self.rotation * (1.0 / self.scale), len, out);
         true
     }
 
@@ -133,6 +135,26 @@ fn rotate(turn: Mat3, from: [&[f32; BATCH]; 3], to: [&mut [f32; BATCH]; 3], len:
         out_x[i] = turn.x_axis.x * x[i] + turn.y_axis.x * y[i] + turn.z_axis.x * z[i];
         out_y[i] = turn.x_axis.y * x[i] + turn.y_axis.y * y[i] + turn.z_axis.y * z[i];
         out_z[i] = turn.x_axis.z * x[i] + turn.y_axis.z * y[i] + turn.z_axis.z * z[i];
+    }
+}
+
+/// Turns so many gradients, in place.
+fn turn_gradients(turn: DMat3, len: usize, out: &mut Gradients) {
+    if turn == DMat3::IDENTITY {
+        return;
+    }
+    let turn = Mat3::from_cols_array(&turn.to_cols_array().map(to_f32));
+    let Gradients { dx, dy, dz, .. } = out;
+    rotate_in_place(turn, [dx, dy, dz], len);
+}
+
+#[multiversion::multiversion(targets = "simd")]
+fn rotate_in_place(turn: Mat3, [x, y, z]: [&mut [f32; BATCH]; 3], len: usize) {
+    for i in 0..len.min(BATCH) {
+        let from = [x[i], y[i], z[i]];
+        x[i] = turn.x_axis.x * from[0] + turn.y_axis.x * from[1] + turn.z_axis.x * from[2];
+        y[i] = turn.x_axis.y * from[0] + turn.y_axis.y * from[1] + turn.z_axis.y * from[2];
+        z[i] = turn.x_axis.z * from[0] + turn.y_axis.z * from[1] + turn.z_axis.z * from[2];
     }
 }
 
@@ -197,12 +219,14 @@ struct MovedEvaluator<'a> {
 
 impl MovedEvaluator<'_> {
     fn gradients_to_world(&self, out: &mut Gradients) {
-        let turn = Mat3::from_cols_array(&self.placement.rotation.to_cols_array().map(to_f32));
+        self.values_to_world(&mut out.value);
+        turn_gradients(self.placement.rotation, self.points.len, out);
+    }
+
+    fn values_to_world(&self, values: &mut [f32; BATCH]) {
         let scale = self.placement.scale as f32;
-        for i in 0..self.points.len {
-            out.value[i] *= scale;
-            let Vec3 { x, y, z } = turn * out.gradient(i);
-            (out.dx[i], out.dy[i], out.dz[i]) = (x, y, z);
+        if scale != 1.0 {
+            values[..self.points.len].iter_mut().for_each(|value| *value *= scale);
         }
     }
 }
@@ -225,10 +249,7 @@ impl Evaluator for MovedEvaluator<'_> {
     fn values(&mut self, points: &Points, out: &mut [f32; BATCH]) {
         self.placement.points(points, &mut self.points);
         self.inner.values(&self.points, out);
-        let scale = self.placement.scale as f32;
-        if scale != 1.0 {
-            out[..points.len].iter_mut().for_each(|value| *value *= scale);
-        }
+        self.values_to_world(out);
     }
 
     fn gradients(&mut self, points: &Points, out: &mut Gradients) {
