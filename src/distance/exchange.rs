@@ -6,6 +6,7 @@
 
 use multiversion::multiversion;
 
+use super::polish::within;
 use crate::{field::Points, grid::BLOCK_VOXELS};
 
 /// How much nearer a neighbour's foot must be to be taken, in voxels: feet are right to about a hundredth, and
@@ -46,7 +47,7 @@ const BEYOND: f32 = 0.25;
 /// The square of the distance that an offered foot must undercut.
 #[inline(always)]
 pub fn limit_of(voxel: f32, reach: f32, distance: f32) -> f32 {
-    let limit = (distance - NEARER * voxel).min(reach + BEYOND * voxel).max(0.0);
+    let limit = within(distance - NEARER * voxel, 0.0, reach + BEYOND * voxel);
     limit * limit
 }
 

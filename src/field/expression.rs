@@ -275,6 +275,9 @@ impl Evaluator for ExpressionEvaluator<'_> {
     }
 
     fn branches(&self) -> usize {
+        if self.levels[self.owner()].irreducible {
+            return 1;
+        }
         self.find_branches();
         self.levels[self.depth].branches.borrow().list.len()
     }

@@ -86,12 +86,19 @@ pub fn normals(
 /// other side of it.
 #[multiversion(targets = "simd")]
 pub fn beside_surface(values: &[f32; BLOCK_VOXELS], distances: &[f32; BLOCK_VOXELS], voxel: f32) -> BlockMask {
-    let (mut near, mut inside) = ([0; BLOCK_VOXELS], [0; BLOCK_VOXELS]);
+    let mut near = [0; BLOCK_VOXELS];
     for i in 0..BLOCK_VOXELS {
         near[i] = u8::from((distances[i] <= 0.87 * voxel) & (distances[i] >= 0.05 * voxel));
+    }
+    let near = mask::pack(&near);
+    if near == [0; 8] {
+        return near;
+    }
+    let mut inside = [0; BLOCK_VOXELS];
+    for i in 0..BLOCK_VOXELS {
         inside[i] = u8::from(values[i] >= 0.0);
     }
-    let (near, inside) = (mask::pack(&near), mask::pack(&inside));
+    let inside = mask::pack(&inside);
     let (by_inside, by_outside) = (mask::dilated(&inside), mask::dilated(&inside.map(|word| !word)));
     std::array::from_fn(|x| near[x] & !(if_inside(inside[x], by_outside[x], by_inside[x])))
 }

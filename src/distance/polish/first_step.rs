@@ -13,7 +13,7 @@ use crate::{
 
 use super::{
     Request,
-    kernel::{Before, dot, load, load_each, look, store},
+    kernel::{Before, dot, load, load_each, look, store, within},
     lanes::Lanes,
     rows::{ROW, Rows},
 };
@@ -137,7 +137,7 @@ fn begin(rows: &[usize], queries: &Points, at: &Gradients, lanes: &mut Lanes) {
             let inverse = inverse_of(slope);
             let step = step_across(value[l], slope, inverse);
             for axis in 0..3 {
-                trial[axis][l] = (p[axis][l] + step[axis]).max(least[axis]).min(greatest[axis]);
+                trial[axis][l] = within(p[axis][l] + step[axis], least[axis], greatest[axis]);
             }
             residual[l] = value[l].abs() * inverse;
         }

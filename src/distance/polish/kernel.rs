@@ -85,7 +85,7 @@ pub(super) fn near_in_block(at: &Gradients, far: f32, farthest: f32) -> BlockMas
         let mut square: Wide = [0.0; WIDTH];
         for l in 0..WIDTH {
             square[l] = dot([dx[l], dy[l], dz[l]], [dx[l], dy[l], dz[l]]);
-            steepest[l] = steepest[l].max(square[l]);
+            steepest[l] = if square[l] > steepest[l] { square[l] } else { steepest[l] };
         }
         store(square, &mut squares, first);
     }
@@ -157,7 +157,7 @@ pub(super) fn stepped(lanes: &Lanes, count: f32, out: &mut Points) {
     let (from, steps) = ([&lanes.points.x, &lanes.points.y, &lanes.points.z], &lanes.normal_step);
     for (axis, out) in [&mut out.x, &mut out.y, &mut out.z].into_iter().enumerate() {
         for i in 0..whole_passes(lanes.points.len) {
-            out[i] = (from[axis][i] + count * steps[axis][i]).max(least[axis]).min(greatest[axis]);
+            out[i] = within(from[axis][i] + count * steps[axis][i], least[axis], greatest[axis]);
         }
     }
 }
@@ -193,6 +193,13 @@ pub(super) struct Before {
     pub length: f32,
     /// Whether it went all the way across.
     pub full: bool,
+}
+
+/// A number brought between two others; what is none becomes the lesser. An instruction for each side, unlike `f32`'s own.
+#[inline(always)]
+pub fn within(number: f32, least: f32, greatest: f32) -> f32 {
+    let number = if number > least { number } else { least };
+    if number < greatest { number } else { greatest }
 }
 
 #[inline(always)]
@@ -284,7 +291,7 @@ pub(super) fn judge(lanes: &mut Lanes, gradients: &Gradients, unit: f32, reach: 
                 let beyond_greatest =
                     (trial > greatest[axis]) & (q[axis][l] == greatest[axis]) & (greatest[axis] - p[axis][l] >= reach);
                 leaves |= beyond_least | beyond_greatest;
-                let trial = trial.max(least[axis]).min(greatest[axis]);
+                let trial = within(trial, least[axis], greatest[axis]);
                 new_base[axis][l] = select_unpredictable(taken, q[axis][l], base[axis][l]);
                 new_q[axis][l] = select_unpredictable(taken, trial, q[axis][l]);
                 new_normal_step[axis][l] = select_unpredictable(taken, -n[axis] * e, normal_step[axis][l]);

@@ -21,6 +21,7 @@ mod wall;
 use crate::field::{Aabb, BATCH, Evaluator, Gradients, Points};
 
 pub use crease::{COMBINED, FEW};
+pub use kernel::within;
 use lanes::Lanes;
 
 /// A query whose |F|/|∇F| is more than this many reaches is not followed to the surface. Smaller relies on feet offered
@@ -66,8 +67,8 @@ impl Polisher {
         feet: &mut Box<Points>,
         distances: &mut Box<[f32; BATCH]>,
     ) {
-        (feet.origin, feet.len) = (queries.origin, queries.len);
         if evaluator.branches() > 1 {
+            (feet.origin, feet.len) = (queries.origin, queries.len);
             let inside = std::array::from_fn(|i| at_queries.value[i] >= 0.0);
             self.forget_seeds(distances);
             self.crease_closest(evaluator, request, queries, &inside, feet, distances);
@@ -77,6 +78,7 @@ impl Polisher {
         let near = kernel::near_in_block(at_queries, FAR * request.reach, OUT_OF_REACH * request.reach);
         let evaluate = |points: &Points, out: &mut Gradients| evaluator.gradients(points, out);
         lanes.solve_known(request, queries, at_queries, &near, gradients, evaluate);
+        // The results change hands, nothing is copied.
         std::mem::swap(distances, &mut lanes.distance);
         std::mem::swap(feet, &mut lanes.foot);
         (feet.origin, feet.len) = (queries.origin, queries.len);
