@@ -96,6 +96,7 @@ fn any_nearer(voxel: f32, reach: f32, points: &Points, feet: &Points, distances:
         any |= HAS_NEXT_Y[low] & either(&points.y, &feet.y, low, low + 8);
         any |= HAS_NEXT_Z[low] & either(&points.z, &feet.z, low, low + 1);
     }
+    // The last row's, which the loop before does not reach.
     for low in BLOCK_VOXELS - 9..BLOCK_VOXELS - 1 {
         any |= HAS_NEXT_Z[low] & either(&points.z, &feet.z, low, low + 1);
     }
@@ -154,6 +155,7 @@ pub fn any_crossing_missed(voxel: f32, signed: &[f32; BLOCK_VOXELS]) -> bool {
     for low in 0..BLOCK_VOXELS - 8 {
         any |= HAS_NEXT_Y[low] & missed(low, low + 8) | HAS_NEXT_Z[low] & missed(low, low + 1);
     }
+    // The last row's, which the loop before does not reach.
     for low in BLOCK_VOXELS - 9..BLOCK_VOXELS - 1 {
         any |= HAS_NEXT_Z[low] & missed(low, low + 1);
     }

@@ -132,9 +132,7 @@ fn rotate(turn: Mat3, from: [&[f32; BATCH]; 3], to: [&mut [f32; BATCH]; 3], len:
     let [x, y, z] = from;
     let [out_x, out_y, out_z] = to;
     for i in 0..len.min(BATCH) {
-        out_x[i] = turn.x_axis.x * x[i] + turn.y_axis.x * y[i] + turn.z_axis.x * z[i];
-        out_y[i] = turn.x_axis.y * x[i] + turn.y_axis.y * y[i] + turn.z_axis.y * z[i];
-        out_z[i] = turn.x_axis.z * x[i] + turn.y_axis.z * y[i] + turn.z_axis.z * z[i];
+        [out_x[i], out_y[i], out_z[i]] = rotated(&turn, [x[i], y[i], z[i]]);
     }
 }
 
@@ -151,11 +149,18 @@ fn turn_gradients(turn: DMat3, len: usize, out: &mut Gradients) {
 #[multiversion::multiversion(targets = "simd")]
 fn rotate_in_place(turn: Mat3, [x, y, z]: [&mut [f32; BATCH]; 3], len: usize) {
     for i in 0..len.min(BATCH) {
-        let from = [x[i], y[i], z[i]];
-        x[i] = turn.x_axis.x * from[0] + turn.y_axis.x * from[1] + turn.z_axis.x * from[2];
-        y[i] = turn.x_axis.y * from[0] + turn.y_axis.y * from[1] + turn.z_axis.y * from[2];
-        z[i] = turn.x_axis.z * from[0] + turn.y_axis.z * from[1] + turn.z_axis.z * from[2];
+        [x[i], y[i], z[i]] = rotated(&turn, [x[i], y[i], z[i]]);
     }
+}
+
+/// A turn of one of many vectors that stand side by side, number by number.
+#[inline(always)]
+fn rotated(turn: &Mat3, [x, y, z]: [f32; 3]) -> [f32; 3] {
+    [
+        turn.x_axis.x * x + turn.y_axis.x * y + turn.z_axis.x * z,
+        turn.x_axis.y * x + turn.y_axis.y * y + turn.z_axis.y * z,
+        turn.x_axis.z * x + turn.y_axis.z * y + turn.z_axis.z * z,
+    ]
 }
 
 /// Where an object stands at each scene time τ (0 at the shot's first frame, 1 at its last).

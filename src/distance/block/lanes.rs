@@ -42,12 +42,14 @@ pub fn normals(
     normals: &mut [[f32; BLOCK_VOXELS]; 3],
 ) {
     let [nx, ny, nz] = normals;
+    // Nearer than this the way to the foot has no direction.
+    let shortest = 0.05 * voxel;
     for first in (0..BLOCK_VOXELS).step_by(ROWS) {
         let rows = first..first + ROWS;
         let (mut found, mut close) = (false, false);
         for i in rows.clone() {
             found |= signed[i].abs() < f32::INFINITY;
-            close |= signed[i].abs() <= 0.05 * voxel;
+            close |= signed[i].abs() <= shortest;
         }
         if !found {
             for normals in [&mut *nx, &mut *ny, &mut *nz] {
@@ -68,7 +70,7 @@ pub fn normals(
         }
         for i in rows {
             let sign = if at_voxels.value[i] >= 0.0 { 1.0 } else { -1.0 };
-            let far = signed[i].abs() > 0.05 * voxel;
+            let far = signed[i].abs() > shortest;
             // Both are read, and one chosen: a read that depends on which would be a masked one.
             let x = select_unpredictable(far, (points.x[i] - feet.x[i]) * sign, at_voxels.dx[i]);
             let y = select_unpredictable(far, (points.y[i] - feet.y[i]) * sign, at_voxels.dy[i]);

@@ -85,7 +85,7 @@ pub(super) fn near_in_block(at: &Gradients, far: f32, farthest: f32) -> BlockMas
         let mut square: Wide = [0.0; WIDTH];
         for l in 0..WIDTH {
             square[l] = dot([dx[l], dy[l], dz[l]], [dx[l], dy[l], dz[l]]);
-            steepest[l] = if square[l] > steepest[l] { square[l] } else { steepest[l] };
+            steepest[l] = steepest[l].max(square[l]);
         }
         store(square, &mut squares, first);
     }
