@@ -226,12 +226,20 @@ fn add<const N: usize>(
     out: &mut [[f32; N]; BATCH],
     greatest: &mut [[f32; N]; BATCH],
 ) {
-    for i in 0..len.min(BATCH) {
-        let counts = weights[i] > 0.0;
-        for channel in 0..N {
-            let part = values[i][channel];
-            out[i][channel] += select_unpredictable(counts, weights[i] * part, 0.0);
-            greatest[i][channel] = greatest[i][channel].max(select_unpredictable(counts, part, f32::NEG_INFINITY));
+    let (out, greatest) = (out.as_chunks_mut::<LANES>().0, greatest.as_chunks_mut::<LANES>().0);
+    let rows = out.iter_mut().zip(greatest).zip(values.as_chunks::<LANES>().0);
+    for (((out, greatest), values), weights) in rows.zip(weights.as_chunks::<LANES>().0).take(len.div_ceil(LANES)) {
+        // A weight for each number: all numbers of a row side by side fill whole vectors, those of a point do not.
+        let mut each = [[0.0; N]; LANES];
+        for (each, weight) in each.iter_mut().zip(weights) {
+            *each = [*weight; N];
+        }
+        let numbers = out.as_flattened_mut().iter_mut().zip(greatest.as_flattened_mut());
+        let parts = values.as_flattened().iter().zip(each.as_flattened());
+        for ((out, greatest), (part, weight)) in numbers.zip(parts) {
+            let counts = *weight > 0.0;
+            *out += select_unpredictable(counts, weight * part, 0.0);
+            *greatest = greatest.max(select_unpredictable(counts, *part, f32::NEG_INFINITY));
         }
     }
 }

@@ -10,6 +10,7 @@ use super::graph::{Graph, Node};
 use super::op::Op;
 use super::program::Program;
 use super::prune::{Asked, Pruner, is_irreducible};
+use super::rising::chosen_first;
 use super::tape::Tape;
 use super::width::VectorWidth;
 use super::{Aabb, BATCH, Evaluator, Field, Gradients, Interval, Points, Slope, extent, machine::Machine};
@@ -40,6 +41,12 @@ impl Expression {
     /// from their zero set (distances in a morph, colours, weights).
     pub fn keeping_values(self) -> Self {
         Self { asked: Asked::Value, ..self }
+    }
+
+    /// The same field to the last bit, written for values alone: creases may stand under roots, where they are no branches of
+    /// their own any more.
+    pub fn for_values_alone(self) -> Self {
+        Self { program: Arc::new(chosen_first(&self.program)), ..self.keeping_values() }
     }
 
     /// The same field, known to be negative outside of a box: for what construction cannot tell.

@@ -25,6 +25,7 @@ mod op;
 mod place;
 mod program;
 mod prune;
+mod rising;
 mod scalar;
 mod solids;
 mod tape;
