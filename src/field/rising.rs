@@ -47,7 +47,9 @@ impl Rewritten {
 
     fn choose(&mut self, program: &Program, side: Binary, a: u32, b: u32) -> u32 {
         match (self.ops[a as usize], self.ops[b as usize]) {
-            (Op::Unary(operation, a), Op::Unary(other, b)) if operation == other && self.keeps_order(operation, a, b) => {
+            (Op::Unary(operation, a), Op::Unary(other, b))
+                if operation == other && self.keeps_order(operation, a, b) =>
+            {
                 let falls = matches!(operation, Unary::Linear { scale, .. } if scale < 0.0);
                 let side = match side {
                     Binary::Min if falls => Binary::Max,
@@ -87,4 +89,49 @@ fn needed_for(ops: &[Op], root: u32) -> Vec<Op> {
         kept.push(op.renamed(|argument| places[argument as usize]));
     }
     kept
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec3;
+
+    use super::*;
+    use crate::field::{BATCH, Evaluator, Expression, Field, Formula, Graph, Names, Points};
+
+    fn rewritten(text: &str) -> (Expression, Program) {
+        let mut graph = Graph::new();
+        let names = Names::space(&mut graph);
+        let root = Formula::parse(text).and_then(|formula| formula.compile(&mut graph, &names)).expect(text);
+        (Expression::new(&graph, root), chosen_first(&Program::new(&graph, root)))
+    }
+
+    #[test]
+    fn one_root_for_a_union_of_balls_and_the_same_values() {
+        let ball = |x: f64, radius: f64| format!("{radius} - sqrt((x - {x})^2 + y^2 + z^2)");
+        let balls = |radius: f64| {
+            (1..6).fold(ball(0.0, radius), |union, n| format!("max({union}, {})", ball(f64::from(n) * 0.4, radius)))
+        };
+        let cases = [
+            (balls(0.3), 1),
+            (format!("min({}, x)", balls(0.3)), 1),
+            (format!("-2*({})", balls(0.3)), 1),
+            // Radii of their own, roots of what may be negative, and what neither rises nor falls.
+            (format!("max({}, {})", ball(0.0, 0.3), ball(1.0, 0.2)), 2),
+            ("max(sqrt(x), sqrt(y))".into(), 2),
+            ("max(sqrt(x^2 + y^2 + z), sqrt(y^2 + z^2))".into(), 2),
+            ("max(abs(x), abs(y))".into(), 0),
+        ];
+        for (text, roots) in cases {
+            let (field, program) = rewritten(&text);
+            let is_root = |op: &&Op| matches!(op, Op::Unary(Unary::Sqrt, _));
+            assert_eq!(program.ops.iter().filter(is_root).count(), roots, "{text}");
+            let mut points = Points::new(DVec3::ZERO);
+            let at = |n: usize| ((n * 37 % 101) as f32 / 50.0 - 1.0, (n * 53 % 97) as f32 / 48.0 - 1.0);
+            (0..BATCH).for_each(|n| points.push(glam::Vec3::new(at(n).0, at(n).1, at(n + 7).0)));
+            let (mut own, mut alone) = ([0.0; BATCH], [0.0; BATCH]);
+            field.evaluator().values(&points, &mut own);
+            field.for_values_alone().evaluator().values(&points, &mut alone);
+            assert_eq!(own.map(f32::to_bits), alone.map(f32::to_bits), "{text}");
+        }
+    }
 }

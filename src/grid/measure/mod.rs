@@ -4,6 +4,7 @@
 //! Volumes count a voxel by the **share** of it that is solid, clamp(F/h + 1/2, 0, 1) for the voxel size h. That is
 //! exact for a plane across an axis; a sphere of radius r voxels reads 1/(4r²) too large.
 
+mod edges;
 mod lookup;
 mod pieces;
 mod soundness;

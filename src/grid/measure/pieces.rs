@@ -7,18 +7,9 @@
 use glam::IVec3;
 use rayon::prelude::*;
 
+use super::edges::{DIAGONALS, InsideRows};
 use super::lookup::{Lookup, Place, Surroundings, local_of};
 use crate::grid::{BLOCK_VOXELS, Band, BlockMask, FACES, is_active, mask};
-
-/// The two steps of each diagonal of a voxel pair that shares an edge, each such pair once.
-const DIAGONALS: [(IVec3, IVec3); 6] = [
-    (IVec3::X, IVec3::Y),
-    (IVec3::X, IVec3::NEG_Y),
-    (IVec3::X, IVec3::Z),
-    (IVec3::X, IVec3::NEG_Z),
-    (IVec3::Y, IVec3::Z),
-    (IVec3::Y, IVec3::NEG_Z),
-];
 
 /// The volumes of the solid's connected pieces, in cubic world units, the largest first; whole voxels are counted.
 /// The number of pieces is the list's length.
@@ -80,8 +71,10 @@ impl Pieces {
         let first_tile = sizes.len();
         sizes.extend(band.inside_tiles.iter().map(|tile| (tile.edge as u64).pow(3)));
 
-        let nodes =
-            Nodes { band, lookup: Lookup::new(band), of_blocks: &of_blocks, first_node: &first_node, first_tile };
+        let all = |pieces: &Vec<BlockMask>| pieces.iter().fold(BlockMask::default(), joined);
+        let inside: Vec<BlockMask> = of_blocks.iter().map(all).collect();
+        let lookup = Lookup::new(band);
+        let nodes = Nodes { lookup, of_blocks: &of_blocks, inside: &inside, first_node: &first_node, first_tile };
         let links: Vec<Vec<(usize, usize)>> =
             (0..band.origins.len()).into_par_iter().map(|block| nodes.links(block)).collect();
         let mut forest = Forest::new(sizes.len());
@@ -102,9 +95,10 @@ impl Pieces {
 
 /// What is joined.
 struct Nodes<'a> {
-    band: &'a Band,
     lookup: Lookup<'a>,
     of_blocks: &'a [Vec<BlockMask>],
+    /// The voxels of all pieces, by block.
+    inside: &'a [BlockMask],
     first_node: &'a [usize],
     first_tile: usize,
 }
@@ -156,23 +150,13 @@ impl Nodes<'_> {
     }
 
     fn along_diagonals(&self, block: usize, around: &Surroundings, links: &mut Vec<(usize, usize)>) {
-        let inside = self.of_blocks[block].iter().fold(BlockMask::default(), joined);
-        let enclosed = mask::enclosed(&inside);
-        // No voxel beside an enclosed one is outside. Two voxels in, none around a distance's voxel is either.
-        let deep = (2.0 * self.band.lattice.voxel_size.get()) as f32;
-        for offset in mask::places(&std::array::from_fn(|word| inside[word] & !enclosed[word])) {
-            let value = self.band.distances[block][offset];
-            if value > deep {
-                continue;
-            }
-            let local = local_of(offset);
-            for (first, second) in DIAGONALS {
-                let (b, c) = (around.value(local + first), around.value(local + second));
-                if b >= 0.0 || c >= 0.0 {
-                    continue;
-                }
-                let across = f64::from(around.value(local + first + second));
-                if f64::from(value) * across - f64::from(b) * f64::from(c) > 0.0
+        let rows = InsideRows::of(around, self.inside);
+        for (first, second) in DIAGONALS {
+            for offset in mask::places(&rows.touching((first, second))) {
+                let local = local_of(offset);
+                let value = |step: IVec3| f64::from(around.value(local + step));
+                let [along, aside] = [value(IVec3::ZERO) * value(first + second), value(first) * value(second)];
+                if along > aside
                     && let Some(other) = self.at(around.at(local + first + second))
                     && let Some(own) = self.at(Place::Voxel { block, offset })
                 {
