@@ -96,7 +96,7 @@ mod tests {
     use glam::DVec3;
 
     use super::*;
-    use crate::field::{BATCH, Evaluator, Expression, Field, Formula, Graph, Names, Points};
+    use crate::field::{BATCH, Expression, Field, Formula, Graph, Names, Points};
 
     fn rewritten(text: &str) -> (Expression, Program) {
         let mut graph = Graph::new();
