@@ -123,7 +123,7 @@ fn part(model: &Model, solids: &mut Solids, whole: &Object, id: ShapeId) -> Resu
         return Err(Problem::new(shape.span, problem).help("stretch its parts"));
     }
     // Between parts values are compared: they hold everywhere.
-    let field = solids.values(id)?;
+    let field = Arc::new(solids.values(id)?);
     let solid = solid_box(model, id, field.as_ref())?;
     Ok(Object { id, stage: Stage::Placed, field, solid, motion: whole.motion.clone() })
 }

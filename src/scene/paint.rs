@@ -264,7 +264,7 @@ impl Solids {
         }
         let mut parts: Vec<Part<N>> = Vec::with_capacity(operands.len());
         for (id, paint) in operands.iter().zip(paints) {
-            parts.push((self.values(*id)?, paint.attribute));
+            parts.push((Arc::new(self.values(*id)?.for_values_alone()), paint.attribute));
         }
         Ok(Parts::new(parts, rule, TOLERANCE_VOXELS * voxel).map(Paint::of))
     }

@@ -191,9 +191,9 @@ impl Solids {
     }
 
     /// A shape's field whose values hold everywhere, not only near the surface.
-    pub fn values(&mut self, id: ShapeId) -> Result<Arc<dyn Field>, Problem> {
+    pub fn values(&mut self, id: ShapeId) -> Result<Expression, Problem> {
         let node = self.node(id, Stage::Placed)?;
-        Ok(Arc::new(Expression::new(&self.graph, node).for_values_alone()))
+        Ok(Expression::new(&self.graph, node).keeping_values())
     }
 
     /// The scene.
