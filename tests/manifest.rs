@@ -98,7 +98,7 @@ fn verify_finds_any_flipped_bit_and_missing_and_foreign_frames() {
     assert_eq!(manifest(&place)["frames"], before);
 
     place.hfvdb("verify nowhere").fails(1, &["nowhere: there is no such folder"]);
-    place.hfvdb("verify out/m.0001.vdb").fails(1, &["m.0001.vdb", "nothing is known"]);
+    place.hfvdb("verify out/m.0001.vdb").fails(1, &["m.0001.vdb", "nothing is known", "give the folder"]);
     assert!(!place.path("out/m.0001.manifest.json").exists());
     fs::create_dir(place.path("bare")).unwrap();
     place.hfvdb("verify bare").fails(1, &["bare: nothing to verify"]);

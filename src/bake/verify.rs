@@ -117,7 +117,8 @@ pub fn verify(sequence: &Sequence, interrupt: &Interrupt) -> Result<Option<Verdi
     };
     let Some(head) = known.head(sequence) else {
         if findings.is_empty() && known.damaged.is_empty() {
-            let problem = "nothing is known of these frames: there is no manifest and no record";
+            let problem = "nothing is known of these frames: there is no manifest and no record of this name; \
+                give the folder, or the name that they were baked to, such as frame.####.vdb";
             return Err(SealedError::System(sequence.display().into(), std::io::Error::other(problem)));
         }
         findings.extend(known.damaged.iter().map(damaged));
