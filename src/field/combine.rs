@@ -243,12 +243,8 @@ impl Graph {
         for index in order {
             let made = match opens(self.ops[index as usize]) {
                 Some((operation, a, b)) => {
-                    let mirrored = match operation {
-                        Binary::Min if turned => Binary::Max,
-                        Binary::Max if turned => Binary::Min,
-                        same => same,
-                    };
-                    self.binary(mirrored, moved[&a], moved[&b])
+                    let operation = if turned { operation.turned() } else { operation };
+                    self.binary(operation, moved[&a], moved[&b])
                 }
                 None => shift(self, Node(index)),
             };

@@ -7,7 +7,7 @@ use glam::DVec3;
 
 use super::branch::{Branches, Part};
 use super::graph::{Graph, Node};
-use super::op::Op;
+use super::op::{Op, mark_needed};
 use super::program::Program;
 use super::prune::{Asked, Pruner, is_irreducible};
 use super::rising::chosen_first;
@@ -131,16 +131,9 @@ struct BranchTape {
 impl BranchTape {
     fn compile(&mut self, ops: &[Op], root: u32) {
         self.tape.compile(ops, &[root]);
-        let needed = &mut self.needed;
-        needed.clear();
-        needed.resize(ops.len(), false);
-        needed[root as usize] = true;
-        for index in (0..=root as usize).rev() {
-            if needed[index] {
-                ops[index].arguments(|argument| needed[argument as usize] = true);
-            }
-        }
+        mark_needed(ops, root, &mut self.needed);
         self.externals.clear();
+        let needed = &self.needed;
         let is_external = |index: &u32| needed[*index as usize] && matches!(ops[*index as usize], Op::External { .. });
         self.externals.extend((0..=root).filter(is_external));
         self.compiled = true;

@@ -221,8 +221,7 @@ impl Graph {
                     // An offset polyhedron is a polyhedron: its faces stay branches of their own.
                     Op::Binary(side @ (Binary::Min | Binary::Max), first, second) if self.is_polyhedral(a) => {
                         let [first, second] = [first, second].map(|operand| self.unary(operation, Node(operand)));
-                        let turned = if side == Binary::Min { Binary::Max } else { Binary::Min };
-                        Some(self.binary(if scale > 0.0 { side } else { turned }, first, second))
+                        Some(self.binary(if scale > 0.0 { side } else { side.turned() }, first, second))
                     }
                     _ => None,
                 }

@@ -56,6 +56,15 @@ impl Binary {
     pub fn is_union(self) -> bool {
         matches!(self, Self::Max | Self::Union)
     }
+
+    /// The other of min and max where greater values become lesser ones; any other operation as it is.
+    pub fn turned(self) -> Self {
+        match self {
+            Self::Min => Self::Max,
+            Self::Max => Self::Min,
+            other => other,
+        }
+    }
 }
 
 /// One operation; arguments are indices of earlier operations.
@@ -129,6 +138,18 @@ impl Op {
                 }
             }
             Self::Binary(operation, a, b) => [6, operation as u64, u64::from(a), u64::from(b)],
+        }
+    }
+}
+
+/// Marks the operations that one depends on, and itself.
+pub(super) fn mark_needed(ops: &[Op], root: u32, needed: &mut Vec<bool>) {
+    needed.clear();
+    needed.resize(ops.len(), false);
+    needed[root as usize] = true;
+    for index in (0..=root as usize).rev() {
+        if needed[index] {
+            ops[index].arguments(|argument| needed[argument as usize] = true);
         }
     }
 }

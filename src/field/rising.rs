@@ -3,7 +3,7 @@
 //! The distance of a union of balls takes one root so, and each ball half of the operations to bound and to evaluate. Each
 //! step keeps order as it is rounded too, so every value stays what it is to the last bit.
 
-use super::op::{Binary, Op, Unary};
+use super::op::{Binary, Op, Unary, mark_needed};
 use super::program::Program;
 
 /// The program with its choices among values that one operation was made of taken before that.
@@ -28,7 +28,7 @@ pub(super) fn chosen_first(program: &Program) -> Program {
 #[derive(Default)]
 struct Rewritten {
     ops: Vec<Op>,
-    /// Which of them are sums and roots of squares, or chosen from such.
+    /// Which of them are sums of squares, roots of such, or chosen from them: never negative.
     is_root_of_squares: Vec<bool>,
 }
 
@@ -51,12 +51,7 @@ impl Rewritten {
                 if operation == other && self.keeps_order(operation, a, b) =>
             {
                 let falls = matches!(operation, Unary::Linear { scale, .. } if scale < 0.0);
-                let side = match side {
-                    Binary::Min if falls => Binary::Max,
-                    Binary::Max if falls => Binary::Min,
-                    _ => side,
-                };
-                let chosen = self.choose(program, side, a, b);
+                let chosen = self.choose(program, if falls { side.turned() } else { side }, a, b);
                 self.push(program, Op::Unary(operation, chosen))
             }
             _ => self.push(program, Op::Binary(side, a, b)),
@@ -76,15 +71,10 @@ impl Rewritten {
 
 /// The operations that one depends on, which comes last.
 fn needed_for(ops: &[Op], root: u32) -> Vec<Op> {
-    let mut needed = vec![false; root as usize + 1];
-    needed[root as usize] = true;
-    for index in (0..needed.len()).rev() {
-        if needed[index] {
-            ops[index].arguments(|argument| needed[argument as usize] = true);
-        }
-    }
-    let (mut kept, mut places) = (Vec::new(), vec![u32::MAX; needed.len()]);
-    for (index, op) in ops[..needed.len()].iter().enumerate().filter(|(index, _)| needed[*index]) {
+    let mut needed = Vec::new();
+    mark_needed(ops, root, &mut needed);
+    let (mut kept, mut places) = (Vec::new(), vec![u32::MAX; ops.len()]);
+    for (index, op) in ops.iter().enumerate().filter(|(index, _)| needed[*index]) {
         places[index] = kept.len() as u32;
         kept.push(op.renamed(|argument| places[argument as usize]));
     }
