@@ -59,13 +59,13 @@ impl<'a> Both<'a> {
     /// [`Self::bounds_by_parts`], else from the bounds of both.
     pub(super) fn bounds_of(
         &mut self,
-        of_region: impl Fn(&Aabb, [Interval; 2]) -> Interval,
-        of_parts: impl Fn(&Parts, &mut [Interval; BATCH]),
+        of_region: impl Fn([Interval; 2]) -> Interval,
+        of_parts: impl FnMut(&Parts, &mut [Interval; BATCH]),
     ) -> Interval {
         let Some(region) = self.region() else { return Interval::ALL };
         match (self.first.steepest(), self.second.steepest()) {
             (Some(first), Some(second)) => self.bounds_by_parts(&region, [first, second], of_parts),
-            _ => of_region(&region, self.bounds()),
+            _ => of_region(self.bounds()),
         }
     }
 
@@ -76,7 +76,7 @@ impl<'a> Both<'a> {
         &mut self,
         region: &Aabb,
         steepest: [f64; 2],
-        blend: impl Fn(&Parts, &mut [Interval; BATCH]),
+        mut blend: impl FnMut(&Parts, &mut [Interval; BATCH]),
     ) -> Interval {
         let mut bounds = Interval::new(f64::INFINITY, f64::NEG_INFINITY);
         let mut size = region.size();
@@ -129,16 +129,10 @@ pub(super) struct Parts<'a> {
 
 impl Parts<'_> {
     /// Bounds of a blend over each part, one after the other.
-    pub(super) fn each(&self, out: &mut [Interval; BATCH], blend: impl Fn(&Aabb, [Interval; 2]) -> Interval) {
+    pub(super) fn each(&self, out: &mut [Interval; BATCH], blend: impl Fn([Interval; 2]) -> Interval) {
         for (i, out) in out.iter_mut().enumerate().take(self.middles.len) {
-            *out = blend(&self.region(i), self.bounds(i));
+            *out = blend(self.bounds(i));
         }
-    }
-
-    /// The box of a part.
-    fn region(&self, i: usize) -> Aabb {
-        let place = self.middles.position(i);
-        Aabb::new(place - self.size * 0.5, place + self.size * 0.5)
     }
 
     /// Bounds of both distances over a part, in units of D.

@@ -4,7 +4,6 @@
 //! measured: F_b there goes over into the object's distance, which its zero set ends in.
 
 use super::curves::Curves;
-use super::dual::Dual;
 use super::real::Real;
 use super::section::{Kernel, Slopes};
 use super::settings::FLOW_TIME_SCALE;
@@ -17,13 +16,9 @@ const END: f64 = 0.01;
 /// The least t, and the least left to 1, that sections are taken at.
 pub(super) const LEAST_TIME: f64 = 1e-3;
 
-/// What varies of a section as the morph goes on, over its progress.
-pub(super) struct Course {
-    /// Units of D that a unit of t is worth.
-    time_scale: f64,
-    /// STB's t; a₀ over t(1 − t), which neither vanishes nor grows at the ends; and 1/(a₁²q), which is also 1/(a₂²q).
-    curves: Curves<3>,
-}
+/// What varies of a section as the morph goes on, over its progress: STB's t; a₀ over t(1 − t), which neither vanishes nor
+/// grows at the ends; and 1/(a₁²q), which is also 1/(a₂²q).
+pub(super) type Course = Curves<3>;
 
 /// One solved section: t, a₀ and 1/(a₁²q).
 pub(super) struct Solution {
@@ -40,19 +35,23 @@ pub(super) struct Place<T> {
 }
 
 impl<T: Real> Place<T> {
-    fn new(time_scale: f64, [time, amount, reach]: [T; 3], ends: [T; 2]) -> Self {
-        let (scale, left) = (T::of(time_scale), T::ONE - time);
+    /// That of a progress and of the course there.
+    #[inline(always)]
+    pub(super) fn new(progress: T, [time, amount, reach]: [T; 3]) -> Self {
+        let (scale, left) = (T::of(FLOW_TIME_SCALE), T::ONE - time);
         let kernel = Kernel::of_parts([-(scale * time), -(scale * left)], amount * time * left, reach);
-        Self { kernel, ends }
+        Self { kernel, ends: ends(progress) }
     }
 
     /// The blend, of distances in units of D.
+    #[inline(always)]
     pub(super) fn value(&self, first: T, second: T) -> T {
         let [one, two] = self.ends;
         self.kernel.value(first, second) * (T::ONE - one - two) + first * one + second * two
     }
 
     /// The blend with its derivatives by both distances.
+    #[inline(always)]
     pub(super) fn slopes(&self, first: T, second: T) -> Slopes<T> {
         let [one, two] = self.ends;
         let (blend, rest) = (self.kernel.slopes(first, second), T::ONE - one - two);
@@ -62,85 +61,145 @@ impl<T: Real> Place<T> {
             by_second: blend.by_second * rest + two,
         }
     }
+
+    /// The blend's derivative by the progress it is at, with the course there and how fast that changes.
+    #[inline(always)]
+    pub(super) fn rate(&self, progress: T, course: [T; 3], rates: [T; 3], [first, second]: [T; 2]) -> T {
+        let ([time, amount, _], [time_rate, amount_rate, reach_rate]) = (course, rates);
+        let (cut_rate, left) = (T::of(FLOW_TIME_SCALE) * time_rate, T::ONE - time);
+        let a0_rate = amount_rate * time * left + amount * time_rate * (left - time);
+        let blend_rate = self.kernel.rate([-cut_rate, cut_rate], a0_rate, reach_rate, first, second);
+        let blend = self.kernel.value(first, second);
+        let [one, two] = self.ends;
+        blend_rate * (T::ONE - one - two)
+            + (first - blend) * end_rate(progress)
+            + (blend - second) * end_rate(T::ONE - progress)
+    }
+}
+
+/// The blends of a range of progress: the least and the most of what they are made of.
+pub(super) struct Sections<T> {
+    cuts: [[T; 2]; 2],
+    amount: [T; 2],
+    reach: [T; 2],
+    ends: [[T; 2]; 2],
+}
+
+impl<T: Real> Sections<T> {
+    /// Those from a progress to another, between which the course has no more and no less than these.
+    #[inline(always)]
+    pub(super) fn between(progress: [T; 2], [time, amount, reach]: [[T; 2]; 3]) -> Self {
+        let scale = T::of(FLOW_TIME_SCALE);
+        // t(1 − t) is least at an end, and at most a quarter.
+        let left = time.map(|time| time * (T::ONE - time));
+        let middle = time[0] < T::of(0.5) && T::of(0.5) < time[1];
+        let most = if middle { T::of(0.25) } else { left[0].most(left[1]) };
+        let [from, to] = progress.map(ends);
+        Self {
+            cuts: [[-(scale * time[1]), -(scale * time[0])], time.map(|time| -(scale * (T::ONE - time)))],
+            amount: [amount[0] * left[0].least(left[1]), amount[1] * most],
+            reach,
+            ends: [[to[0], from[0]], [from[1], to[1]]],
+        }
+    }
+
+    /// The least and the most of the blends for distances between their least and most, all in units of D: also of what a
+    /// batch in `f32` makes of them. No number where a distance is infinite.
+    #[inline(always)]
+    pub(super) fn bounds(&self, first: [T; 2], second: [T; 2]) -> [T; 2] {
+        let [mut least, mut most] = [self.blend(0, first, second), self.blend(1, first, second)];
+        for (shares, distance) in self.ends.iter().zip([first, second]) {
+            let mix = |share: T, blend: T, own: T| blend + share * (own - blend);
+            let [few, many] = *shares;
+            least = mix(few, least, distance[0]).least(mix(many, least, distance[0]));
+            most = mix(few, most, distance[1]).most(mix(many, most, distance[1]));
+        }
+        [least, most]
+    }
+
+    /// The least or the most of F_b. It rises with all but the reach: both cylinders are ≤ 0, and ρ is least at their upper
+    /// ends.
+    #[inline(always)]
+    fn blend(&self, side: usize, first: [T; 2], second: [T; 2]) -> T {
+        let cuts = self.cuts.map(|cut| cut[side]);
+        let kernel = Kernel::of_parts(cuts, self.amount[side], self.reach[1 - side]);
+        let value = kernel.value(first[side], second[side]);
+        // Once for this value and once for those of the batches to come.
+        let rounding = T::TWO * kernel.rounding(value);
+        if side == 0 { value - rounding } else { value + rounding }
+    }
 }
 
 impl Course {
-    /// The progresses at which sections are to be solved: closer towards both ends, where a₀ bends most.
-    pub(super) fn nodes() -> Vec<f64> {
-        (0..=SOLVED).map(|i| 0.5 - 0.5 * libm::cos(std::f64::consts::PI * i as f64 / SOLVED as f64)).collect()
+    /// The progresses at which sections are to be solved for a range of progress, and one beyond either end of it, which
+    /// curves within bend by: closer together towards 0 and 1, where a₀ bends most.
+    pub(super) fn nodes(progress: Interval) -> Vec<f64> {
+        let node = |i: usize| 0.5 - 0.5 * libm::cos(std::f64::consts::PI * i as f64 / SOLVED as f64);
+        let nodes: Vec<f64> = (0..=SOLVED).map(node).collect();
+        let first = nodes.partition_point(|node| *node <= progress.lo).saturating_sub(2);
+        let end = nodes.partition_point(|node| *node < progress.hi) + 2;
+        nodes[first..end.min(nodes.len())].to_vec()
     }
 
-    /// From the sections solved at the nodes. `None` where one is not finite.
-    pub(super) fn new(solved: &[Solution]) -> Option<Self> {
+    /// From the sections solved at such nodes. `None` where one is not finite.
+    pub(super) fn solved(nodes: &[f64], solved: &[Solution]) -> Option<Self> {
         let at = |one: &Solution| [one.time, one.a0 / (one.time * (1.0 - one.time)), one.reach];
-        let points = Self::nodes().into_iter().zip(solved).map(|(node, one)| (node, at(one))).collect();
-        Some(Self { time_scale: FLOW_TIME_SCALE, curves: Curves::through(points)? })
+        Self::through(nodes.iter().zip(solved).map(|(node, one)| (*node, at(one))).collect())
     }
 
     /// a₀ at a progress.
     pub(super) fn a0(&self, progress: f64) -> f64 {
-        let [time, amount, _] = self.curves.at(progress);
+        let [time, amount, _] = self.at(progress);
         amount * time * (1.0 - time)
     }
 
     /// The blend at a progress.
-    pub(super) fn at(&self, progress: f64) -> Place<f64> {
-        Place::new(self.time_scale, self.curves.at(progress), ends(progress))
+    pub(super) fn place(&self, progress: f64) -> Place<f64> {
+        Place::new(progress, self.at(progress))
     }
 
-    /// The blend's derivative by the progress, of distances in units of D.
-    pub(super) fn rate(&self, progress: f64, first: f64, second: f64) -> f64 {
-        let [[one, one_rate], [two, two_rate]] = [end(progress), end(1.0 - progress)];
-        let ends = [Dual::new(one, one_rate), Dual::new(two, -two_rate)];
-        let place = Place::new(self.time_scale, self.curves.at_with_rates(progress), ends);
-        place.value(Dual::of(first), Dual::of(second)).rate
-    }
-
-    /// Bounds of the blend for progress and distances within bounds.
-    pub(super) fn bounds(&self, progress: Interval, first: Interval, second: Interval) -> Interval {
-        if ![first.lo, first.hi, second.lo, second.hi].iter().all(|end| end.is_finite()) {
-            return Interval::ALL;
+    /// The blends of a range of progress.
+    pub(super) fn sections(&self, progress: Interval) -> Sections<f64> {
+        let ends = [progress.lo, progress.hi];
+        let [from, to] = ends.map(|progress| self.at(progress));
+        let mut course = self.turns(progress).map(|turns| [turns.lo, turns.hi]);
+        for (course, (from, to)) in course.iter_mut().zip(from.into_iter().zip(to)) {
+            *course = [course[0].min(from).min(to), course[1].max(from).max(to)];
         }
-        let [time, amount, reach] = self.curves.range(progress);
-        // t(1 − t) is least at an end, and at most a quarter.
-        let left = [time.lo, time.hi].map(|time| time * (1.0 - time));
-        let most = if time.contains(0.5) { 0.25 } else { left[0].max(left[1]) };
-        let a0 = Interval::new(amount.lo * left[0].min(left[1]), amount.hi * most);
-        let cut = |lo: f64, hi: f64| Interval::new(-self.time_scale * hi, -self.time_scale * lo);
-        let cuts = [cut(time.lo, time.hi), cut(1.0 - time.hi, 1.0 - time.lo)];
-        let mut bounds = Kernel::bounds_of_parts(cuts, a0, reach, [first, second]);
-        if bounds == Interval::ALL {
-            return bounds;
-        }
-        let [one, two] = [ends(progress.lo), ends(progress.hi)];
-        for (weights, distance) in [([two[0], one[0]], first), ([one[1], two[1]], second)] {
-            let mix = |weight: f64, blend: f64, own: f64| blend + weight * (own - blend);
-            let least = weights.map(|weight| mix(weight, bounds.lo, distance.lo));
-            let most = weights.map(|weight| mix(weight, bounds.hi, distance.hi));
-            bounds = Interval::new(least[0].min(least[1]), most[0].max(most[1]));
-        }
-        bounds
+        Sections::between(ends, course)
     }
 
     /// How far outside both objects' boxes the blend may still be positive, in units of D; `None` where it never falls.
     pub(super) fn outside(&self) -> Option<f64> {
-        let nodes = Self::nodes();
-        let inside = |reach: f64| {
-            let there = Interval::new(-reach, -reach);
-            nodes.windows(2).any(|piece| self.bounds(Interval::new(piece[0], piece[1]), there, there).hi >= 0.0)
-        };
+        let nodes: Vec<f64> = self.xs().collect();
+        let piece = |piece: &[f64]| self.sections(Interval::new(piece[0], piece[1]));
+        let pieces: Vec<_> = nodes.windows(2).map(piece).collect();
+        let inside = |reach: f64| pieces.iter().any(|piece| piece.bounds([-reach; 2], [-reach; 2])[1] >= 0.0);
         let reach = std::iter::successors(Some(1.0 / 64.0), |reach| Some(reach * 1.25));
         reach.take_while(|reach| *reach < 1e6).find(|reach| !inside(*reach))
     }
 }
 
 /// How much of each object's distance counts.
-fn ends(progress: f64) -> [f64; 2] {
-    [end(progress)[0], end(1.0 - progress)[0]]
+#[inline(always)]
+fn ends<T: Real>(progress: T) -> [T; 2] {
+    [end(progress), end(T::ONE - progress)]
 }
 
-/// 1 at the end, falling to 0 over [`END`], and its rate.
-fn end(progress: f64) -> [f64; 2] {
-    let u = (progress / END).clamp(0.0, 1.0);
-    [1.0 - u * u * (3.0 - 2.0 * u), -6.0 * u * (1.0 - u) / END]
+/// 1 at the end, falling to 0 over [`END`].
+#[inline(always)]
+fn end<T: Real>(progress: T) -> T {
+    let u = share_of_end(progress);
+    T::ONE - u * u * (T::of(3.0) - T::TWO * u)
+}
+
+#[inline(always)]
+fn end_rate<T: Real>(progress: T) -> T {
+    let u = share_of_end(progress);
+    T::of(-6.0 / END) * u * (T::ONE - u)
+}
+
+#[inline(always)]
+fn share_of_end<T: Real>(progress: T) -> T {
+    (progress * T::of(1.0 / END)).most(T::ZERO).least(T::ONE)
 }

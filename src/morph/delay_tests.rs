@@ -4,7 +4,8 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
-use super::course::{Course, LEAST_TIME, Solution};
+use super::course::{Course, LEAST_TIME, Place, Solution};
+use super::curves::Looked;
 use super::exact::Exact;
 use super::*;
 use crate::attribute::{ColourSpace, Constant, FieldValue, Scalar};
@@ -147,6 +148,13 @@ fn gradients_are_those_of_the_values_and_bounds_hold_them() {
                 assert!(bounds.contains(f64::from(values[i])));
             }
         }
+        // Beyond the lattice of delays too.
+        let mut far = Points::new(DVec3::new(0.1, 0.0, 0.2));
+        Aabb::new(DVec3::splat(-4.0), DVec3::splat(4.0)).corners().iter().for_each(|corner| far.push(corner.as_vec3()));
+        evaluator.values(&far, &mut values);
+        for (i, value) in values[..far.len].iter().enumerate() {
+            assert!((f64::from(*value) - field.reference(far.position(i))).abs() < 1e-5, "{value}");
+        }
         for (number, middle) in points().into_iter().enumerate().step_by(5) {
             let half = [0.3, 0.1, 0.02, 0.004][number % 4];
             let region = Aabb::new(middle - half, middle + half);
@@ -180,21 +188,35 @@ fn a_course_changes_as_its_rate_says() {
         let time = progress.clamp(LEAST_TIME, 1.0 - LEAST_TIME);
         Solution { time, a0: 0.7 * time * (1.0 - time) * (1.0 + 0.3 * time), reach: 0.4 + time * (1.0 - time) }
     };
-    let course = Course::new(&Course::nodes().iter().map(solution).collect::<Vec<_>>()).unwrap();
+    let course = |range: Interval| {
+        let nodes = Course::nodes(range);
+        Course::solved(&nodes, &nodes.iter().map(solution).collect::<Vec<_>>()).unwrap()
+    };
+    // Of a part of it, it is the same there.
+    let parts = [(0.0, 0.3), (0.3, 0.55), (0.5, 0.5), (0.7, 1.0)].map(|(lo, hi)| Interval::new(lo, hi));
+    let (all, parts) = (course(Interval::new(0.0, 1.0)), parts.map(|range| (range, course(range))));
+    for progress in (0..=200).map(|step| f64::from(step) / 200.0) {
+        let within = parts.iter().filter(|(range, _)| range.contains(progress));
+        within.for_each(|(_, course)| assert_eq!(course.at(progress), all.at(progress)));
+    }
+    let course = all;
+    let mut looked = Looked::new();
     // At 0.8 the first distance is that to the cut in time.
     for progress in (1..=60).map(|step| 0.001 + 0.01637 * f64::from(step)).chain([0.8]) {
+        course.look_up(&[progress as f32], true, &mut looked);
+        let [values, rates] = [&looked.values, &looked.rates].map(|found| found.map(|lanes| lanes[0]));
+        let place = Place::new(progress as f32, values);
         for (first, second) in [(-0.2, -0.1), (0.1, -0.3), (-0.01, 0.2), (0.2, 0.3)] {
-            let (step, at) = (1e-6, |progress: f64| course.at(progress).value(first, second));
+            let (step, at) = (1e-6, |progress: f64| course.place(progress).value(first, second));
             let by_differences = (at(progress + step) - at(progress - step)) / (2.0 * step);
-            let rate = course.rate(progress, first, second);
+            let rate = f64::from(place.rate(progress as f32, values, rates, [first as f32, second as f32]));
             assert!(
                 (rate - by_differences).abs() < 1e-4 * (1.0 + rate.abs()),
                 "{rate} {by_differences} at {progress}, {first}, {second}"
             );
             let around = Interval::new(progress - 0.01, progress + 0.01);
-            let point = |value: f64| Interval::new(value, value);
-            let bounds = course.bounds(around, point(first), point(second));
-            assert!((-10..=10).all(|i| bounds.contains(at(progress + 1e-3 * f64::from(i)))));
+            let [lo, hi] = course.sections(around).bounds([first; 2], [second; 2]);
+            assert!((-10..=10).all(|i| (lo..=hi).contains(&at(progress + 1e-3 * f64::from(i)))));
         }
     }
 }

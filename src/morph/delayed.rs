@@ -3,10 +3,13 @@
 use std::sync::Arc;
 
 use glam::DVec3;
+use multiversion::multiversion;
 
 use super::both::{Both, Parts, has_both_signs, scaled};
-use super::course::Course;
+use super::course::{Course, Place, Sections};
+use super::curves::Looked;
 use super::delay::DelayGrid;
+use super::real::Real;
 use crate::distance::Distance;
 use crate::field::{Aabb, BATCH, Evaluator, Field, Gradients, Interval, Points, Slope};
 
@@ -34,7 +37,7 @@ impl Field for DelayedStb {
 
     fn reference(&self, position: DVec3) -> f64 {
         let of = |field: &dyn Distance| field.reference(position) / self.unit;
-        let place = self.course.at(self.delay.local(position, self.eased).progress);
+        let place = self.course.place(self.delay.progress(position, self.eased));
         place.value(of(self.first.as_ref()), of(self.second.as_ref())) * self.unit
     }
 
@@ -42,8 +45,10 @@ impl Field for DelayedStb {
         Box::new(DelayedEvaluator {
             field: self,
             both: Both::new(self.first.evaluator(), self.second.evaluator(), self.unit),
-            values: [0.0; BATCH],
-            gradients: Gradients::new(),
+            second: Gradients::new(),
+            progress: Gradients::new(),
+            course: Looked::new(),
+            ends: Ends { progress: [[0.0; BATCH]; 2], course: [Looked::new(), Looked::new()] },
         })
     }
 }
@@ -51,8 +56,17 @@ impl Field for DelayedStb {
 struct DelayedEvaluator<'a> {
     field: &'a DelayedStb,
     both: Both<'a>,
-    values: [f32; BATCH],
-    gradients: Gradients,
+    /// The second object's distances.
+    second: Gradients,
+    progress: Gradients,
+    course: Looked<3>,
+    ends: Ends,
+}
+
+/// The least and the most progress of parts, and the course at either.
+struct Ends {
+    progress: [[f32; BATCH]; 2],
+    course: [Looked<3>; 2],
 }
 
 impl Evaluator for DelayedEvaluator<'_> {
@@ -61,11 +75,24 @@ impl Evaluator for DelayedEvaluator<'_> {
     }
 
     fn bounds(&mut self) -> Interval {
+        let Some(region) = self.both.region() else { return Interval::ALL };
         let DelayedStb { unit, eased, delay, course, .. } = self.field;
-        let blend =
-            |part: &Aabb, [first, second]: [Interval; 2]| course.bounds(delay.bounds(part, *eased), first, second);
-        let of_parts = |parts: &Parts, out: &mut [Interval; BATCH]| parts.each(out, blend);
-        scaled(self.both.bounds_of(blend, of_parts), *unit)
+        let over = delay.over(&region);
+        let all = over.progress(*eased);
+        let of_region = |[first, second]: [Interval; 2]| {
+            let [lo, hi] = course.sections(all).bounds([first.lo, first.hi], [second.lo, second.hi]);
+            if lo.is_nan() || hi.is_nan() { Interval::ALL } else { Interval::new(lo, hi) }
+        };
+        let turns = course.turns(all).map(|turns| [turns.lo as f32, turns.hi as f32]);
+        let (delays, ends) = (&mut self.progress, &mut self.ends);
+        let of_parts = |parts: &Parts, out: &mut [Interval; BATCH]| {
+            delay.bounds_around((parts.middles, parts.size), &over, *eased, delays, &mut ends.progress);
+            for (progress, course_there) in ends.progress.iter().zip(&mut ends.course) {
+                course.look_up(&progress[..parts.middles.len], false, course_there);
+            }
+            blend_bounds(ends, &turns, parts, out);
+        };
+        scaled(self.both.bounds_of(of_region, of_parts), *unit)
     }
 
     fn vanishes(&mut self) -> bool {
@@ -77,36 +104,87 @@ impl Evaluator for DelayedEvaluator<'_> {
     }
 
     fn values(&mut self, points: &Points, out: &mut [f32; BATCH]) {
-        self.both.first.values(points, out);
-        self.both.second.values(points, &mut self.values);
         let DelayedStb { unit, eased, delay, course, .. } = self.field;
-        let per_unit = 1.0 / unit;
-        for i in 0..points.len {
-            let place = course.at(delay.local(points.position(i), *eased).progress);
-            let value = place.value(f64::from(out[i]) * per_unit, f64::from(self.values[i]) * per_unit);
-            out[i] = (value * unit) as f32;
-        }
+        delay.progresses(points, *eased, &mut self.progress);
+        course.look_up(&self.progress.value[..points.len], false, &mut self.course);
+        self.both.first.values(points, out);
+        self.both.second.values(points, &mut self.second.value);
+        blend_values(&self.progress.value, &self.course, *unit as f32, points.len, out, &self.second.value);
     }
 
     fn gradients(&mut self, points: &Points, out: &mut Gradients) {
-        self.both.first.gradients(points, out);
-        self.both.second.gradients(points, &mut self.gradients);
         let DelayedStb { unit, eased, delay, course, .. } = self.field;
-        let per_unit = 1.0 / unit;
-        for i in 0..points.len {
-            let local = delay.local(points.position(i), *eased);
-            let [first, second] = [out.value[i], self.gradients.value[i]].map(|value| f64::from(value) * per_unit);
-            let slopes = course.at(local.progress).slopes(first, second);
-            let waiting = if local.gradient == DVec3::ZERO {
-                DVec3::ZERO
-            } else {
-                local.gradient * (course.rate(local.progress, first, second) * unit)
-            };
-            let gradient = out.gradient(i).as_dvec3() * slopes.by_first
-                + self.gradients.gradient(i).as_dvec3() * slopes.by_second
-                + waiting;
-            out.value[i] = (slopes.value * unit) as f32;
-            (out.dx[i], out.dy[i], out.dz[i]) = (gradient.x as f32, gradient.y as f32, gradient.z as f32);
+        delay.progresses(points, *eased, &mut self.progress);
+        course.look_up(&self.progress.value[..points.len], true, &mut self.course);
+        self.both.first.gradients(points, out);
+        self.both.second.gradients(points, &mut self.second);
+        blend_gradients(&self.progress, &self.course, *unit as f32, points.len, out, &self.second);
+    }
+}
+
+/// Bounds of the blend over parts. `turns` are the course's around all.
+#[multiversion(targets = "simd")]
+fn blend_bounds(ends: &Ends, turns: &[[f32; 2]; 3], parts: &Parts, out: &mut [Interval; BATCH]) {
+    let per_unit = 1.0 / parts.unit as f32;
+    let spread = parts.spread.map(|spread| spread as f32);
+    let mut bounds = [[0.0_f32; BATCH]; 2];
+    for i in 0..parts.middles.len.min(BATCH) {
+        let mut between = *turns;
+        for n in 0..3 {
+            let [from, to] = [&ends.course[0], &ends.course[1]].map(|course| course.values[n][i]);
+            let [least, most] = between[n];
+            between[n] = [least.least(from).least(to), most.most(from).most(to)];
         }
+        let sections = Sections::between([ends.progress[0][i], ends.progress[1][i]], between);
+        let [first, second] = [0, 1].map(|object| {
+            let value = parts.distances[object][i] * per_unit;
+            [value - spread[object], value + spread[object]]
+        });
+        [bounds[0][i], bounds[1][i]] = sections.bounds(first, second);
+    }
+    for (i, out) in out.iter_mut().enumerate().take(parts.middles.len) {
+        let (lo, hi) = (f64::from(bounds[0][i]), f64::from(bounds[1][i]));
+        *out = if lo.is_nan() || hi.is_nan() { Interval::ALL } else { Interval::new(lo, hi) };
+    }
+}
+
+#[multiversion(targets = "simd")]
+fn blend_values(
+    progress: &[f32; BATCH],
+    course: &Looked<3>,
+    unit: f32,
+    len: usize,
+    first: &mut [f32; BATCH],
+    second: &[f32; BATCH],
+) {
+    let per_unit = 1.0 / unit;
+    let [time, amount, reach] = &course.values;
+    for i in 0..len.min(BATCH) {
+        let place = Place::new(progress[i], [time[i], amount[i], reach[i]]);
+        first[i] = place.value(first[i] * per_unit, second[i] * per_unit) * unit;
+    }
+}
+
+#[multiversion(targets = "simd")]
+fn blend_gradients(
+    progress: &Gradients,
+    course: &Looked<3>,
+    unit: f32,
+    len: usize,
+    first: &mut Gradients,
+    second: &Gradients,
+) {
+    let per_unit = 1.0 / unit;
+    let [[time, amount, reach], [time_rate, amount_rate, reach_rate]] = [&course.values, &course.rates];
+    for i in 0..len.min(BATCH) {
+        let distances = [first.value[i] * per_unit, second.value[i] * per_unit];
+        let (at, rates) = ([time[i], amount[i], reach[i]], [time_rate[i], amount_rate[i], reach_rate[i]]);
+        let place = Place::new(progress.value[i], at);
+        let slopes = place.slopes(distances[0], distances[1]);
+        let by_progress = place.rate(progress.value[i], at, rates, distances) * unit;
+        first.value[i] = slopes.value * unit;
+        first.dx[i] = slopes.by_first * first.dx[i] + slopes.by_second * second.dx[i] + by_progress * progress.dx[i];
+        first.dy[i] = slopes.by_first * first.dy[i] + slopes.by_second * second.dy[i] + by_progress * progress.dy[i];
+        first.dz[i] = slopes.by_first * first.dz[i] + slopes.by_second * second.dz[i] + by_progress * progress.dz[i];
     }
 }

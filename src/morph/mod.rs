@@ -10,7 +10,6 @@ mod course;
 mod curves;
 mod delay;
 mod delayed;
-mod dual;
 mod motion;
 mod over_time;
 mod pace;

@@ -25,7 +25,7 @@ use super::volume::{
 };
 use crate::attribute::{Attribute, Colour, LinearRgb, Mix, Mixer, Turn};
 use crate::distance::Distance;
-use crate::field::{Aabb, BATCH, Field, Points};
+use crate::field::{Aabb, BATCH, Field, Interval, Points};
 
 /// Steps of t's curve. Fewer miss short bursts of change; each costs a solve on the coarse grid in each pass.
 const STEPS: usize = 40;
@@ -318,31 +318,41 @@ impl Morph {
             return None;
         };
         let (grid, eased) = (&self.plan.grid, self.settings.eased(time));
-        let course = self.course(flow, time, || Arc::clone(measured));
-        let place = |cell: usize| course.at(delay.local(grid.centre(cell), eased).progress);
+        let course = self.course(flow, delay, time, || Arc::clone(measured));
+        let place = |cell: usize| course.place(delay.progress(grid.centre(cell), eased));
         let fractions = place_fractions(grid, measured, self.plan.unit, place);
         Some(Enclosing { a0: course.a0(eased), fractions })
     }
 
     fn delayed_field(&self, time: f64, first: Arc<dyn Distance>, second: Arc<dyn Distance>) -> Option<Arc<dyn Field>> {
         let (Some(delay), Mode::Flow(flow)) = (&self.delay, &self.settings.mode) else { return None };
-        let course = self.course(flow, time, || self.measured_at(time));
+        let course = self.course(flow, delay, time, || self.measured_at(time));
         let (unit, eased, delay) = (self.plan.unit, self.settings.eased(time), Arc::clone(delay));
         Some(Arc::new(DelayedStb { first, second, unit, eased, delay, course }))
     }
 
-    /// All sections with the objects as they stand at scene time τ. `measured` is asked only where they are not known.
-    fn course(&self, flow: &Flow, time: f64, measured: impl FnOnce() -> Arc<Measured>) -> Arc<Course> {
+    /// The sections with the objects as they stand at scene time τ, at all progress that places have then. `measured` is
+    /// asked only where they are not known.
+    fn course(
+        &self,
+        flow: &Flow,
+        delay: &DelayGrid,
+        time: f64,
+        measured: impl FnOnce() -> Arc<Measured>,
+    ) -> Arc<Course> {
         let always = self.still.is_some() && flow.is_still();
         self.courses.at(if always { 0.0 } else { time }, || {
             let measured = measured();
+            let eased = self.settings.eased(time);
+            let range = if always { Interval::new(0.0, 1.0) } else { Interval::new(delay.last(eased), eased) };
+            let nodes = Course::nodes(range);
             let solve = |progress: &f64| {
                 let t = self.plan.pace.at(*progress).clamp(LEAST_TIME, 1.0 - LEAST_TIME);
                 let a0 = self.enclosing(&measured, time, t).a0;
                 Solution { time: t, a0, reach: Kernel::<f64>::new(&flow.section(t, time)).reach() }
             };
-            let solved: Vec<Solution> = Course::nodes().par_iter().map(solve).collect();
-            Course::new(&solved).expect("an a₀ found between two finite ones")
+            let solved: Vec<Solution> = nodes.par_iter().map(solve).collect();
+            Course::solved(&nodes, &solved).expect("an a₀ found between two finite ones")
         })
     }
 

@@ -171,13 +171,32 @@ impl<T: Real> Kernel<T> {
         T::of(1e-6) * (T::of(1e-3) + size(self.blend.amount) + size(value))
     }
 
+    /// The derivatives of F_b by g₁ and g₂.
+    #[inline(always)]
+    fn slopes_by_cylinders(&self, amount: T, [g1, g2]: [T; 2]) -> [T; 2] {
+        let fall = amount * Displacement::fall(self.blend.rho(g1, g2));
+        [
+            union_slope(g1, g2) - fall * T::TWO * self.blend.k1 * g1,
+            union_slope(g2, g1) - fall * T::TWO * self.blend.k2 * g2,
+        ]
+    }
+
+    /// How fast F_b changes as what [`Self::of_parts`] takes does.
+    #[inline(always)]
+    pub(super) fn rate(&self, cuts: [T; 2], amount: T, reach: T, first: T, second: T) -> T {
+        let [g1, g2] = self.cylinders(first, second);
+        let rho = self.blend.rho(g1, g2);
+        let [by_g1, by_g2] = self.slopes_by_cylinders(self.blend.amount, [g1, g2]);
+        by_g1 * intersection_slope(self.cut1, first) * cuts[0]
+            + by_g2 * intersection_slope(self.cut2, second) * cuts[1]
+            + Displacement::shape(rho) * amount
+            - self.blend.amount * Displacement::fall(rho) * (g1 * g1 + g2 * g2) * reach
+    }
+
     #[inline(always)]
     fn slopes_with(&self, amount: T, first: T, second: T) -> Slopes<T> {
         let [g1, g2] = self.cylinders(first, second);
-        let rho = self.blend.rho(g1, g2);
-        let fall = amount * Displacement::fall(rho);
-        let by_g1 = union_slope(g1, g2) - fall * T::TWO * self.blend.k1 * g1;
-        let by_g2 = union_slope(g2, g1) - fall * T::TWO * self.blend.k2 * g2;
+        let [by_g1, by_g2] = self.slopes_by_cylinders(amount, [g1, g2]);
         let mut g1_slope = intersection_slope(first, self.cut1);
         let mut g2_slope = intersection_slope(second, self.cut2);
         if let Some([one, two]) = self.round {
@@ -187,7 +206,7 @@ impl<T: Real> Kernel<T> {
             g2_slope = g2_slope - fall(two, second, self.cut2);
         }
         Slopes {
-            value: union(g1, g2) + amount * Displacement::shape(rho),
+            value: union(g1, g2) + amount * Displacement::shape(self.blend.rho(g1, g2)),
             by_first: by_g1 * g1_slope,
             by_second: by_g2 * g2_slope,
         }
@@ -208,28 +227,6 @@ impl Kernel<f64> {
             self.bounds_by_terms(first, second)
         };
         if bounds.lo.is_nan() || bounds.hi.is_nan() { Interval::ALL } else { self.rounded_outward(bounds) }
-    }
-
-    /// Bounds of F_b for parts, as [`Kernel::of_parts`] takes them, and distances within bounds.
-    pub(super) fn bounds_of_parts(
-        cuts: [Interval; 2],
-        amount: Interval,
-        reach: Interval,
-        distances: [Interval; 2],
-    ) -> Interval {
-        let [g1, g2] = [0, 1].map(|i| {
-            let (distance, cut) = (distances[i], cuts[i]);
-            Interval::new(intersection(distance.lo, cut.lo), intersection(distance.hi, cut.hi))
-        });
-        // Both are ≤ 0: ρ is least at their upper ends.
-        let shape = |reach: f64, one: f64, two: f64| Displacement::<f64>::shape(reach * (one * one + two * two));
-        let lo = union(g1.lo, g2.lo) + amount.lo * shape(reach.hi, g1.lo, g2.lo);
-        let hi = union(g1.hi, g2.hi) + amount.hi * shape(reach.lo, g1.hi, g2.hi);
-        if lo.is_nan() || hi.is_nan() {
-            return Interval::ALL;
-        }
-        let most = Self::of_parts([cuts[0].lo, cuts[1].lo], amount.hi, reach.lo);
-        most.rounded_outward(Interval::new(lo, hi))
     }
 
     /// Set operations rise in their arguments, displacements fall with ρ: each term has its own bounds.

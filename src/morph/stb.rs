@@ -94,7 +94,7 @@ impl Evaluator for StbEvaluator<'_> {
 
     fn bounds(&mut self) -> Interval {
         let Stb { exact, fast, .. } = self.stb;
-        let of_region = |_: &Aabb, [first, second]: [Interval; 2]| exact.bounds(first, second);
+        let of_region = |[first, second]: [Interval; 2]| exact.bounds(first, second);
         let of_parts = |parts: &Parts, out: &mut [Interval; BATCH]| {
             if exact.rises() { blend_bounds(fast, parts, out) } else { parts.each(out, of_region) }
         };

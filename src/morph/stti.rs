@@ -38,13 +38,19 @@ struct Weights<T> {
 
 impl<T: Real> Weights<T> {
     fn new(transfer: &Transfer) -> Self {
-        let Transfer { time, alpha, beta } = *transfer;
+        Self::at(transfer, T::of(transfer.time))
+    }
+
+    /// At another time.
+    #[inline(always)]
+    fn at(transfer: &Transfer, time: T) -> Self {
+        let (alpha, beta) = (T::of(transfer.alpha), transfer.beta);
         Self {
             first_scale: T::of(2.0 * (1.0 - beta)),
-            first_cut: T::of(-alpha * time),
+            first_cut: -(alpha * time),
             second_scale: T::of(2.0 * beta),
-            second_cut: T::of(alpha * time - alpha),
-            level: T::of(time.clamp(0.0, 1.0)),
+            second_cut: alpha * (time - T::ONE),
+            level: time.most(T::ZERO).least(T::ONE),
         }
     }
 
@@ -113,6 +119,7 @@ impl<const N: usize, M: Mix<N>> Attribute<N> for MorphAttribute<N, M> {
             distances: [[0.0; BATCH]; 2],
             values: [[0.0; N]; BATCH],
             slopes: None,
+            times: None,
         })
     }
 }
@@ -128,6 +135,8 @@ struct MorphSampler<'a, const N: usize, M> {
     distances: [[f32; BATCH]; 2],
     values: [[f32; N]; BATCH],
     slopes: Option<Box<Slopes<N>>>,
+    /// Where places wait, the time at each.
+    times: Option<Box<Gradients>>,
 }
 
 /// Scratch memory for gradients.
@@ -175,11 +184,10 @@ impl<const N: usize, M: Mix<N>> Sampler<N> for MorphSampler<'_, N, M> {
         match self.delay {
             None => second_weights(&Weights::new(&self.transfer), per_unit, first_ones, second_ones),
             Some(delay) => {
-                for i in 0..points.len {
-                    let time = delay.colour_time(points.position(i), self.transfer.time);
-                    let weights = Weights::<f32>::new(&Transfer { time, ..self.transfer });
-                    first_ones[i] = weights.second(first_ones[i] * per_unit, second_ones[i] * per_unit);
-                }
+                let times = &mut **self.times.get_or_insert_default();
+                delay.colour_times(points, self.transfer.time, times);
+                let times = &times.value[..points.len];
+                second_weights_in_time(&self.transfer, times, per_unit, first_ones, second_ones);
             }
         }
         let weights = first;
@@ -249,6 +257,14 @@ impl<const N: usize, M: Mix<N>> Sampler<N> for MorphSampler<'_, N, M> {
 fn second_weights(weights: &Weights<f32>, per_unit: f32, first: &mut [f32], second: &[f32]) {
     for (first, second) in first.iter_mut().zip(second) {
         *first = weights.second(*first * per_unit, *second * per_unit);
+    }
+}
+
+/// The same, each at a time of its own.
+#[multiversion::multiversion(targets = "simd")]
+fn second_weights_in_time(transfer: &Transfer, times: &[f32], per_unit: f32, first: &mut [f32], second: &[f32]) {
+    for ((first, second), time) in first.iter_mut().zip(second).zip(times) {
+        *first = Weights::at(transfer, *time).second(*first * per_unit, *second * per_unit);
     }
 }
 
