@@ -6,7 +6,7 @@ use std::sync::Arc;
 use super::colour_space::{LANES, Lanes, each};
 use super::{Attribute, LinearRgb, Sampler, conversion};
 use crate::field::lane_math::clamp01;
-use crate::field::{Aabb, BATCH, Evaluator, Field, Interval, Points};
+use crate::field::{Aabb, BATCH, Evaluator, Field, Gradients, Interval, Points};
 
 /// What a formula's three numbers are.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -117,12 +117,13 @@ pub struct FieldValue(pub Arc<dyn Field>);
 
 impl Attribute<1> for FieldValue {
     fn sampler(&self) -> Box<dyn Sampler<1> + '_> {
-        Box::new(FieldSampler { evaluator: self.0.evaluator(), values: [0.0; BATCH] })
+        Box::new(FieldSampler { evaluator: self.0.evaluator(), jumps: self.0.jumps(), values: [0.0; BATCH] })
     }
 }
 
 struct FieldSampler<'a> {
     evaluator: Box<dyn Evaluator + 'a>,
+    jumps: bool,
     values: [f32; BATCH],
 }
 
@@ -135,6 +136,14 @@ impl Sampler<1> for FieldSampler<'_> {
     fn sample(&mut self, points: &Points, out: &mut [[f32; 1]; BATCH]) {
         self.evaluator.values(points, &mut self.values);
         out.as_flattened_mut()[..points.len].copy_from_slice(&self.values[..points.len]);
+    }
+
+    fn gradients(&mut self, points: &Points, [out]: &mut [Gradients; 1]) -> bool {
+        // Differences are steep across a jump: so a wall is found there.
+        if !self.jumps {
+            self.evaluator.gradients(points, out);
+        }
+        !self.jumps
     }
 
     fn bounds(&mut self, region: &Aabb) -> [Interval; 1] {

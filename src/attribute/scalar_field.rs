@@ -140,19 +140,35 @@ mod tests {
 
     #[test]
     fn gradients_are_those_of_the_scalar() {
-        let field = by_formula("0.1*sin(5*x)*cos(4*y) + 0.2*z^2", f64::INFINITY);
-        let (points, mut out) = (points(), Gradients::new());
+        // By the formula's own gradient; and by differences, where it may jump.
+        for (jump, tolerance) in [("", 1e-6), (" + floor(x)", 5e-4)] {
+            let field = by_formula(&format!("0.1*sin(5*x)*cos(4*y) + 0.2*z^2{jump}"), f64::INFINITY);
+            let (points, mut out) = (points(), Gradients::new());
+            field.evaluator().gradients(&points, &mut out);
+            for i in 0..points.len {
+                let DVec3 { x, y, z } = points.position(i);
+                let (five, four) = ((5.0 * x).sin_cos(), (4.0 * y).sin_cos());
+                let exact = DVec3::new(0.5 * five.1 * four.1, -0.4 * five.0 * four.0, 0.4 * z);
+                assert!((out.gradient(i).as_dvec3() - exact).length() < tolerance, "{} {exact}", out.gradient(i));
+                let value = 0.1 * five.0 * four.1 + 0.2 * z * z;
+                assert!(
+                    (f64::from(out.value[i]) - value).abs() < 1e-7
+                        && (field.reference(points.position(i)) - value).abs() < 1e-7
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn across_a_jump_gradients_are_steep() {
+        let field = by_formula("0.1*floor(4*x)", 9.0);
+        let mut points = Points::new(DVec3::new(0.5, 0.3, 0.2));
+        [-1e-3, -5e-5, 5e-5, 1e-3].into_iter().for_each(|x| points.push(Vec3::new(x, 0.0, 0.0)));
+        let mut out = Gradients::new();
         field.evaluator().gradients(&points, &mut out);
-        for i in 0..points.len {
-            let DVec3 { x, y, z } = points.position(i);
-            let (five, four) = ((5.0 * x).sin_cos(), (4.0 * y).sin_cos());
-            let exact = DVec3::new(0.5 * five.1 * four.1, -0.4 * five.0 * four.0, 0.4 * z);
-            assert!((out.gradient(i).as_dvec3() - exact).length() < 5e-4, "{} {exact}", out.gradient(i));
-            let value = 0.1 * five.0 * four.1 + 0.2 * z * z;
-            assert!(
-                (f64::from(out.value[i]) - value).abs() < 1e-7
-                    && (field.reference(points.position(i)) - value).abs() < 1e-7
-            );
+        // 0.1 over twice the step.
+        for (found, exact) in out.dx.into_iter().zip([0.0, 500.0, 500.0, 0.0]) {
+            assert!((found - exact).abs() < 0.1, "{found}");
         }
     }
 

@@ -88,6 +88,10 @@ impl Field for Expression {
         self.slope
     }
 
+    fn jumps(&self) -> bool {
+        self.program.jumps()
+    }
+
     fn reference(&self, position: DVec3) -> f64 {
         self.program.reference(position)
     }

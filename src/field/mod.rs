@@ -71,6 +71,11 @@ pub trait Field: Send + Sync {
         Slope::Unknown
     }
 
+    /// Whether F may jump from one value to another, of which its gradient tells nothing.
+    fn jumps(&self) -> bool {
+        false
+    }
+
     /// F in plain `f64` arithmetic: slow, obvious, the judge of every faster way.
     fn reference(&self, position: DVec3) -> f64;
 

@@ -90,6 +90,15 @@ impl Program {
     }
 
     /// F in plain `f64` arithmetic.
+    /// Whether values may jump.
+    pub fn jumps(&self) -> bool {
+        let jump = |op: &Op| {
+            matches!(op, Op::Unary(Unary::Floor | Unary::Sign, _) | Op::Binary(Binary::Atan2, ..))
+                || matches!(op, Op::External { leaf, .. } if self.externals[*leaf as usize].jumps())
+        };
+        self.ops.iter().any(jump)
+    }
+
     pub fn reference(&self, position: DVec3) -> f64 {
         let mut values = Vec::with_capacity(self.ops.len());
         for op in &self.ops {
