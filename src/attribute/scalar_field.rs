@@ -53,8 +53,8 @@ fn held<T: PartialOrd>(value: T, most: T) -> T {
 struct ScalarEvaluator<'a> {
     field: &'a ScalarField,
     sampler: Box<dyn Sampler<1> + 'a>,
-    /// The bounds over each region entered.
-    entered: Vec<Interval>,
+    /// Each region entered, and the bounds over it once they were asked for.
+    entered: Vec<(Aabb, Option<Interval>)>,
     there: Points,
     sides: [[[f32; 1]; BATCH]; 2],
 }
@@ -72,16 +72,22 @@ impl ScalarEvaluator<'_> {
 
 impl Evaluator for ScalarEvaluator<'_> {
     fn enter(&mut self, region: &Aabb) {
-        let [bounds] = self.sampler.bounds(region);
-        let Interval { lo, hi } = bounds;
-        let most = self.field.most;
-        self.entered.push(Interval::new((lo - lo.abs() * SLACK).min(most), (hi + hi.abs() * SLACK).min(most)));
+        self.entered.push((*region, None));
         // One step further than the points, for the differences.
         self.sampler.enter(&region.grown(self.field.step));
     }
 
     fn bounds(&mut self) -> Interval {
-        self.entered.last().copied().unwrap_or(Interval::ALL)
+        let Some((region, bounds)) = self.entered.last_mut() else { return Interval::ALL };
+        *bounds.get_or_insert_with(|| {
+            let [Interval { lo, hi }] = self.sampler.bounds(region);
+            let most = self.field.most;
+            Interval::new((lo - lo.abs() * SLACK).min(most), (hi + hi.abs() * SLACK).min(most))
+        })
+    }
+
+    fn keeps_values(&self) -> bool {
+        true
     }
 
     fn leave(&mut self) {

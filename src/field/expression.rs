@@ -9,7 +9,7 @@ use super::branch::{Branches, Part};
 use super::graph::{Graph, Node};
 use super::op::{Op, mark_needed};
 use super::program::Program;
-use super::prune::{Asked, Pruner, is_irreducible};
+use super::prune::{Asked, Pruner, has_choices};
 use super::rising::chosen_first;
 use super::tape::Tape;
 use super::width::VectorWidth;
@@ -63,8 +63,8 @@ impl Expression {
     /// A width that the processor lacks falls back to a narrower one.
     pub fn evaluator_of_width(&self, width: VectorWidth) -> ExpressionEvaluator<'_> {
         let program = &*self.program;
-        let mut whole = Level { irreducible: is_irreducible(&program.ops), ..Level::default() };
-        whole.ops.clone_from(&program.ops);
+        let mut whole = Level { ops: program.ops.clone(), ..Level::default() };
+        whole.tell_choices();
         ExpressionEvaluator {
             program,
             asked: self.asked,
@@ -111,7 +111,9 @@ struct Level {
     /// Of F over the region, where they are known.
     bounds: Option<Interval>,
     ops: Vec<Op>,
-    /// Whether no region leaves anything out of `ops`: bounds are then found when somebody asks for them.
+    /// Whether some region may leave something out of `ops`: else bounds are found when somebody asks for them.
+    chooses: bool,
+    /// Whether none does, and no external field needs to be told of regions.
     irreducible: bool,
     tape: Tape,
     compiled: bool,
@@ -192,6 +194,18 @@ impl ExpressionEvaluator<'_> {
     }
 }
 
+impl Level {
+    fn tell_choices(&mut self) {
+        self.chooses = has_choices(&self.ops);
+        self.irreducible = !self.chooses && externals_of(&self.ops).next().is_none();
+    }
+}
+
+/// The external fields of a program.
+fn externals_of(ops: &[Op]) -> impl Iterator<Item = u32> {
+    ops.iter().filter_map(|op| if let Op::External { leaf, .. } = *op { Some(leaf) } else { None })
+}
+
 fn zero_leaf(program: &Program) -> impl Fn(u32) -> bool {
     |leaf| program.affines[leaf as usize] == super::leaf::Affine::ZERO
 }
@@ -205,7 +219,7 @@ impl Evaluator for ExpressionEvaluator<'_> {
             self.levels.push(Level::default());
         }
         let (outer, inner) = self.levels.split_at_mut(self.depth);
-        let (Level { ops, irreducible, .. }, level) = (&outer[owner], &mut inner[0]);
+        let (Level { ops, irreducible, chooses, .. }, level) = (&outer[owner], &mut inner[0]);
         level.owner = owner;
         level.region = Some(*region);
         level.bounds = None;
@@ -216,22 +230,26 @@ impl Evaluator for ExpressionEvaluator<'_> {
             return;
         }
 
-        self.program.bound(ops, region, &mut self.externals, &mut self.bounds);
-        level.bounds = self.bounds.last().copied();
+        // Where nothing is chosen externals' bounds are of no use yet, and may take long.
+        let chooses = *chooses;
+        self.program.bound(ops, region, chooses, &mut self.externals, &mut self.bounds);
+        level.bounds = self.bounds.last().copied().filter(|_| chooses);
         let shorter = self.pruner.plan(ops, &self.bounds, self.asked);
         if !self.externals.is_empty() {
             for (op, asked) in ops.iter().zip(&self.pruner.asked) {
                 let Op::External { leaf, .. } = *op else { continue };
                 // A field prunes by sign: where its values are needed it is read unpruned.
-                match asked {
-                    Asked::Sign => level.entered.push(leaf),
-                    _ => self.externals[leaf as usize].leave(),
+                let external = &mut self.externals[leaf as usize];
+                if *asked == Asked::Sign || *asked == Asked::Value && external.keeps_values() {
+                    level.entered.push(leaf);
+                } else {
+                    external.leave();
                 }
             }
         }
         if shorter {
             self.pruner.shorten(ops, &mut level.ops);
-            level.irreducible = is_irreducible(&level.ops);
+            level.tell_choices();
             level.owner = self.depth;
             level.compiled = false;
         }
@@ -246,7 +264,8 @@ impl Evaluator for ExpressionEvaluator<'_> {
         let Some(region) = region else { return Interval::ALL };
         bounds.unwrap_or_else(|| {
             let ops = &self.levels[owner].ops;
-            self.program.bound(ops, &region, &mut self.externals, &mut self.bounds);
+            self.program.bound(ops, &region, true, &mut self.externals, &mut self.bounds);
+            externals_of(ops).for_each(|leaf| self.externals[leaf as usize].leave());
             let found = self.bounds.last().copied();
             self.levels[self.depth].bounds = found;
             found.unwrap_or(Interval::ALL)

@@ -23,7 +23,7 @@ pub(super) fn narrowed(program: &Program, known: Option<Aabb>) -> Option<Aabb> {
     }
     let mut bounds = Vec::new();
     let mut absent = |region: &Aabb| {
-        program.bound(&program.ops, region, &mut [], &mut bounds);
+        program.bound(&program.ops, region, true, &mut [], &mut bounds);
         bounds.last().is_some_and(|bound: &Interval| bound.hi < 0.0)
     };
     let everywhere = Aabb::new(DVec3::NEG_INFINITY, DVec3::INFINITY);

@@ -102,6 +102,12 @@ pub trait Evaluator: Send {
         false
     }
 
+    /// Whether regions leave every value as it is, to the last bit: nothing is pruned, what is known of a region only finds
+    /// values faster.
+    fn keeps_values(&self) -> bool {
+        false
+    }
+
     /// Whether F has so many parts that regions are best entered on the way to small ones within.
     fn has_many_parts(&self) -> bool {
         false

@@ -118,11 +118,12 @@ impl Program {
     }
 
     /// Bounds of each of some operations over a box, into `bounds`. External fields enter the box they are read
-    /// in, and stay there: leaving them is the caller's.
+    /// in, and stay there: leaving them is the caller's. They are `asked` for their bounds, or taken to have none.
     pub fn bound(
         &self,
         ops: &[Op],
         region: &Aabb,
+        asked: bool,
         externals: &mut [Box<dyn Evaluator + '_>],
         bounds: &mut Vec<Interval>,
     ) {
@@ -136,7 +137,7 @@ impl Program {
                     let read = Aabb::new(DVec3::new(x.lo, y.lo, z.lo), DVec3::new(x.hi, y.hi, z.hi));
                     let external = &mut externals[leaf as usize];
                     external.enter(&read);
-                    external.bounds()
+                    if asked { external.bounds() } else { Interval::ALL }
                 }
                 Op::Unary(operation, a) => unary(operation, bounds[a as usize]),
                 Op::Binary(operation, a, b) => binary(operation, bounds[a as usize], bounds[b as usize]),

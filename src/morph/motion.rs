@@ -247,6 +247,10 @@ impl Evaluator for MovedEvaluator<'_> {
         if self.placement.scale == 1.0 { scaled } else { widened(scaled) }
     }
 
+    fn keeps_values(&self) -> bool {
+        self.inner.keeps_values()
+    }
+
     fn leave(&mut self) {
         self.inner.leave();
     }

@@ -170,6 +170,10 @@ impl Evaluator for OctreeEvaluator<'_> {
         self.object.bounds_from(&region.within, region.place).value
     }
 
+    fn keeps_values(&self) -> bool {
+        true
+    }
+
     fn leave(&mut self) {
         self.regions.pop();
     }
