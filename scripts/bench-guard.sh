@@ -11,7 +11,8 @@ set -euo pipefail
 cd "$(dirname "$0")/.."
 
 readonly folder=$PWD/target/guard
-readonly tree=$folder/tree before=$folder/before now=$folder/now output=$folder/frame.vdb
+readonly tree=$folder/tree before=$folder/before now=$folder/now frames=$folder/frames
+readonly output=$frames/frame.####.vdb
 readonly rounds=${2:-5}
 # Scenes are this checkout's for both programs. A name, and what `hfvdb bake` gets.
 readonly jobs=(
@@ -20,6 +21,8 @@ readonly jobs=(
     "ball at 512, mostly written: benches/scenes/ball.toml --resolution 512 --frames 1"
     "morph at 96, mostly made ready: benches/scenes/sphere-to-cube.toml --resolution 96 --frames 12"
     "cubism at 128, a frame: scenes/cubism.toml --resolution 128 --frames 24"
+    "places that wait: scenes/cube-to-heart.toml --variant late --resolution 128 --frames 10-14"
+    "moved by a formula: scenes/displacement.toml --resolution 96 --frames 11-13"
 )
 
 fail() {
@@ -98,6 +101,6 @@ for job in "${jobs[@]}"; do
     printf '%s: %s\n' "${job%%: *}" "$verdict"
     [[ $verdict != *SLOWER ]] || slower=1
 done
-rm -f "$output"
+rm -rf "$frames"
 printf 'bench-guard: %d rounds took %d s\n' "$rounds" "$SECONDS"
 exit "$slower"
