@@ -9,8 +9,11 @@ use super::section::{Kernel, Slopes};
 use super::settings::FLOW_TIME_SCALE;
 use crate::field::Interval;
 
-/// Sections that are solved, but for the first. Fewer: volumes are off in between; each costs a solve of a₀.
-const SOLVED: usize = 32;
+/// Sections that are solved, but for the first. Fewer: surfaces go in waves from one to the next, and volumes are off in
+/// between; each costs a solve of a₀.
+const SOLVED: usize = 48;
+/// The parts that progress between two of them is divided into. What needs no solving is taken at each.
+const FINER: usize = 8;
 /// The share of progress at both ends in which F_b goes over into a distance.
 const END: f64 = 0.01;
 /// The least t, and the least left to 1, that sections are taken at.
@@ -20,10 +23,10 @@ pub(super) const LEAST_TIME: f64 = 1e-3;
 /// grows at the ends; and 1/(a₁²q), which is also 1/(a₂²q).
 pub(super) type Course = Curves<3>;
 
-/// One solved section: t, a₀ and 1/(a₁²q).
-pub(super) struct Solution {
+/// A section but for its a₀.
+pub(super) struct Timed {
     pub time: f64,
-    pub a0: f64,
+    /// 1/(a₁²q).
     pub reach: f64,
 }
 
@@ -141,10 +144,24 @@ impl Course {
         nodes[first..end.min(nodes.len())].to_vec()
     }
 
-    /// From the sections solved at such nodes. `None` where one is not finite.
-    pub(super) fn solved(nodes: &[f64], solved: &[Solution]) -> Option<Self> {
-        let at = |one: &Solution| [one.time, one.a0 / (one.time * (1.0 - one.time)), one.reach];
-        Self::through(nodes.iter().zip(solved).map(|(node, one)| (*node, at(one))).collect())
+    /// From what sections are at any progress, and the a₀ of those at such nodes. `None` where a number is not finite.
+    pub(super) fn new(nodes: &[f64], a0: &[f64], timed: impl Fn(f64) -> Timed) -> Option<Self> {
+        let amount = |(node, a0): (&f64, &f64)| {
+            let Timed { time, .. } = timed(*node);
+            [*node, a0 / (time * (1.0 - time))]
+        };
+        let amounts: Vec<[f64; 2]> = nodes.iter().zip(a0).map(amount).collect();
+        let finer = |i: usize| {
+            let [from, to] = [nodes[i], nodes[i + 1]];
+            (0..FINER).map(move |part| (i, from + (to - from) * part as f64 / FINER as f64))
+        };
+        let last = nodes.len() - 2;
+        let places = (0..=last).flat_map(finer).chain([(last, nodes[last + 1])]);
+        let point = |(piece, progress): (usize, f64)| {
+            let Timed { time, reach } = timed(progress);
+            (progress, [time, by_parabolas(&amounts, piece, progress), reach])
+        };
+        Self::through(places.map(point).collect())
     }
 
     /// a₀ at a progress.
@@ -178,6 +195,27 @@ impl Course {
         let reach = std::iter::successors(Some(1.0 / 64.0), |reach| Some(reach * 1.25));
         reach.take_while(|reach| *reach < 1e6).find(|reach| !inside(*reach))
     }
+}
+
+/// The y at an x between a point and the next: a cubic with the slope that the parabola through a point and both beside it
+/// has there. Unlike [`Curve`](super::pace::Curve) it goes beyond the points where it turns: as what they are of does.
+fn by_parabolas(points: &[[f64; 2]], piece: usize, x: f64) -> f64 {
+    let secant = |i: usize| {
+        let [[x0, y0], [x1, y1]] = [points[i], points[i + 1]];
+        (x1 - x0, (y1 - y0) / (x1 - x0))
+    };
+    let slope = |i: usize| {
+        let sides = [i.checked_sub(1).map(secant), (i + 1 < points.len()).then(|| secant(i))];
+        match sides {
+            [Some((before, down)), Some((after, up))] => (down * after + up * before) / (before + after),
+            [Some((_, only)), None] | [None, Some((_, only))] => only,
+            [None, None] => 0.0,
+        }
+    };
+    let ([x0, y0], [_, y1], (width, _)) = (points[piece], points[piece + 1], secant(piece));
+    let [m0, m1] = [slope(piece) * width, slope(piece + 1) * width];
+    let s = (x - x0) / width;
+    y0 + s * (m0 + s * (3.0 * (y1 - y0) - 2.0 * m0 - m1 + s * (2.0 * (y0 - y1) + m0 + m1)))
 }
 
 /// How much of each object's distance counts.

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
-use super::course::{Course, LEAST_TIME, Place, Solution};
+use super::course::{Course, LEAST_TIME, Place, Timed};
 use super::curves::Looked;
 use super::exact::Exact;
 use super::*;
@@ -184,13 +184,15 @@ fn on_a_crease(p: DVec3) -> bool {
 
 #[test]
 fn a_course_changes_as_its_rate_says() {
-    let solution = |progress: &f64| {
-        let time = progress.clamp(LEAST_TIME, 1.0 - LEAST_TIME);
-        Solution { time, a0: 0.7 * time * (1.0 - time) * (1.0 + 0.3 * time), reach: 0.4 + time * (1.0 - time) }
+    let time = |progress: f64| progress.clamp(LEAST_TIME, 1.0 - LEAST_TIME);
+    let a0 = |progress: &f64| 0.7 * time(*progress) * (1.0 - time(*progress)) * (1.0 + 0.3 * time(*progress).powi(3));
+    let timed = |progress: f64| {
+        let time = time(progress);
+        Timed { time, reach: 0.4 + time * (1.0 - time) }
     };
     let course = |range: Interval| {
         let nodes = Course::nodes(range);
-        Course::solved(&nodes, &nodes.iter().map(solution).collect::<Vec<_>>()).unwrap()
+        Course::new(&nodes, &nodes.iter().map(a0).collect::<Vec<_>>(), timed).unwrap()
     };
     // Of a part of it, it is the same there.
     let parts = [(0.0, 0.3), (0.3, 0.55), (0.5, 0.5), (0.7, 1.0)].map(|(lo, hi)| Interval::new(lo, hi));
@@ -200,6 +202,12 @@ fn a_course_changes_as_its_rate_says() {
         within.for_each(|(_, course)| assert_eq!(course.at(progress), all.at(progress)));
     }
     let course = all;
+    // Between its nodes too it is what it is made of, at the turn of the reach as well.
+    for progress in (10..=1990).map(|step| f64::from(step) / 2000.0) {
+        let ([time_there, _, reach], exact) = (course.at(progress), timed(progress));
+        assert!((time_there - exact.time).abs() < 1e-6 && (reach - exact.reach).abs() < 2e-5, "{reach} at {progress}");
+        assert!((course.a0(progress) - a0(&progress)).abs() < 2e-5, "{} at {progress}", course.a0(progress));
+    }
     let mut looked = Looked::new();
     // At 0.8 the first distance is that to the cut in time.
     for progress in (1..=60).map(|step| 0.001 + 0.01637 * f64::from(step)).chain([0.8]) {

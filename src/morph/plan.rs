@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use super::coarse::{CoarseGrid, Measured};
-use super::course::{Course, LEAST_TIME, Solution};
+use super::course::{Course, LEAST_TIME, Timed};
 use super::delay::DelayGrid;
 use super::delayed::DelayedStb;
 use super::motion::{Motion, Moved};
@@ -346,13 +346,14 @@ impl Morph {
             let eased = self.settings.eased(time);
             let range = if always { Interval::new(0.0, 1.0) } else { Interval::new(delay.last(eased), eased) };
             let nodes = Course::nodes(range);
-            let solve = |progress: &f64| {
-                let t = self.plan.pace.at(*progress).clamp(LEAST_TIME, 1.0 - LEAST_TIME);
-                let a0 = self.enclosing(&measured, time, t).a0;
-                Solution { time: t, a0, reach: Kernel::<f64>::new(&flow.section(t, time)).reach() }
+            let t = |progress: f64| self.plan.pace.at(progress).clamp(LEAST_TIME, 1.0 - LEAST_TIME);
+            let timed = |progress: f64| {
+                let time_there = t(progress);
+                Timed { time: time_there, reach: Kernel::<f64>::new(&flow.section(time_there, time)).reach() }
             };
-            let solved: Vec<Solution> = nodes.par_iter().map(solve).collect();
-            Course::solved(&nodes, &solved).expect("an a₀ found between two finite ones")
+            let a0: Vec<f64> =
+                nodes.par_iter().map(|progress| self.enclosing(&measured, time, t(*progress)).a0).collect();
+            Course::new(&nodes, &a0, timed).expect("an a₀ found between two finite ones")
         })
     }
 

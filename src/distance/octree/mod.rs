@@ -8,8 +8,8 @@
 //! **Guaranteed:** one C¹ function everywhere, positive inside, of the declared slope, bounded truly over boxes;
 //! the same bits for any number of threads and any vector width. **Within tolerance:** its agreement with the
 //! distance wherever cells are not the smallest. **Not guaranteed:** cells across the medial axis round it at the
-//! size of the cell, which grows with the distance to the surface; smallest cells across a crease of the surface
-//! round that.
+//! size of the cell, which grows with the distance to the surface, to an eighth of it; smallest cells across a crease of
+//! the surface round that.
 
 mod beyond;
 mod bounds;
@@ -70,18 +70,33 @@ pub struct Settings {
     pub smallest_cell: f64,
     /// How far a patch may miss the distance before its cell is split, in world units.
     pub tolerance: f64,
-    /// A cell smaller than this times its distance to the surface is not split. Greater leaves larger cells across
-    /// the medial axis, wrong by up to 0.3 of their edge; smaller costs cells everywhere.
+    /// A cell smaller than this times its distance to the surface is not split, but across the medial axis. Smaller costs
+    /// cells everywhere.
     pub ratio: f64,
+    /// The same there, up to the region's longest side around it, where a cell misses the distance by up to 0.3 of its edge.
+    /// Greater: what a morph makes of an object's inside has lumps on its ridges; smaller costs cells on all of the medial
+    /// axis.
+    pub ratio_across: f64,
+    /// How far a cell between the two may miss the distance in its middle before it is taken to lie across the medial axis,
+    /// in world units. More leaves lumps, less splits what is smooth.
+    pub tolerance_across: f64,
     /// The most memory, in bytes, that building may hold.
     pub memory_limit: usize,
 }
 
 impl Settings {
     /// The usual settings for a region and a smallest cell: a tolerance of a fiftieth of the cell, cells up to half
-    /// their distance, 4 GiB.
+    /// their distance, across the medial axis up to an eighth where they miss it by a quarter of the smallest; 4 GiB.
     pub fn new(region: Aabb, smallest_cell: f64) -> Self {
-        Self { region, smallest_cell, tolerance: 0.02 * smallest_cell, ratio: 0.5, memory_limit: 4 << 30 }
+        Self {
+            region,
+            smallest_cell,
+            tolerance: 0.02 * smallest_cell,
+            ratio: 0.5,
+            ratio_across: 0.125,
+            tolerance_across: 0.25 * smallest_cell,
+            memory_limit: 4 << 30,
+        }
     }
 }
 
@@ -398,13 +413,13 @@ impl DistanceObject {
 
 /// The root's least corner and depth.
 fn root(settings: &Settings) -> Result<(DVec3, u32), BuildError> {
-    let Settings { region, smallest_cell, tolerance, ratio, .. } = *settings;
+    let Settings { region, smallest_cell, tolerance, ratio, ratio_across, tolerance_across, .. } = *settings;
     let size = region.size();
     let good = |x: f64| x.is_finite() && x > 0.0;
     if !(region.min.is_finite() && good(size.max_element()) && size.min_element() >= 0.0) {
         return Err(BuildError::Settings);
     }
-    if !(good(smallest_cell) && good(tolerance) && good(ratio)) {
+    if ![smallest_cell, tolerance, ratio, ratio_across, tolerance_across].into_iter().all(good) {
         return Err(BuildError::Settings);
     }
     // Four times the region: far cells are few, and what is measured is better than what is continued.

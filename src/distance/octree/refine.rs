@@ -1,7 +1,7 @@
-//! Where cells are split: near the surface until the patch is right, away from it until a cell is small beside its
-//! distance.
+//! Where cells are split: near the surface until the patch is right; away from it until a cell is small beside its
+//! distance, and smaller where it lies across the medial axis.
 
-use glam::DVec3;
+use glam::{DVec3, UVec3};
 use rayon::prelude::*;
 
 use super::patch::{AXIS_BIT, Patch};
@@ -60,18 +60,57 @@ pub fn lone_patch(corners: &[&Sample; 8], edge: f64) -> Patch {
 /// How far a patch misses the truth at those middles of its cell that have samples, or may miss it beside them for
 /// the error of its gradient there.
 fn miss(patch: &Patch, cell: &Cell, samples: &Samples) -> f64 {
-    let miss = |halves: [u32; 3]| {
-        let sample = samples.find(cell.point(halves))?;
-        let jet = patch.jet(halves.map(|h| f64::from(h) * 0.5));
-        let turn = DVec3::new(jet[4], jet[2], jet[1]).distance(DVec3::from(sample.gradient));
-        Some((jet[0] - sample.value).abs().max(turn * patch.edge * SLOPE_REACH))
-    };
+    let miss = |halves: [u32; 3]| Some(miss_at(patch, halves, samples.find(cell.point(halves))?));
     middles().filter_map(miss).fold(0.0, f64::max)
+}
+
+/// The same at one place, in halves of the cell's edge.
+fn miss_at(patch: &Patch, halves: [u32; 3], sample: &Sample) -> f64 {
+    let jet = patch.jet(halves.map(|h| f64::from(h) * 0.5));
+    let turn = DVec3::new(jet[4], jet[2], jet[1]).distance(DVec3::from(sample.gradient));
+    (jet[0] - sample.value).abs().max(turn * patch.edge * SLOPE_REACH)
 }
 
 /// Whether a cell is large beside the distance of its middle to the surface, so that its patch must be right.
 fn is_near(cell: &Cell, middle: f64, settings: &Settings) -> bool {
     f64::from(cell.size) * settings.smallest_cell > settings.ratio * middle.abs()
+}
+
+/// What is to be done with a cell whose corners and middle have samples.
+#[derive(Clone, Copy, PartialEq)]
+enum Verdict {
+    /// It stays.
+    Small,
+    /// It is near the surface, and tried at all its middles.
+    Near,
+    /// It lies across the medial axis: it is split.
+    Across,
+}
+
+/// `around` is where cells across the medial axis are split.
+fn judged(cell: &Cell, samples: &Samples, settings: &Settings, around: [DVec3; 2]) -> Verdict {
+    let (edge, middle) = (f64::from(cell.size) * settings.smallest_cell, samples.get(cell.point([1; 3])));
+    if is_near(cell, middle.value, settings) {
+        Verdict::Near
+    } else if edge > settings.ratio_across * middle.value.abs()
+        && is_within(cell, around)
+        && miss_at(&lone_patch_of(cell, samples, edge), [1; 3], middle) > settings.tolerance_across
+    {
+        // A smooth distance misses far less in cells so small beside it.
+        Verdict::Across
+    } else {
+        Verdict::Small
+    }
+}
+
+/// Whether some of a cell lies between two places, in smallest cells.
+fn is_within(cell: &Cell, [least, greatest]: [DVec3; 2]) -> bool {
+    let origin = UVec3::from(cell.origin).as_dvec3();
+    origin.cmplt(greatest).all() && (origin + f64::from(cell.size)).cmpgt(least).all()
+}
+
+fn lone_patch_of(cell: &Cell, samples: &Samples, edge: f64) -> Patch {
+    lone_patch(&corners(cell).map(|corner| samples.get(corner)), edge)
 }
 
 fn all_middles(cell: &Cell) -> impl Iterator<Item = [u32; 3]> + use<> {
@@ -87,6 +126,10 @@ pub fn refine(
     memory: impl Fn(&Tree, &Samples) -> Result<(), BuildError>,
     watch: &Watch,
 ) -> Result<(), BuildError> {
+    // Not up to the root's border, from where the field goes on by what it is there.
+    let reach = settings.region.size().max_element();
+    let around = settings.region.grown(reach);
+    let around = [around.min, around.max].map(|corner| samples.in_smallest_cells(corner));
     samples.request(&tree.cells[..1], corners, |_| {})?;
     let mut active = vec![0_u32];
     while !active.is_empty() {
@@ -96,23 +139,25 @@ pub fn refine(
             break;
         }
         samples.request(&cells, |cell| [cell.point([1; 3])], |_| {})?;
-        active.retain(|&node| {
-            let cell = &tree.cells[node as usize];
-            is_near(cell, samples.get(cell.point([1; 3])).value, settings)
-        });
-        let near: Vec<Cell> = active.iter().map(|&node| tree.cells[node as usize]).collect();
+        let verdicts: Vec<Verdict> = cells.par_iter().map(|cell| judged(cell, samples, settings, around)).collect();
+        let mut kept = verdicts.iter();
+        active.retain(|_| kept.next().is_some_and(|verdict| *verdict != Verdict::Small));
+        let tried: Vec<(Cell, Verdict)> =
+            cells.into_iter().zip(verdicts).filter(|(_, verdict)| *verdict != Verdict::Small).collect();
         // Work grows about fourfold with each level.
         let share = |level: u32| super::REFINING * 0.25_f64.powi(level as i32);
         let (from, to) = (share(size.trailing_zeros()), share(size.trailing_zeros() - 1));
-        samples.request(&near, all_middles, |part| (watch.progress)(from + (to - from) * part))?;
+        let progress = |part| (watch.progress)(from + (to - from) * part);
+        samples.request(&tried, |(cell, _)| all_middles(cell), progress)?;
         let edge = f64::from(size) * settings.smallest_cell;
-        let split: Vec<bool> = near
+        let split: Vec<bool> = tried
             .par_iter()
-            .map(|cell| {
+            .map(|(cell, verdict)| {
                 // The surface may pass through a cell whose middle is nearer to it than a corner.
                 let at_surface = samples.get(cell.point([1; 3])).value.abs() <= 0.87 * edge;
-                let lone = || lone_patch(&corners(cell).map(|corner| samples.get(corner)), edge);
-                (at_surface && size > LARGEST_AT_SURFACE) || miss(&lone(), cell, samples) > settings.tolerance
+                *verdict == Verdict::Across
+                    || (at_surface && size > LARGEST_AT_SURFACE)
+                    || miss(&lone_patch_of(cell, samples, edge), cell, samples) > settings.tolerance
             })
             .collect();
         let parents = std::mem::take(&mut active);

@@ -110,6 +110,11 @@ impl<'a> Samples<'a> {
         self.taken.len()
     }
 
+    /// A place of the world on the lattice.
+    pub fn in_smallest_cells(&self, position: DVec3) -> DVec3 {
+        (position - self.origin) / self.step
+    }
+
     /// Bytes held.
     pub fn bytes(&self) -> usize {
         self.taken.capacity() * size_of::<Sample>() + self.keys.capacity() * 8 + self.index.capacity() * 18

@@ -168,7 +168,8 @@ fn leaf_places(object: &DistanceObject) -> Vec<Place> {
 }
 
 /// The greatest jumps of value (over the smaller cell's edge) and of gradient across faces between leaves, and how
-/// many of the faces are between leaves of different size.
+/// many of the faces are between leaves of different size. Numbers at corners are `f32`: where a value is so many times
+/// the cell's edge, its rounding is as much of a gradient, and is taken for so much less.
 fn jumps(object: &DistanceObject) -> (f64, f64, usize) {
     let mut random = Random(11);
     let (mut value, mut gradient, mut changes) = (0.0_f64, 0.0_f64, 0);
@@ -193,8 +194,10 @@ fn jumps(object: &DistanceObject) -> (f64, f64, usize) {
             let other_t = std::array::from_fn(|i| (at[i] - f64::from(other.origin[i])) / f64::from(other.size));
             let (a, b) = (patch.jet(t), object.patch(other).jet(other_t));
             changes += usize::from(other.size != place.size);
-            value = value.max((a[0] - b[0]).abs() / (f64::from(other.size) * object.step));
-            gradient = [4, 2, 1].iter().map(|&i: &usize| (a[i] - b[i]).abs()).fold(gradient, f64::max);
+            let edge = f64::from(other.size) * object.step;
+            let rounding = (a[0].abs() / edge).max(1.0);
+            value = value.max((a[0] - b[0]).abs() / edge);
+            gradient = [4, 2, 1].iter().map(|&i: &usize| (a[i] - b[i]).abs() / rounding).fold(gradient, f64::max);
         }
     }
     (value, gradient, changes)
@@ -292,7 +295,8 @@ fn finer_cells_round_creases_less() {
     assert_eq!(errors.wrong_signs, 0);
 }
 
-/// Errors are over the distance, or a voxel where that is more. The medial axis is rounded by a part of it.
+/// Errors are over the distance, or a voxel where that is more. The medial axis is rounded by up to 0.3 of cells an eighth of
+/// it.
 #[test]
 fn far_from_the_surface_distances_hold() {
     for (name, oracle) in oracles() {
@@ -309,9 +313,9 @@ fn far_from_the_surface_distances_hold() {
             assert!(truth.abs() < 0.2 * VOXEL || truth * value > 0.0, "{name}: sign at {p}");
         }
         let mean = sum / f64::from(count);
-        assert!(mean < 0.002 && max < 0.15, "{name}: mean {mean}, max {max}");
+        assert!(mean < 1e-3 && max < 0.05, "{name}: mean {mean}, max {max}");
         let report = object.report();
-        assert!(report.error_relative < 0.15 && report.error_at_surface < 0.01 * VOXEL, "{name}: {report:?}");
+        assert!(report.error_relative < 0.1 && report.error_at_surface < 0.01 * VOXEL, "{name}: {report:?}");
     }
 }
 
