@@ -166,11 +166,16 @@ impl<'a> Judge<'a> {
             return Verdict::Exact;
         }
         // Blender mixes the colours of the eight voxels around, which are those of their closest surface points: these
-        // are mostly within two voxels, and never farther than twice a voxel's diagonal. In between: slivers.
+        // are mostly within two voxels, and never farther than twice a voxel's diagonal. In between: slivers, some so thin
+        // that they are met only where points are close together.
         let (mut bent, mut low, mut high) = (false, exact, exact);
-        for (radius, steps, verdict) in
-            [(2.0, 3, Verdict::Between), (0.5, 6, Verdict::Between), (2.0 * 3f64.sqrt(), 12, Verdict::BetweenFar)]
-        {
+        let far = 2.0 * 3f64.sqrt();
+        for (radius, steps, verdict) in [
+            (2.0, 3, Verdict::Between),
+            (0.5, 6, Verdict::Between),
+            (far, 12, Verdict::BetweenFar),
+            (far, 30, Verdict::BetweenFar),
+        ] {
             let around = self.colours_around(foot, radius, steps);
             // What voxels hold between them is what is linear. A jump of colour bends it, and so does a sharp kink.
             let mut opposite = around.iter().zip(around.iter().rev()).filter_map(|(a, b)| Some(((*a)?, (*b)?)));
