@@ -144,6 +144,20 @@ impl Parts<'_> {
     }
 }
 
+/// Bounds from their ends; all where one is no number.
+#[inline(always)]
+pub(super) fn told(lo: f64, hi: f64) -> Interval {
+    if lo.is_nan() || hi.is_nan() { Interval::ALL } else { Interval::new(lo, hi) }
+}
+
+/// The same of each part, by the least and the most of all.
+#[inline(always)]
+pub(super) fn told_each([least, most]: &[[f32; BATCH]; 2], parts: &Parts, out: &mut [Interval; BATCH]) {
+    for (i, out) in out.iter_mut().enumerate().take(parts.middles.len) {
+        *out = told(f64::from(least[i]), f64::from(most[i]));
+    }
+}
+
 /// Bounds of values times a length.
 pub(super) fn scaled(bounds: Interval, by: f64) -> Interval {
     Interval::new(bounds.lo * by, bounds.hi * by)

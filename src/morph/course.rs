@@ -4,6 +4,7 @@
 //! measured: F_b there goes over into the object's distance, which its zero set ends in.
 
 use super::curves::Curves;
+use super::pace::cubic;
 use super::real::Real;
 use super::section::{Kernel, Slopes};
 use super::settings::FLOW_TIME_SCALE;
@@ -213,9 +214,9 @@ fn by_parabolas(points: &[[f64; 2]], piece: usize, x: f64) -> f64 {
         }
     };
     let ([x0, y0], [_, y1], (width, _)) = (points[piece], points[piece + 1], secant(piece));
-    let [m0, m1] = [slope(piece) * width, slope(piece + 1) * width];
+    let [a, b, c, d] = cubic([y0, y1], [slope(piece) * width, slope(piece + 1) * width]);
     let s = (x - x0) / width;
-    y0 + s * (m0 + s * (3.0 * (y1 - y0) - 2.0 * m0 - m1 + s * (2.0 * (y0 - y1) + m0 + m1)))
+    a + s * (b + s * (c + s * d))
 }
 
 /// How much of each object's distance counts.

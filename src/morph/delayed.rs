@@ -5,7 +5,7 @@ use std::sync::Arc;
 use glam::DVec3;
 use multiversion::multiversion;
 
-use super::both::{Both, Parts, has_both_signs, scaled};
+use super::both::{Both, Parts, has_both_signs, scaled, told, told_each};
 use super::course::{Course, Place, Sections};
 use super::curves::Looked;
 use super::delay::DelayGrid;
@@ -81,7 +81,7 @@ impl Evaluator for DelayedEvaluator<'_> {
         let all = over.progress(*eased);
         let of_region = |[first, second]: [Interval; 2]| {
             let [lo, hi] = course.sections(all).bounds([first.lo, first.hi], [second.lo, second.hi]);
-            if lo.is_nan() || hi.is_nan() { Interval::ALL } else { Interval::new(lo, hi) }
+            told(lo, hi)
         };
         let turns = course.turns(all).map(|turns| [turns.lo as f32, turns.hi as f32]);
         let (delays, ends) = (&mut self.progress, &mut self.ends);
@@ -142,10 +142,7 @@ fn blend_bounds(ends: &Ends, turns: &[[f32; 2]; 3], parts: &Parts, out: &mut [In
         });
         [bounds[0][i], bounds[1][i]] = sections.bounds(first, second);
     }
-    for (i, out) in out.iter_mut().enumerate().take(parts.middles.len) {
-        let (lo, hi) = (f64::from(bounds[0][i]), f64::from(bounds[1][i]));
-        *out = if lo.is_nan() || hi.is_nan() { Interval::ALL } else { Interval::new(lo, hi) };
-    }
+    told_each(&bounds, parts, out);
 }
 
 #[multiversion(targets = "simd")]

@@ -44,7 +44,7 @@ impl Curve {
         self.points.windows(2).enumerate().map(|(i, pair)| {
             let [[x0, y0], [x1, y1]] = [pair[0], pair[1]];
             let [m0, m1] = [self.slope(i), self.slope(i + 1)].map(|slope| slope * (x1 - x0));
-            [y0, m0, 3.0 * (y1 - y0) - 2.0 * m0 - m1, 2.0 * (y0 - y1) + m0 + m1]
+            cubic([y0, y1], [m0, m1])
         })
     }
 
@@ -62,6 +62,11 @@ impl Curve {
         let (before, after) = (self.secant(i - 1), self.secant(i));
         if before * after <= 0.0 { 0.0 } else { 2.0 * before * after / (before + after) }
     }
+}
+
+/// The c of c₀ + s(c₁ + s(c₂ + s·c₃)), s from 0 to 1, with these values and slopes by s at both ends.
+pub(super) fn cubic([y0, y1]: [f64; 2], [m0, m1]: [f64; 2]) -> [f64; 4] {
+    [y0, m0, 3.0 * (y1 - y0) - 2.0 * m0 - m1, 2.0 * (y0 - y1) + m0 + m1]
 }
 
 /// What re-timing came to.

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
-use super::both::{Both, Parts, has_both_signs, scaled};
+use super::both::{Both, Parts, has_both_signs, scaled, told_each};
 use super::section::{Kernel, Section};
 use crate::distance::Distance;
 use crate::field::{Aabb, BATCH, Evaluator, Field, Gradients, Interval, Points, Slope};
@@ -145,10 +145,7 @@ fn blend_bounds(kernel: &Kernel<f32>, parts: &Parts, out: &mut [Interval; BATCH]
             ends[i] = value + sign * 2.0 * kernel.rounding(value);
         }
     }
-    for (i, out) in out.iter_mut().enumerate().take(parts.middles.len) {
-        let (lo, hi) = (f64::from(ends[0][i]), f64::from(ends[1][i]));
-        *out = if lo.is_nan() || hi.is_nan() { Interval::ALL } else { Interval::new(lo, hi) };
-    }
+    told_each(&ends, parts, out);
 }
 
 #[multiversion::multiversion(targets = "simd")]

@@ -140,19 +140,17 @@ pub fn refine(
         }
         samples.request(&cells, |cell| [cell.point([1; 3])], |_| {})?;
         let verdicts: Vec<Verdict> = cells.par_iter().map(|cell| judged(cell, samples, settings, around)).collect();
-        let mut kept = verdicts.iter();
-        active.retain(|_| kept.next().is_some_and(|verdict| *verdict != Verdict::Small));
-        let tried: Vec<(Cell, Verdict)> =
-            cells.into_iter().zip(verdicts).filter(|(_, verdict)| *verdict != Verdict::Small).collect();
+        let all = std::mem::take(&mut active).into_iter().zip(cells).zip(verdicts);
+        let tried: Vec<((u32, Cell), Verdict)> = all.filter(|(_, verdict)| *verdict != Verdict::Small).collect();
         // Work grows about fourfold with each level.
         let share = |level: u32| super::REFINING * 0.25_f64.powi(level as i32);
         let (from, to) = (share(size.trailing_zeros()), share(size.trailing_zeros() - 1));
         let progress = |part| (watch.progress)(from + (to - from) * part);
-        samples.request(&tried, |(cell, _)| all_middles(cell), progress)?;
+        samples.request(&tried, |((_, cell), _)| all_middles(cell), progress)?;
         let edge = f64::from(size) * settings.smallest_cell;
         let split: Vec<bool> = tried
             .par_iter()
-            .map(|(cell, verdict)| {
+            .map(|((_, cell), verdict)| {
                 // The surface may pass through a cell whose middle is nearer to it than a corner.
                 let at_surface = samples.get(cell.point([1; 3])).value.abs() <= 0.87 * edge;
                 *verdict == Verdict::Across
@@ -160,9 +158,8 @@ pub fn refine(
                     || miss(&lone_patch_of(cell, samples, edge), cell, samples) > settings.tolerance
             })
             .collect();
-        let parents = std::mem::take(&mut active);
-        for (&node, _) in parents.iter().zip(&split).filter(|(_, split)| **split) {
-            let first = tree.split(node);
+        for (((node, _), _), _) in tried.iter().zip(&split).filter(|(_, split)| **split) {
+            let first = tree.split(*node);
             active.extend(first..first + 8);
         }
         memory(tree, samples)?;
