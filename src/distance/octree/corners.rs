@@ -5,19 +5,15 @@
 //! that leaf's patch, which makes the spline C¹ across the change of size: on the shared face both patches have
 //! the same bicubic value and the same bicubic normal derivative (the space of PHT splines, Deng et al. 2008).
 
-use std::cmp::Reverse;
-
 use rayon::prelude::*;
 
+use super::hanging::{Hanging, hanging};
 use super::patch::{AXIS_BIT, Jet, Patch};
-use super::refine::middles_of;
 use super::samples::Samples;
-use super::tree::{Cell, Tree};
+use super::tree::{Cell, NONE, Tree};
 
-const NONE: u32 = u32::MAX;
-
-/// Leaves whose hanging corners are worked out at once: enough to share, few enough to hold.
-const HANGING_AT_ONCE: usize = 1 << 14;
+/// Hanging corners worked out at once: enough to share, few enough to hold.
+const HANGING_AT_ONCE: usize = 1 << 16;
 
 /// A corner's jet, rounded.
 pub type Numbers = [f32; 8];
@@ -32,13 +28,21 @@ pub struct Corners {
     pub parts: Vec<u32>,
 }
 
+/// The nearest corner along an axis to one side, and how often the way there doubles a smallest cell.
+#[derive(Clone, Copy)]
+struct Beside {
+    corner: u32,
+    level: u8,
+}
+
+const NOTHING: Beside = Beside { corner: NONE, level: u8::MAX };
+
 /// What is known of each corner.
 struct Known {
     /// The number of its sample.
     samples: Vec<u32>,
-    places: Vec<[u32; 3]>,
-    /// By axis: the nearest corners below and above.
-    beside: [Vec<[u32; 2]>; 3],
+    /// By axis: what lies below and above.
+    beside: [Vec<[Beside; 2]>; 3],
     step: f64,
 }
 
@@ -46,10 +50,9 @@ impl Known {
     /// The derivative along an axis of something known at corners, from three corners, or two at the border.
     fn along(&self, corner: u32, axis: usize, of: impl Fn(u32) -> f64) -> f64 {
         let [below, above] = self.beside[axis][corner as usize];
-        let side = |other: u32| {
+        let side = |Beside { corner: other, level }: Beside| {
             (other != NONE).then(|| {
-                let apart = self.places[corner as usize][axis].abs_diff(self.places[other as usize][axis]);
-                let gap = f64::from(apart) * self.step;
+                let gap = f64::from(1_u32 << level) * self.step;
                 (gap, (of(other) - of(corner)) / gap)
             })
         };
@@ -68,31 +71,25 @@ impl Known {
     }
 }
 
-/// Numbers the corners of the leaves and works out their jets. `step` is the smallest cell's edge.
-pub fn corners(tree: &Tree, order: &[u32], samples: &Samples, step: f64) -> Corners {
-    let cells: Vec<Cell> = order.iter().map(|&node| tree.cells[node as usize]).collect();
+/// Numbers the corners of the leaves and works out their jets. `nodes` are those of the finished object, `order` the tree's
+/// nodes that are leaves there; `step` is the smallest cell's edge.
+pub fn corners(tree: &Tree, nodes: &[u32], order: &[u32], samples: &Samples, step: f64) -> Corners {
+    let cells: Vec<Cell> = order.par_iter().map(|&node| tree.cells[node as usize]).collect();
     // Every corner has a sample, which tells corners that are the same.
-    let sampled = |cell: &Cell| std::array::from_fn(|corner| samples.number(cell.corner(corner)).unwrap_or(NONE));
-    let mut leaves: Vec<[u32; 8]> = cells.par_iter().map(sampled).collect();
+    let mut leaves: Vec<[u32; 8]> = order.par_iter().map(|&node| tree.corners[node as usize]).collect();
     let mut numbers = vec![NONE; samples.len()];
-    let mut known = Known { samples: Vec::new(), places: Vec::new(), beside: [const { Vec::new() }; 3], step };
-    for (leaf, cell) in leaves.iter_mut().zip(&cells) {
-        for (corner, sample) in leaf.iter_mut().enumerate() {
-            let number = &mut numbers[*sample as usize];
-            if *number == NONE {
-                *number = known.samples.len() as u32;
-                known.samples.push(*sample);
-                known.places.push(cell.corner(corner));
-            }
-            *sample = *number;
+    let mut of_corners = Vec::with_capacity(samples.len());
+    for sample in leaves.as_flattened_mut() {
+        let number = &mut numbers[*sample as usize];
+        if *number == NONE {
+            *number = of_corners.len() as u32;
+            of_corners.push(*sample);
         }
+        *sample = *number;
     }
-    let mut coarse_first: Vec<u32> = (0..leaves.len() as u32).collect();
-    coarse_first.par_sort_by_key(|&leaf| Reverse(cells[leaf as usize].size));
-    known.beside = neighbours(&leaves, &coarse_first, known.places.len());
+    let known = Known { beside: beside(&leaves, &cells, of_corners.len()), samples: of_corners, step };
     let mut jets = free_jets(&known, samples);
-    let at = |place: [u32; 3]| samples.number(place).map(|sample| numbers[sample as usize]).filter(|&it| it != NONE);
-    hang(&leaves, &cells, &coarse_first, at, step, &mut jets);
+    hang(&leaves, nodes, &cells, step, &mut jets);
     let parts = known.samples.par_iter().map(|&sample| samples.numbered(sample).part).collect();
     Corners { leaves, numbers: jets.into_par_iter().map(rounded).collect(), parts }
 }
@@ -113,16 +110,22 @@ fn rounded(jet: Jet) -> Numbers {
     jet.map(|number| number as f32)
 }
 
-fn neighbours(leaves: &[[u32; 8]], coarse_first: &[u32], corners: usize) -> [Vec<[u32; 2]>; 3] {
-    let mut beside = [(); 3].map(|()| vec![[NONE; 2]; corners]);
+fn beside(leaves: &[[u32; 8]], cells: &[Cell], corners: usize) -> [Vec<[Beside; 2]>; 3] {
+    let mut beside = [(); 3].map(|()| vec![[NOTHING; 2]; corners]);
     beside.par_iter_mut().zip(AXIS_BIT).for_each(|(beside, bit)| {
-        // Finer leaves come later and replace what coarser ones said: the nearest neighbour stays.
-        for &leaf in coarse_first {
-            let corners = &leaves[leaf as usize];
+        // The nearest neighbour is that of the smallest leaf.
+        let mut meet = |corner: u32, side: usize, other: u32, level: u8| {
+            let known = &mut beside[corner as usize][side];
+            if level < known.level {
+                *known = Beside { corner: other, level };
+            }
+        };
+        for (corners, cell) in leaves.iter().zip(cells) {
+            let level = cell.size.trailing_zeros() as u8;
             for low in (0..8).filter(|corner| corner & bit == 0) {
                 let (a, b) = (corners[low], corners[low | bit]);
-                beside[a as usize][1] = b;
-                beside[b as usize][0] = a;
+                meet(a, 1, b, level);
+                meet(b, 0, a, level);
             }
         }
     });
@@ -161,40 +164,20 @@ fn stored(jet: Jet) -> Jet {
     jet.map(|number| f64::from(number as f32))
 }
 
-/// Gives every hanging corner the jet of the coarsest leaf it hangs on, of equally coarse ones the first. `at` tells
-/// the corner at a point, if there is one.
-fn hang(
-    leaves: &[[u32; 8]],
-    cells: &[Cell],
-    coarse_first: &[u32],
-    at: impl Fn([u32; 3]) -> Option<u32> + Sync,
-    step: f64,
-    jets: &mut [Jet],
-) {
-    let mut done = vec![false; jets.len()];
-    // No corner of a leaf hangs on one of its own size, so those take their jets from what is final.
-    for alike in coarse_first.chunk_by(|&a, &b| cells[a as usize].size == cells[b as usize].size) {
+/// Gives every hanging corner the jet of the leaf it hangs on.
+fn hang(leaves: &[[u32; 8]], nodes: &[u32], cells: &[Cell], step: f64, jets: &mut [Jet]) {
+    // Coarse leaves first: no corner of a leaf hangs on one of its own size, so those take their jets from what is final.
+    for alike in hanging(nodes, leaves) {
         for some in alike.chunks(HANGING_AT_ONCE) {
-            let hanging: Vec<(u32, Jet)> = some
-                .par_iter()
-                .filter(|leaf| cells[**leaf as usize].size > 1)
-                .flat_map_iter(|&leaf| {
-                    let cell = &cells[leaf as usize];
-                    let patch = Patch {
-                        corners: leaves[leaf as usize].map(|corner| jets[corner as usize]),
-                        edge: f64::from(cell.size) * step,
-                    };
-                    let (at, done) = (&at, &done);
-                    middles_of(cell).filter_map(move |(halves, place)| {
-                        let corner = at(place).filter(|&corner| !done[corner as usize])?;
-                        Some((corner, stored(patch.jet(halves.map(|h| f64::from(h) * 0.5)))))
-                    })
-                })
-                .collect();
-            for (corner, jet) in hanging {
-                if !std::mem::replace(&mut done[corner as usize], true) {
-                    jets[corner as usize] = jet;
-                }
+            let jet = |hanging: &Hanging| {
+                let leaf = hanging.leaf as usize;
+                let corners = leaves[leaf].map(|corner| jets[corner as usize]);
+                let patch = Patch { corners, edge: f64::from(cells[leaf].size) * step };
+                stored(patch.jet(hanging.halves.map(|h| f64::from(h) * 0.5)))
+            };
+            let found: Vec<Jet> = some.par_iter().map(jet).collect();
+            for (hanging, jet) in some.iter().zip(found) {
+                jets[hanging.corner as usize] = jet;
             }
         }
     }

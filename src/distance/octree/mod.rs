@@ -17,6 +17,7 @@ mod bricks;
 mod corners;
 mod evaluate;
 mod feet;
+mod hanging;
 mod kernel;
 mod patch;
 mod refine;
@@ -220,7 +221,7 @@ impl DistanceObject {
             // Beside the samples: cells while building, and what is kept.
             let kept = 40 + 3 * 64 + size_of::<Polynomial>();
             let needed =
-                samples.bytes() + tree.cells.len() * (size_of::<tree::Cell>() + 4 + kept) + Bricks::bytes_of(tree);
+                samples.bytes() + tree.cells.len() * (size_of::<tree::Cell>() + 4 + 32 + kept) + Bricks::bytes_of(tree);
             if needed > settings.memory_limit {
                 return Err(BuildError::Memory { needed, limit: settings.memory_limit });
             }
@@ -229,7 +230,7 @@ impl DistanceObject {
         refine::refine(&mut tree, &mut samples, settings, memory, watch)?;
         let edge = |cell: &tree::Cell| f64::from(cell.size) * settings.smallest_cell;
         let (mut nodes, mut order) = flatten(&tree);
-        let mut made = corners::corners(&tree, &order, &samples, settings.smallest_cell);
+        let mut made = corners::corners(&tree, &nodes, &order, &samples, settings.smallest_cell);
         for look in 0..SECOND_LOOKS {
             (watch.progress)(REFINING + (MADE - REFINING) * (look + 1) as f64 / (SECOND_LOOKS + 1) as f64);
             let patch = |leaf: usize, cell: &tree::Cell| made.patch(leaf, edge(cell));
@@ -238,7 +239,7 @@ impl DistanceObject {
             }
             memory(&tree, &samples)?;
             (nodes, order) = flatten(&tree);
-            made = corners::corners(&tree, &order, &samples, settings.smallest_cell);
+            made = corners::corners(&tree, &nodes, &order, &samples, settings.smallest_cell);
         }
         if watch.cancelled() {
             return Err(BuildError::Cancelled);

@@ -6,7 +6,7 @@ use rayon::prelude::*;
 
 use super::patch::{AXIS_BIT, Patch};
 use super::samples::{Sample, Samples};
-use super::tree::{Cell, Tree};
+use super::tree::{Cell, NONE, Points, Tree, point_at};
 use super::{BuildError, Settings};
 use crate::distance::nearest::Watch;
 
@@ -59,9 +59,19 @@ pub fn lone_patch(corners: &[&Sample; 8], edge: f64) -> Patch {
 
 /// How far a patch misses the truth at those middles of its cell that have samples, or may miss it beside them for
 /// the error of its gradient there.
-fn miss(patch: &Patch, cell: &Cell, samples: &Samples) -> f64 {
-    let miss = |halves: [u32; 3]| Some(miss_at(patch, halves, samples.find(cell.point(halves))?));
-    middles().filter_map(miss).fold(0.0, f64::max)
+fn miss(patch: &Patch, points: &Points, samples: &Samples) -> f64 {
+    let sampled = |halves: [u32; 3]| (points[point_at(halves)] != NONE).then_some((halves, points[point_at(halves)]));
+    let miss = |(halves, number)| miss_at(patch, halves, samples.numbered(number));
+    middles().filter_map(sampled).map(miss).fold(0.0, f64::max)
+}
+
+/// The numbers of the samples at a cell's middles; none at its corners, nor where there is none.
+fn sampled_middles(cell: &Cell, samples: &Samples) -> Points {
+    let mut points = [NONE; 27];
+    for halves in middles() {
+        points[point_at(halves)] = samples.number(cell.point(halves)).unwrap_or(NONE);
+    }
+    points
 }
 
 /// The same at one place, in halves of the cell's edge.
@@ -87,14 +97,14 @@ enum Verdict {
     Across,
 }
 
-/// `around` is where cells across the medial axis are split.
-fn judged(cell: &Cell, samples: &Samples, settings: &Settings, around: [DVec3; 2]) -> Verdict {
-    let (edge, middle) = (f64::from(cell.size) * settings.smallest_cell, samples.get(cell.point([1; 3])));
+/// `middle` is the sample there; `around` is where cells across the medial axis are split.
+fn judged(cell: &Cell, patch: impl Fn() -> Patch, middle: &Sample, settings: &Settings, around: [DVec3; 2]) -> Verdict {
+    let edge = f64::from(cell.size) * settings.smallest_cell;
     if is_near(cell, middle.value, settings) {
         Verdict::Near
     } else if edge > settings.ratio_across * middle.value.abs()
         && is_within(cell, around)
-        && miss_at(&lone_patch_of(cell, samples, edge), [1; 3], middle) > settings.tolerance_across
+        && miss_at(&patch(), [1; 3], middle) > settings.tolerance_across
     {
         // A smooth distance misses far less in cells so small beside it.
         Verdict::Across
@@ -109,8 +119,8 @@ fn is_within(cell: &Cell, [least, greatest]: [DVec3; 2]) -> bool {
     origin.cmplt(greatest).all() && (origin + f64::from(cell.size)).cmpgt(least).all()
 }
 
-fn lone_patch_of(cell: &Cell, samples: &Samples, edge: f64) -> Patch {
-    lone_patch(&corners(cell).map(|corner| samples.get(corner)), edge)
+fn lone_patch_of(tree: &Tree, node: u32, samples: &Samples, edge: f64) -> Patch {
+    lone_patch(&tree.corners[node as usize].map(|corner| samples.numbered(corner)), edge)
 }
 
 fn all_middles(cell: &Cell) -> impl Iterator<Item = [u32; 3]> + use<> {
@@ -131,46 +141,65 @@ pub fn refine(
     let around = settings.region.grown(reach);
     let around = [around.min, around.max].map(|corner| samples.in_smallest_cells(corner));
     samples.request(&tree.cells[..1], corners, |_| {})?;
+    let root = tree.cells[0];
+    tree.corners[0] = corners(&root).map(|corner| samples.number(corner).unwrap_or(NONE));
     let mut active = vec![0_u32];
-    while !active.is_empty() {
-        let cells: Vec<Cell> = active.iter().map(|&node| tree.cells[node as usize]).collect();
-        let size = cells[0].size;
+    while let Some(&first) = active.first() {
+        let size = tree.cells[first as usize].size;
         if size == 1 {
             break;
         }
+        let cells: Vec<Cell> = active.iter().map(|&node| tree.cells[node as usize]).collect();
         samples.request(&cells, |cell| [cell.point([1; 3])], |_| {})?;
-        let verdicts: Vec<Verdict> = cells.par_iter().map(|cell| judged(cell, samples, settings, around)).collect();
-        let all = std::mem::take(&mut active).into_iter().zip(cells).zip(verdicts);
-        let tried: Vec<((u32, Cell), Verdict)> = all.filter(|(_, verdict)| *verdict != Verdict::Small).collect();
+        let edge = f64::from(size) * settings.smallest_cell;
+        let judge = |(&node, cell): (&u32, &Cell)| {
+            let middle = samples.get(cell.point([1; 3]));
+            let verdict = judged(cell, || lone_patch_of(tree, node, samples, edge), middle, settings, around);
+            (verdict != Verdict::Small).then_some((node, *cell, verdict))
+        };
+        let tried: Vec<(u32, Cell, Verdict)> = active.par_iter().zip(&cells).filter_map(judge).collect();
         // Work grows about fourfold with each level.
         let share = |level: u32| super::REFINING * 0.25_f64.powi(level as i32);
         let (from, to) = (share(size.trailing_zeros()), share(size.trailing_zeros() - 1));
         let progress = |part| (watch.progress)(from + (to - from) * part);
-        samples.request(&tried, |((_, cell), _)| all_middles(cell), progress)?;
-        let edge = f64::from(size) * settings.smallest_cell;
-        let split: Vec<bool> = tried
-            .par_iter()
-            .map(|((_, cell), verdict)| {
-                // The surface may pass through a cell whose middle is nearer to it than a corner.
-                let at_surface = samples.get(cell.point([1; 3])).value.abs() <= 0.87 * edge;
-                *verdict == Verdict::Across
-                    || (at_surface && size > LARGEST_AT_SURFACE)
-                    || miss(&lone_patch_of(cell, samples, edge), cell, samples) > settings.tolerance
-            })
-            .collect();
-        for (((node, _), _), _) in tried.iter().zip(&split).filter(|(_, split)| **split) {
-            let first = tree.split(*node);
+        samples.request(&tried, |(_, cell, _)| all_middles(cell), progress)?;
+        let try_out = |(node, cell, verdict): &(u32, Cell, Verdict)| {
+            let points = sampled_middles(cell, samples);
+            // The surface may pass through a cell whose middle is nearer to it than a corner.
+            let at_surface = samples.numbered(points[point_at([1; 3])]).value.abs() <= 0.87 * edge;
+            let splits = *verdict == Verdict::Across
+                || (at_surface && size > LARGEST_AT_SURFACE)
+                || miss(&lone_patch_of(tree, *node, samples, edge), &points, samples) > settings.tolerance;
+            splits.then_some((*node, points))
+        };
+        let split: Vec<(u32, Points)> = tried.par_iter().filter_map(try_out).collect();
+        active.clear();
+        for (node, points) in split {
+            let first = tree.split(node);
+            tree.number(node, &points);
             active.extend(first..first + 8);
         }
         memory(tree, samples)?;
     }
-    balance(tree, samples)?;
+    let all = 0..tree.cells.len() as u32;
+    let split: Vec<u32> = all.filter(|&node| tree.children[node as usize] != 0).collect();
+    balance(tree, split, samples)?;
     memory(tree, samples)
 }
 
-fn balance(tree: &mut Tree, samples: &mut Samples) -> Result<(), BuildError> {
-    let split = tree.balance();
-    samples.request(&split, all_middles, |_| {})
+/// Balances a tree whose leaves were balanced before `split` were.
+fn balance(tree: &mut Tree, split: Vec<u32>, samples: &mut Samples) -> Result<(), BuildError> {
+    let split = tree.balance(split);
+    sample_children(tree, &split, samples)
+}
+
+/// Takes the samples at the corners of the children of nodes, parents before their children.
+fn sample_children(tree: &mut Tree, split: &[u32], samples: &mut Samples) -> Result<(), BuildError> {
+    let cells: Vec<Cell> = split.iter().map(|&node| tree.cells[node as usize]).collect();
+    samples.request(&cells, all_middles, |_| {})?;
+    let points: Vec<Points> = cells.par_iter().map(|cell| sampled_middles(cell, samples)).collect();
+    split.iter().zip(&points).for_each(|(&node, points)| tree.number(node, points));
+    Ok(())
 }
 
 /// Splits the leaves whose final patches are wrong: their mixed derivatives, and corners that hang, are not those
@@ -187,24 +216,20 @@ pub fn refine_again(
         .enumerate()
         .filter(|&(leaf, &node)| {
             let cell = &tree.cells[node as usize];
+            if cell.size == 1 {
+                return false;
+            }
             let patch = patch(leaf, cell);
-            cell.size > 1
-                && is_near(cell, patch.jet([0.5; 3])[0], settings)
-                && miss(&patch, cell, samples) > 2.0 * settings.tolerance
+            is_near(cell, patch.jet([0.5; 3])[0], settings)
+                && miss(&patch, &sampled_middles(cell, samples), samples) > 2.0 * settings.tolerance
         })
         .map(|(_, &node)| node)
         .collect();
     for &node in &wrong {
         tree.split(node);
     }
-    let split: Vec<Cell> = wrong.iter().map(|&node| tree.cells[node as usize]).collect();
-    samples.request(&split, all_middles, |_| {})?;
-    balance(tree, samples)?;
-    Ok(!wrong.is_empty())
-}
-
-/// All middles of a cell in halves of its edge, for those who look for hanging corners.
-pub fn middles_of(cell: &Cell) -> impl Iterator<Item = ([u32; 3], [u32; 3])> + use<> {
-    let cell = *cell;
-    middles().map(move |halves| (halves, cell.point(halves)))
+    sample_children(tree, &wrong, samples)?;
+    let any = !wrong.is_empty();
+    balance(tree, wrong, samples)?;
+    Ok(any)
 }

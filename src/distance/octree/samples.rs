@@ -126,11 +126,6 @@ impl<'a> Samples<'a> {
         self.numbered(self.index[&morton(place)])
     }
 
-    /// The sample at a point, if it was asked for.
-    pub fn find(&self, place: [u32; 3]) -> Option<&Sample> {
-        self.number(place).map(|number| self.numbered(number))
-    }
-
     /// The number of the sample at a point, less than [`len`](Self::len), if it was asked for.
     pub fn number(&self, place: [u32; 3]) -> Option<u32> {
         self.index.get(&morton(place)).copied()

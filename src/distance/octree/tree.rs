@@ -28,28 +28,57 @@ impl Cell {
     }
 }
 
+/// The number of what is not there, or not known yet.
+pub const NONE: u32 = u32::MAX;
+
+/// Numbers of the 27 points of a cell's corners and middles, by the place in halves of its edge, x slowest.
+pub type Points = [u32; 27];
+
+/// Where among 27 points one is, given in halves of the edge.
+pub const fn point_at([x, y, z]: [u32; 3]) -> usize {
+    (x * 9 + y * 3 + z) as usize
+}
+
+/// The same of a corner.
+pub const fn corner_at(corner: usize) -> usize {
+    point_at([(corner as u32 >> 2 & 1) * 2, (corner as u32 >> 1 & 1) * 2, (corner as u32 & 1) * 2])
+}
+
 /// An octree under construction. Node 0 is the root.
 pub struct Tree {
     /// Every node's cell.
     pub cells: Vec<Cell>,
     /// The first of eight children, or 0 for a leaf.
     pub children: Vec<u32>,
+    /// The numbers of the samples at every node's corners.
+    pub corners: Vec<[u32; 8]>,
 }
 
 impl Tree {
     /// A root of the given edge.
     pub fn new(size: u32) -> Self {
-        Self { cells: vec![Cell { origin: [0; 3], size }], children: vec![0] }
+        Self { cells: vec![Cell { origin: [0; 3], size }], children: vec![0], corners: vec![[NONE; 8]] }
     }
 
-    /// Splits a leaf and returns its first child.
+    /// Splits a leaf and returns its first child. The samples at the children's corners are told by [`Self::number`].
     pub fn split(&mut self, node: u32) -> u32 {
         let first = self.cells.len() as u32;
         let cell = self.cells[node as usize];
         self.children[node as usize] = first;
         self.cells.extend((0..8).map(|child| cell.child(child)));
         self.children.extend([0; 8]);
+        self.corners.extend([[NONE; 8]; 8]);
         first
+    }
+
+    /// Tells the samples at the corners of a split node's children: those at its own points, of which its corners are known.
+    pub fn number(&mut self, node: u32, points: &Points) {
+        let (own, first) = (self.corners[node as usize], self.children[node as usize] as usize);
+        for child in 0..8 {
+            self.corners[first + child] = std::array::from_fn(|corner| {
+                if child == corner { own[corner] } else { points[(corner_at(child) + corner_at(corner)) / 2] }
+            });
+        }
     }
 
     /// The leaf that holds a smallest cell.
@@ -64,16 +93,14 @@ impl Tree {
         node
     }
 
-    /// Splits leaves until no two that touch, even at a corner, differ by more than one halving. Returns the
-    /// cells that were split.
-    pub fn balance(&mut self) -> Vec<Cell> {
+    /// Splits leaves until no two that touch, even at a corner, differ by more than one halving, which they do by `split` alone.
+    /// Returns the nodes that were split, parents before their children.
+    pub fn balance(&mut self, split: impl IntoIterator<Item = u32>) -> Vec<u32> {
         let root = self.cells[0].size;
-        let mut split = Vec::new();
+        let mut found = Vec::new();
         let mut by_size: Vec<Vec<u32>> = vec![Vec::new(); root.trailing_zeros() as usize + 1];
-        for node in 0..self.cells.len() as u32 {
-            if self.children[node as usize] != 0 {
-                by_size[self.cells[node as usize].size.trailing_zeros() as usize].push(node);
-            }
+        for node in split {
+            by_size[self.cells[node as usize].size.trailing_zeros() as usize].push(node);
         }
         // A split node asks for neighbours of its own size. Splitting for its sake makes split nodes of greater
         // size only, and those are asked later.
@@ -89,14 +116,14 @@ impl Tree {
                         if size <= cell.size {
                             break;
                         }
-                        split.push(self.cells[leaf as usize]);
+                        found.push(leaf);
                         self.split(leaf);
                         by_size[size.trailing_zeros() as usize].push(leaf);
                     }
                 }
             }
         }
-        split
+        found
     }
 }
 

@@ -1,0 +1,173 @@
+//! Which corners hang, and on which leaf: those of cells half as large, in the middles of its faces and edges.
+//!
+//! Found from the split nodes, with the nodes of their size around them: a corner hangs where a node that has it among its
+//! middles is split, and another is a leaf. Nodes that touch differ by no more than one halving, so no larger leaf has it.
+
+use rayon::prelude::*;
+
+use super::LEAF;
+use super::tree::NONE;
+
+/// A corner that hangs.
+#[derive(Clone, Copy, Debug)]
+pub struct Hanging {
+    /// The first of the leaves that it hangs on.
+    pub leaf: u32,
+    /// Where on it, in halves of its edge.
+    pub halves: [u8; 3],
+    /// The corner's number.
+    pub corner: u32,
+}
+
+/// A node with those of its size around it, by the step there, x slowest: [`NONE`] out of the root and where there is none
+/// so small.
+#[derive(Clone, Copy)]
+struct Around {
+    nodes: [u32; 27],
+    /// How often its edge halves the root's.
+    depth: usize,
+}
+
+/// Where the node itself is among those around it.
+const SELF: usize = 13;
+
+/// Split nodes of the same size whose parts are walked at the same time: enough for many threads.
+const ENOUGH: usize = 4096;
+
+/// The middles of faces and edges in halves of the edge, and where the nodes are that have them too.
+const MIDDLES: [([u8; 3], [usize; 3]); 18] = {
+    let mut middles = [([0; 3], [SELF; 3]); 18];
+    let (mut count, mut i) = (0, 0);
+    while i < 27 {
+        let halves = [i / 9, i / 3 % 3, i % 3];
+        let ones = (halves[0] == 1) as usize + (halves[1] == 1) as usize + (halves[2] == 1) as usize;
+        if ones == 1 || ones == 2 {
+            // A step to the side where a half is 0 or 2, or to both sides, or over the edge.
+            let (mut others, mut found, mut steps) = ([SELF; 3], 0, 1);
+            while steps < 8 {
+                let (mut at, mut is_one, mut axis) = (0, true, 0);
+                while axis < 3 {
+                    let goes = steps >> axis & 1 == 1;
+                    is_one &= !(goes && halves[axis] == 1);
+                    at = at * 3 + if goes { halves[axis] } else { 1 };
+                    axis += 1;
+                }
+                if is_one {
+                    others[found] = at as usize;
+                    found += 1;
+                }
+                steps += 1;
+            }
+            middles[count] = ([halves[0] as u8, halves[1] as u8, halves[2] as u8], others);
+            count += 1;
+        }
+        i += 1;
+    }
+    middles
+};
+
+struct Walk<'a> {
+    nodes: &'a [u32],
+    leaves: &'a [[u32; 8]],
+}
+
+impl Walk<'_> {
+    fn is_split(&self, node: u32) -> bool {
+        node != NONE && self.nodes[node as usize] & LEAF == 0
+    }
+
+    /// A child of a node, with what is around it.
+    fn child(&self, around: &Around, child: usize) -> Around {
+        let mut nodes = [NONE; 27];
+        let bit = |axis: usize| child >> (2 - axis) & 1;
+        for (i, node) in nodes.iter_mut().enumerate() {
+            // In children, counted from two below the node: 1 is one below it, 2 and 3 are its own, 4 is above.
+            let at = [bit(0) + i / 9 + 1, bit(1) + i / 3 % 3 + 1, bit(2) + i % 3 + 1];
+            let parent = around.nodes[at[0] / 2 * 9 + at[1] / 2 * 3 + at[2] / 2];
+            if self.is_split(parent) {
+                *node = self.nodes[parent as usize] + ((at[0] & 1) << 2 | (at[1] & 1) << 1 | at[2] & 1) as u32;
+            }
+        }
+        Around { nodes, depth: around.depth + 1 }
+    }
+
+    /// A corner of a node: that of all its children there.
+    fn corner(&self, mut node: u32, corner: usize) -> u32 {
+        while self.nodes[node as usize] & LEAF == 0 {
+            node = self.nodes[node as usize] + corner as u32;
+        }
+        self.leaves[(self.nodes[node as usize] & !LEAF) as usize][corner]
+    }
+
+    /// The corners in a split node's middles that hang.
+    fn at(&self, around: &Around, found: &mut Vec<Vec<Hanging>>) {
+        let own = around.nodes[SELF];
+        for (halves, others) in &MIDDLES {
+            let (mut leaf, mut other, mut first) = (NONE, SELF, true);
+            for &at in others {
+                let node = around.nodes[at];
+                if node == NONE || at == SELF {
+                    continue;
+                }
+                let what = self.nodes[node as usize];
+                if what & LEAF == 0 {
+                    // Told once, by the first of those that are split.
+                    first &= own < node;
+                } else if what & !LEAF < leaf {
+                    (leaf, other) = (what & !LEAF, at);
+                }
+            }
+            if leaf == NONE || !first {
+                continue;
+            }
+            let step = [other / 9, other / 3 % 3, other % 3];
+            let there = std::array::from_fn(|axis| halves[axis] + 2 - 2 * step[axis] as u8);
+            let bit = |of: fn(u8) -> u8| halves.iter().fold(0, |bits, half| bits << 1 | usize::from(of(*half)));
+            let (child, corner) = (bit(|half| half / 2), bit(|half| half - half / 2));
+            let corner = self.corner(self.nodes[own as usize] + child as u32, corner);
+            found[around.depth].push(Hanging { leaf, halves: there, corner });
+        }
+    }
+
+    fn below(&self, around: &Around, found: &mut Vec<Vec<Hanging>>) {
+        found.resize_with(found.len().max(around.depth + 1), Vec::new);
+        self.at(around, found);
+        for child in 0..8 {
+            if self.is_split(self.nodes[around.nodes[SELF] as usize] + child as u32) {
+                self.below(&self.child(around, child), found);
+            }
+        }
+    }
+}
+
+/// All corners that hang, by how often the edge of the leaf that they hang on halves the root's.
+pub fn hanging(nodes: &[u32], leaves: &[[u32; 8]]) -> Vec<Vec<Hanging>> {
+    let walk = Walk { nodes, leaves };
+    let mut root = Around { nodes: [NONE; 27], depth: 0 };
+    root.nodes[SELF] = 0;
+    let mut found = vec![Vec::new()];
+    let mut open: Vec<Around> = walk.is_split(0).then_some(root).into_iter().collect();
+    while !open.is_empty() && open.len() < ENOUGH {
+        let mut next = Vec::new();
+        for around in &open {
+            found.resize_with(found.len().max(around.depth + 1), Vec::new);
+            walk.at(around, &mut found);
+            let children = (0..8).map(|child| walk.child(around, child));
+            next.extend(children.filter(|child| walk.is_split(child.nodes[SELF])));
+        }
+        open = next;
+    }
+    let parts: Vec<Vec<Vec<Hanging>>> = open
+        .par_chunks(64)
+        .map(|some| {
+            let mut found = Vec::new();
+            some.iter().for_each(|around| walk.below(around, &mut found));
+            found
+        })
+        .collect();
+    for part in parts {
+        found.resize_with(found.len().max(part.len()), Vec::new);
+        found.iter_mut().zip(part).for_each(|(all, some)| all.extend(some));
+    }
+    found
+}
