@@ -1,9 +1,10 @@
 //! The morph of a scene: two objects with their motion, measured once, planned once.
 
 use std::collections::BTreeSet;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
 
 use glam::DVec3;
+use rayon::prelude::*;
 
 use crate::attribute::Scalar;
 use crate::distance::band;
@@ -42,6 +43,11 @@ pub(super) struct Object {
 }
 
 impl Object {
+    /// The shape that it is, and how far it is made.
+    fn what(&self) -> (ShapeId, Stage) {
+        (self.id, self.stage)
+    }
+
     /// A voxel's edge in the object's own space: it may be made larger where it stands.
     fn voxel(&self, voxel: f64) -> f64 {
         voxel / self.motion.at(0.0).scale()
@@ -67,7 +73,7 @@ impl Pair {
     /// The shapes to measure.
     pub fn shapes(&self) -> impl Iterator<Item = (ShapeId, Stage)> {
         let all = [&self.from, &self.to].into_iter().chain(self.parts.iter().flatten());
-        all.map(|object| (object.id, object.stage))
+        all.map(Object::what)
     }
 
     /// About what a level set of either object takes, each where the shot begins. `voxel` is a voxel's edge.
@@ -232,6 +238,13 @@ pub(super) struct Measuring<'w> {
     pub done: Vec<(ShapeId, Stage, MeasuredSide)>,
 }
 
+impl Measuring<'_> {
+    /// An object that was measured.
+    fn known(&self, side: &Object) -> Option<&MeasuredSide> {
+        self.done.iter().find(|(id, stage, _)| (*id, *stage) == side.what()).map(|(_, _, known)| known)
+    }
+}
+
 /// The share that finding seeds has in the time that measuring an object takes.
 const SEEDING: f64 = 0.1;
 
@@ -286,7 +299,7 @@ fn ready(
     measuring: &mut Measuring<'_>,
     make: impl FnOnce(MorphObject, MorphObject) -> Result<morph::Morph, Problem>,
 ) -> Result<Planned, Stop> {
-    let (one, two) = (measured(model, solids, from, measuring)?, measured(model, solids, to, measuring)?);
+    let [one, two] = measured(model, solids, [from, to], measuring)?;
     let voxel = measuring.voxel;
     let has_colour = one.paint.is_some() || two.paint.is_some();
     let mut scalars = Vec::new();
@@ -345,22 +358,44 @@ impl MeasuredSide {
     }
 }
 
+/// Measures two objects at the same time: much of what one takes is done by a single thread.
 fn measured(
     model: &Model,
     solids: &mut Solids,
-    side: &Object,
+    sides: [&Object; 2],
     measuring: &mut Measuring<'_>,
-) -> Result<MeasuredSide, Stop> {
-    if let Some((_, _, done)) = measuring.done.iter().find(|(id, stage, _)| (*id, *stage) == (side.id, side.stage)) {
-        return Ok(done.clone());
+) -> Result<[MeasuredSide; 2], Stop> {
+    let mut open: Vec<(&Object, Option<Paint<3>>)> = Vec::new();
+    for side in sides {
+        if measuring.known(side).is_none() && open.iter().all(|(other, _)| other.what() != side.what()) {
+            open.push((side, solids.paint(TheColour, side.id, side.stage, side.voxel(measuring.voxel))?));
+        }
     }
-    let Measuring { voxel, memory_limit, watch: Watch { cancel, progress }, count, .. } = *measuring;
-    let (before, count) = (measuring.done.len() as f64, count as f64);
-    let seeding = |part: f64| progress((before + SEEDING * part) / count);
-    let building = |part: f64| progress((before + SEEDING + (1.0 - SEEDING) * part) / count);
+    let (before, count, watch) = (measuring.done.len() as f64, measuring.count as f64, measuring.watch);
+    let shares = Mutex::new([0.0; 2]);
+    let measure = |(which, (side, _)): (usize, &(&Object, Option<Paint<3>>))| {
+        let progress = |share: f64| {
+            let mut shares = shares.lock().unwrap_or_else(PoisonError::into_inner);
+            shares[which] = share;
+            (watch.progress)((before + shares[0] + shares[1]) / count);
+        };
+        distance(model, side, measuring, &Watch { cancel: watch.cancel, progress: &progress })
+    };
+    let distances: Vec<Result<DistanceObject, Stop>> = open.par_iter().enumerate().map(measure).collect();
+    for ((side, paint), distance) in open.into_iter().zip(distances) {
+        let (id, stage) = side.what();
+        measuring.done.push((id, stage, MeasuredSide { distance: Arc::new(distance?), paint }));
+    }
+    Ok(sides.map(|side| measuring.known(side).cloned().unwrap_or_else(|| unreachable!("it was measured"))))
+}
+
+/// The distances of one.
+fn distance(model: &Model, side: &Object, measuring: &Measuring<'_>, watch: &Watch) -> Result<DistanceObject, Stop> {
+    let Watch { cancel, progress } = *watch;
+    let seeding = |part: f64| progress(SEEDING * part);
+    let building = |part: f64| progress(SEEDING + (1.0 - SEEDING) * part);
     let shape = model.shape(side.id);
-    let cell = smallest_cell(side.voxel(voxel), &side.solid);
-    let paint = solids.paint(TheColour, side.id, side.stage, side.voxel(voxel))?;
+    let cell = smallest_cell(side.voxel(measuring.voxel), &side.solid);
     let problem = |what: String| Problem::new(shape.span, format!("`{}`: {what}", shape.name));
     let seeding = Watch { cancel, progress: &seeding };
     let feet = FieldFeet::new(side.field.as_ref(), &side.solid, cell, &seeding).map_err(|error| match error {
@@ -368,13 +403,9 @@ fn measured(
         error => Stop::Problem(problem(error.to_string())),
     })?;
     let mut settings = octree::Settings::new(side.solid, cell);
-    settings.memory_limit = memory_limit.unwrap_or(settings.memory_limit);
+    settings.memory_limit = measuring.memory_limit.unwrap_or(settings.memory_limit);
     let building = Watch { cancel, progress: &building };
-    let distance =
-        DistanceObject::build(&feet, &settings, &building).map_err(|error| Stop::of_measuring(&error, problem))?;
-    let measured = MeasuredSide { distance: Arc::new(distance), paint };
-    measuring.done.push((side.id, side.stage, measured.clone()));
-    Ok(measured)
+    DistanceObject::build(&feet, &settings, &building).map_err(|error| Stop::of_measuring(&error, problem))
 }
 
 /// The morph of a chain that a frame shows: where one ends, the next.

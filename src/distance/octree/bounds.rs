@@ -295,9 +295,8 @@ impl DistanceObject {
         self.bounds_from(region, self.root())
     }
 
-    /// Works out every node's bounds, the slope, and the box of what may be inside.
-    pub(super) fn bound(&mut self) {
-        let places = self.leaf_places();
+    /// Works out every node's bounds, the slope, and the box of what may be inside. `places` are those of the leaves.
+    pub(super) fn bound(&mut self, places: &[Place]) {
         let (leaf_bounds, slopes): (Vec<PatchBounds>, Vec<f64>) = places
             .par_iter()
             .map(|&place| {
@@ -318,9 +317,9 @@ impl DistanceObject {
                 (what..what + 8).fold(Stored::NONE, |all, child| all.union(self.bounds[child as usize]))
             };
         }
-        self.border = self.measure_border(&places, &leaf_bounds, &slopes);
-        self.slope = self.steepest(&places, &slopes).max(self.border.slope());
-        self.bounding_box = self.box_of_inside(&places, &leaf_bounds);
+        self.border = self.measure_border(places, &leaf_bounds, &slopes);
+        self.slope = self.steepest(places, &slopes).max(self.border.slope());
+        self.bounding_box = self.box_of_inside(places, &leaf_bounds);
     }
 
     /// A bound of |∇F| in the root, a tenth above the truth or less: the steepest cells are cut until their bounds
@@ -358,7 +357,8 @@ impl DistanceObject {
         open.pop().map_or(met, |steep| steep.slope)
     }
 
-    fn leaf_places(&self) -> Vec<Place> {
+    /// Where the leaves are, in their order.
+    pub(super) fn leaf_places(&self) -> Vec<Place> {
         let mut places = Vec::with_capacity(self.leaves.len());
         let mut open = vec![self.root()];
         while let Some(place) = open.pop() {

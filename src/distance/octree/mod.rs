@@ -246,10 +246,7 @@ impl DistanceObject {
         }
         (watch.progress)(MADE);
         let smallest = order.iter().map(|&node| tree.cells[node as usize].size).min().unwrap_or(1);
-        let polynomial =
-            |(leaf, &node): (usize, &u32)| Polynomial::of(&made.patch(leaf, edge(&tree.cells[node as usize])));
-        let polynomials = order.par_iter().enumerate().map(polynomial).collect();
-        drop(tree);
+        drop((tree, order));
         let mut object = Self {
             origin,
             step: settings.smallest_cell,
@@ -259,7 +256,7 @@ impl DistanceObject {
             bounds: Vec::new(),
             leaves: made.leaves,
             numbers: made.numbers,
-            polynomials,
+            polynomials: Vec::new(),
             parts: made.parts,
             bricks: Bricks::default(),
             border: Border::default(),
@@ -275,9 +272,14 @@ impl DistanceObject {
                 error_relative: 0.0,
             },
         };
-        object.bricks = Bricks::new(&object.nodes, object.root_size());
-        object.bound();
         object.measure(&samples);
+        // What is kept takes the most memory: that of the samples is given back before.
+        drop(samples);
+        let places = object.leaf_places();
+        object.polynomials = places.par_iter().map(|&place| Polynomial::of(&object.patch(place))).collect();
+        object.bricks = Bricks::new(&object.nodes, object.root_size());
+        object.bound(&places);
+        object.report.bytes = object.bytes();
         if object.bounds[0].value().lo > 0.0 || object.bounds[0].value().hi < 0.0 {
             return Err(BuildError::NoSurface);
         }
@@ -402,13 +404,16 @@ impl DistanceObject {
         self.report.error_relative = relative;
         self.report.cells = self.leaves.len();
         self.report.corners = self.numbers.len();
-        self.report.bytes = size_of_val(&self.nodes[..])
+    }
+
+    fn bytes(&self) -> usize {
+        size_of_val(&self.nodes[..])
             + size_of_val(&self.bounds[..])
             + size_of_val(&self.leaves[..])
             + size_of_val(&self.numbers[..])
             + size_of_val(&self.polynomials[..])
             + size_of_val(&self.parts[..])
-            + self.bricks.bytes();
+            + self.bricks.bytes()
     }
 }
 
