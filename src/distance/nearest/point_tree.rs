@@ -10,9 +10,6 @@ use crate::field::Aabb;
 /// Looking at so many points one after the other, for many positions at once, takes less time than searches of the tree.
 const MOST_IN_TURN: usize = 256;
 
-/// So few positions are looked up one by one.
-const FEWEST: usize = 16;
-
 /// Positions looked at together: few enough for what is known of them to stay in registers.
 const LANES: usize = 8;
 
@@ -42,15 +39,15 @@ impl Node {
 }
 
 /// What may be the nearest to some position of a region.
-struct Near<'a> {
+struct Near {
     region: Aabb,
     /// No position of the region is farther than this, squared, from some point.
     within: f64,
     /// Some are beyond it by now.
-    points: &'a mut Vec<usize>,
+    points: Vec<usize>,
 }
 
-impl Near<'_> {
+impl Near {
     /// Whether all of a box of points is farther from the region than others are from all of it.
     fn is_beyond(&mut self, least: DVec3, greatest: DVec3) -> bool {
         let Aabb { min, max } = self.region;
@@ -111,36 +108,24 @@ impl PointTree {
     }
 
     /// The number of the point nearest to each position, the same as by [`Self::nearest`]; none where there are no points.
-    /// Faster where positions that follow one another lie together.
+    /// Faster where positions that follow one another lie together, by far where few points are near them all.
     pub fn nearest_each(&self, positions: &[DVec3], found: &mut Vec<usize>) {
         found.clear();
-        if !self.points.is_empty() {
-            self.append_nearest(positions, &mut Vec::new(), found);
-        }
-    }
-
-    /// Appends what [`Self::nearest_each`] finds; `near` is scratch memory.
-    fn append_nearest(&self, positions: &[DVec3], near: &mut Vec<usize>, found: &mut Vec<usize>) {
-        if positions.len() < FEWEST {
-            let mut last = None;
-            for position in positions {
-                last = self.nearest(*position, last).map(|(number, _)| number);
-                found.extend(last);
-            }
+        if self.points.is_empty() {
             return;
         }
-        near.clear();
-        let mut search = Near { region: box_of(positions.iter().copied()), within: f64::INFINITY, points: near };
-        if self.collect(0, 0, self.points.len(), &mut search) {
+        let mut near = Near { region: box_of(positions.iter().copied()), within: f64::INFINITY, points: Vec::new() };
+        if self.collect(0, 0, self.points.len(), &mut near) {
             // In the order of their numbers: of equally near points the first.
-            near.sort_unstable();
-            let start = found.len();
-            found.resize(start + positions.len(), 0);
-            nearest_among(positions, &self.points, near, &mut found[start..]);
-        } else {
-            let (some, others) = positions.split_at(positions.len() / 2);
-            self.append_nearest(some, near, found);
-            self.append_nearest(others, near, found);
+            near.points.sort_unstable();
+            found.resize(positions.len(), 0);
+            nearest_among(positions, &self.points, &near.points, found);
+            return;
+        }
+        let mut last = None;
+        for position in positions {
+            last = self.nearest(*position, last).map(|(number, _)| number);
+            found.extend(last);
         }
     }
 

@@ -171,3 +171,66 @@ pub fn hanging(nodes: &[u32], leaves: &[[u32; 8]]) -> Vec<Vec<Hanging>> {
     }
     found
 }
+
+#[cfg(test)]
+mod tests {
+    use std::collections::HashMap;
+
+    use super::super::flatten;
+    use super::super::tree::{Cell, Tree};
+    use super::*;
+
+    /// Split here and there, and balanced.
+    fn tree(depth: u32, mut state: u64) -> Tree {
+        let mut tree = Tree::new(1 << depth);
+        let mut open = vec![0];
+        while let Some(node) = open.pop() {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+            let whole = tree.cells[node as usize].size > 1 << (depth - 2);
+            if tree.cells[node as usize].size > 1 && (whole || state >> 61 < 3) {
+                let first = tree.split(node);
+                open.extend(first..first + 8);
+            }
+        }
+        let all = 0..tree.cells.len() as u32;
+        let split: Vec<u32> = all.filter(|&node| tree.children[node as usize] != 0).collect();
+        tree.balance(split);
+        tree
+    }
+
+    /// By looking at every middle of every leaf whether some leaf has a corner there.
+    #[test]
+    fn corners_hang_on_the_first_leaf_that_has_them_in_a_middle() {
+        for seed in 0..6 {
+            let tree = tree(6, seed);
+            let (nodes, order) = flatten(&tree);
+            let cells: Vec<Cell> = order.iter().map(|&node| tree.cells[node as usize]).collect();
+            let mut numbers = HashMap::new();
+            let mut number = |place| {
+                let next = numbers.len() as u32;
+                *numbers.entry(place).or_insert(next)
+            };
+            let leaves: Vec<[u32; 8]> =
+                cells.iter().map(|cell| std::array::from_fn(|corner| number(cell.corner(corner)))).collect();
+            let mut expected = HashMap::new();
+            for (leaf, cell) in cells.iter().enumerate().filter(|(_, cell)| cell.size > 1) {
+                for i in 0..27 {
+                    let halves = [i / 9, i / 3 % 3, i % 3];
+                    let corner = numbers.get(&cell.point(halves)).filter(|_| halves.contains(&1));
+                    if let Some(corner) = corner {
+                        expected.entry(*corner).or_insert((leaf as u32, halves.map(|half| half as u8)));
+                    }
+                }
+            }
+            let found = hanging(&nodes, &leaves);
+            for (depth, some) in found.iter().enumerate() {
+                for Hanging { leaf, halves, corner } in some {
+                    assert_eq!(cells[*leaf as usize].size, 64 >> depth);
+                    assert_eq!(expected.remove(corner), Some((*leaf, *halves)), "corner {corner}");
+                }
+            }
+            assert!(expected.is_empty(), "{expected:?}");
+            assert!(found.iter().map(Vec::len).sum::<usize>() > 1000);
+        }
+    }
+}
