@@ -100,7 +100,7 @@ impl Walk<'_> {
     }
 
     /// The corners in a split node's middles that hang.
-    fn at(&self, around: &Around, found: &mut Vec<Vec<Hanging>>) {
+    fn at(&self, around: &Around, found: &mut [Vec<Hanging>]) {
         let own = around.nodes[SELF];
         for (halves, others) in &MIDDLES {
             let (mut leaf, mut other, mut first) = (NONE, SELF, true);

@@ -220,8 +220,9 @@ impl DistanceObject {
         let memory = |tree: &Tree, samples: &Samples| {
             // Beside the samples: cells while building, and what is kept.
             let kept = 40 + 3 * 64 + size_of::<Polynomial>();
-            let needed =
-                samples.bytes() + tree.cells.len() * (size_of::<tree::Cell>() + 9 * size_of::<u32>() + kept) + Bricks::bytes_of(tree);
+            let needed = samples.bytes()
+                + tree.cells.len() * (size_of::<tree::Cell>() + 9 * size_of::<u32>() + kept)
+                + Bricks::bytes_of(tree);
             if needed > settings.memory_limit {
                 return Err(BuildError::Memory { needed, limit: settings.memory_limit });
             }
