@@ -48,6 +48,14 @@ impl Object {
         (self.id, self.stage)
     }
 
+    /// About what a level set of it takes, of voxels with this edge in its own space.
+    fn band(&self, edge: f64, half_width: f32) -> Estimate {
+        let Some(voxel_size) = VoxelSize::new(edge) else { return Estimate::default() };
+        let region = self.solid.grown((f64::from(half_width) + 2.0) * edge);
+        let scope = Scope { lattice: Lattice { voxel_size }, half_width, region };
+        estimate(self.field.as_ref(), &scope, Effort::Careful)
+    }
+
     /// A voxel's edge in the object's own space: it may be made larger where it stands.
     fn voxel(&self, voxel: f64) -> f64 {
         voxel / self.motion.at(0.0).scale()
@@ -78,13 +86,7 @@ impl Pair {
 
     /// About what a level set of either object takes, each where the shot begins. `voxel` is a voxel's edge.
     pub fn bands(&self, voxel: f64, half_width: f32) -> [Estimate; 2] {
-        [&self.from, &self.to].map(|side| {
-            let edge = side.voxel(voxel);
-            let Some(voxel_size) = VoxelSize::new(edge) else { return Estimate::default() };
-            let region = side.solid.grown((f64::from(half_width) + 2.0) * edge);
-            let scope = Scope { lattice: Lattice { voxel_size }, half_width, region };
-            estimate(side.field.as_ref(), &scope, Effort::Careful)
-        })
+        [&self.from, &self.to].map(|side| side.band(side.voxel(voxel), half_width))
     }
 }
 
@@ -358,7 +360,7 @@ impl MeasuredSide {
     }
 }
 
-/// Measures two objects at the same time: much of what one takes is done by a single thread.
+/// Measures two objects, at the same time where memory allows it: much of what one takes is done by a single thread.
 fn measured(
     model: &Model,
     solids: &mut Solids,
@@ -381,12 +383,27 @@ fn measured(
         };
         distance(model, side, measuring, &Watch { cancel: watch.cancel, progress: &progress })
     };
-    let distances: Vec<Result<DistanceObject, Stop>> = open.par_iter().enumerate().map(measure).collect();
+    let distances: Vec<Result<DistanceObject, Stop>> = if fit_at_once(open.iter().map(|(side, _)| *side), measuring) {
+        open.par_iter().enumerate().map(measure).collect()
+    } else {
+        open.iter().enumerate().map(measure).collect()
+    };
     for ((side, paint), distance) in open.into_iter().zip(distances) {
         let (id, stage) = side.what();
         measuring.done.push((id, stage, MeasuredSide { distance: Arc::new(distance?), paint }));
     }
     Ok(sides.map(|side| measuring.known(side).cloned().unwrap_or_else(|| unreachable!("it was measured"))))
+}
+
+/// Memory that measuring an object takes, in bytes by the voxels of a level set of it, three to either side: facets three
+/// voxels wide take as many, wider ones half, smooth objects 10 to 30.
+const BYTES_A_VOXEL: f64 = 1000.0;
+
+/// Whether objects may be measured at the same time: together they must not take more memory than one may.
+fn fit_at_once<'a>(sides: impl Iterator<Item = &'a Object>, measuring: &Measuring<'_>) -> bool {
+    let Some(limit) = measuring.memory_limit else { return true };
+    let voxels = |side: &Object| side.band(smallest_cell(side.voxel(measuring.voxel), &side.solid), 3.0).voxels;
+    BYTES_A_VOXEL * sides.map(voxels).sum::<f64>() <= limit as f64
 }
 
 /// The distances of one.
