@@ -60,6 +60,11 @@ impl Object {
     fn voxel(&self, voxel: f64) -> f64 {
         voxel / self.motion.at(0.0).scale()
     }
+
+    /// The edge of the smallest cells that its distances need there.
+    fn cell(&self, voxel: f64) -> f64 {
+        smallest_cell(self.voxel(voxel), &self.solid)
+    }
 }
 
 /// The smallest cells that an object's distances need, from a voxel's edge in its space.
@@ -376,21 +381,24 @@ fn measured(
     let (before, count, watch) = (measuring.done.len() as f64, measuring.count as f64, measuring.watch);
     let shares = Mutex::new([0.0; 2]);
     let measure = |(which, (side, _)): (usize, &(&Object, Option<Paint<3>>))| {
-        let progress = |share: f64| {
+        let told = |share: f64| {
             let mut shares = shares.lock().unwrap_or_else(PoisonError::into_inner);
             shares[which] = share;
-            (watch.progress)((before + shares[0] + shares[1]) / count);
+            shares[0] + shares[1]
         };
+        let progress = |share: f64| (watch.progress)((before + told(share)) / count);
         distance(model, side, measuring, &Watch { cancel: watch.cancel, progress: &progress })
     };
-    let distances: Vec<Result<DistanceObject, Stop>> = if fit_at_once(open.iter().map(|(side, _)| *side), measuring) {
-        open.par_iter().enumerate().map(measure).collect()
+    let distances: Result<Vec<DistanceObject>, Stop> = if fit_at_once(&open, measuring) {
+        // Of two that go wrong the first is told, whichever ends first.
+        let all: Vec<Result<DistanceObject, Stop>> = open.par_iter().enumerate().map(measure).collect();
+        all.into_iter().collect()
     } else {
         open.iter().enumerate().map(measure).collect()
     };
-    for ((side, paint), distance) in open.into_iter().zip(distances) {
+    for ((side, paint), distance) in open.into_iter().zip(distances?) {
         let (id, stage) = side.what();
-        measuring.done.push((id, stage, MeasuredSide { distance: Arc::new(distance?), paint }));
+        measuring.done.push((id, stage, MeasuredSide { distance: Arc::new(distance), paint }));
     }
     Ok(sides.map(|side| measuring.known(side).cloned().unwrap_or_else(|| unreachable!("it was measured"))))
 }
@@ -400,10 +408,10 @@ fn measured(
 const BYTES_A_VOXEL: f64 = 1000.0;
 
 /// Whether objects may be measured at the same time: together they must not take more memory than one may.
-fn fit_at_once<'a>(sides: impl Iterator<Item = &'a Object>, measuring: &Measuring<'_>) -> bool {
-    let Some(limit) = measuring.memory_limit else { return true };
-    let voxels = |side: &Object| side.band(smallest_cell(side.voxel(measuring.voxel), &side.solid), 3.0).voxels;
-    BYTES_A_VOXEL * sides.map(voxels).sum::<f64>() <= limit as f64
+fn fit_at_once<P>(open: &[(&Object, P)], measuring: &Measuring<'_>) -> bool {
+    let Some(limit) = measuring.memory_limit.filter(|_| open.len() > 1) else { return true };
+    let voxels: f64 = open.iter().map(|(side, _)| side.band(side.cell(measuring.voxel), 3.0).voxels).sum();
+    BYTES_A_VOXEL * voxels <= limit as f64
 }
 
 /// The distances of one.
@@ -412,7 +420,7 @@ fn distance(model: &Model, side: &Object, measuring: &Measuring<'_>, watch: &Wat
     let seeding = |part: f64| progress(SEEDING * part);
     let building = |part: f64| progress(SEEDING + (1.0 - SEEDING) * part);
     let shape = model.shape(side.id);
-    let cell = smallest_cell(side.voxel(measuring.voxel), &side.solid);
+    let cell = side.cell(measuring.voxel);
     let problem = |what: String| Problem::new(shape.span, format!("`{}`: {what}", shape.name));
     let seeding = Watch { cancel, progress: &seeding };
     let feet = FieldFeet::new(side.field.as_ref(), &side.solid, cell, &seeding).map_err(|error| match error {

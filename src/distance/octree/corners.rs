@@ -110,6 +110,7 @@ fn rounded(jet: Jet) -> Numbers {
     jet.map(|number| number as f32)
 }
 
+/// What lies beside each corner, by axis: below and above.
 fn beside(leaves: &[[u32; 8]], cells: &[Cell], corners: usize) -> [Vec<[Beside; 2]>; 3] {
     let mut beside = [(); 3].map(|()| vec![[NOTHING; 2]; corners]);
     beside.par_iter_mut().zip(AXIS_BIT).for_each(|(beside, bit)| {

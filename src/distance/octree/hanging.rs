@@ -6,7 +6,8 @@
 use rayon::prelude::*;
 
 use super::LEAF;
-use super::tree::NONE;
+use super::refine::middles;
+use super::tree::{NONE, halves_of, point_at};
 
 /// A corner that hangs.
 #[derive(Clone, Copy, Debug)]
@@ -14,7 +15,7 @@ pub struct Hanging {
     /// The first of the leaves that it hangs on.
     pub leaf: u32,
     /// Where on it, in halves of its edge.
-    pub halves: [u8; 3],
+    pub halves: [u32; 3],
     /// The corner's number.
     pub corner: u32,
 }
@@ -34,44 +35,25 @@ const SELF: usize = 13;
 /// Split nodes of the same size whose parts are walked at the same time: enough for many threads.
 const ENOUGH: usize = 4096;
 
-/// The middles of faces and edges in halves of the edge, and where the nodes are that have them too.
-const MIDDLES: [([u8; 3], [usize; 3]); 18] = {
-    let mut middles = [([0; 3], [SELF; 3]); 18];
-    let (mut count, mut i) = (0, 0);
-    while i < 27 {
-        let halves = [i / 9, i / 3 % 3, i % 3];
-        let ones = (halves[0] == 1) as usize + (halves[1] == 1) as usize + (halves[2] == 1) as usize;
-        if ones == 1 || ones == 2 {
-            // A step to the side where a half is 0 or 2, or to both sides, or over the edge.
-            let (mut others, mut found, mut steps) = ([SELF; 3], 0, 1);
-            while steps < 8 {
-                let (mut at, mut is_one, mut axis) = (0, true, 0);
-                while axis < 3 {
-                    let goes = steps >> axis & 1 == 1;
-                    is_one &= !(goes && halves[axis] == 1);
-                    at = at * 3 + if goes { halves[axis] } else { 1 };
-                    axis += 1;
-                }
-                if is_one {
-                    others[found] = at as usize;
-                    found += 1;
-                }
-                steps += 1;
-            }
-            middles[count] = ([halves[0] as u8, halves[1] as u8, halves[2] as u8], others);
-            count += 1;
-        }
-        i += 1;
-    }
-    middles
-};
-
 struct Walk<'a> {
     nodes: &'a [u32],
     leaves: &'a [[u32; 8]],
+    /// The middles of a cell in halves of its edge, and where the nodes are that have them too.
+    middles: Vec<([u32; 3], Vec<usize>)>,
 }
 
-impl Walk<'_> {
+impl<'a> Walk<'a> {
+    fn new(nodes: &'a [u32], leaves: &'a [[u32; 8]]) -> Self {
+        let others = |halves: [u32; 3]| {
+            // Each step over a face that the point lies on, and all of them together.
+            let meets = |&at: &usize| {
+                at != SELF && halves_of(at).iter().zip(halves).all(|(&step, half)| step == 1 || step == half)
+            };
+            (0..27).filter(meets).collect()
+        };
+        Self { nodes, leaves, middles: middles().map(|halves| (halves, others(halves))).collect() }
+    }
+
     fn is_split(&self, node: u32) -> bool {
         node != NONE && self.nodes[node as usize] & LEAF == 0
     }
@@ -79,13 +61,14 @@ impl Walk<'_> {
     /// A child of a node, with what is around it.
     fn child(&self, around: &Around, child: usize) -> Around {
         let mut nodes = [NONE; 27];
-        let bit = |axis: usize| child >> (2 - axis) & 1;
+        let bit = |axis: usize| child as u32 >> (2 - axis) & 1;
         for (i, node) in nodes.iter_mut().enumerate() {
+            let step = halves_of(i);
             // In children, counted from two below the node: 1 is one below it, 2 and 3 are its own, 4 is above.
-            let at = [bit(0) + i / 9 + 1, bit(1) + i / 3 % 3 + 1, bit(2) + i % 3 + 1];
-            let parent = around.nodes[at[0] / 2 * 9 + at[1] / 2 * 3 + at[2] / 2];
+            let at: [u32; 3] = std::array::from_fn(|axis| bit(axis) + step[axis] + 1);
+            let parent = around.nodes[point_at(at.map(|at| at / 2))];
             if self.is_split(parent) {
-                *node = self.nodes[parent as usize] + ((at[0] & 1) << 2 | (at[1] & 1) << 1 | at[2] & 1) as u32;
+                *node = self.nodes[parent as usize] + ((at[0] & 1) << 2 | (at[1] & 1) << 1 | at[2] & 1);
             }
         }
         Around { nodes, depth: around.depth + 1 }
@@ -102,11 +85,11 @@ impl Walk<'_> {
     /// The corners in a split node's middles that hang.
     fn at(&self, around: &Around, found: &mut [Vec<Hanging>]) {
         let own = around.nodes[SELF];
-        for (halves, others) in &MIDDLES {
+        for (halves, others) in &self.middles {
             let (mut leaf, mut other, mut first) = (NONE, SELF, true);
             for &at in others {
                 let node = around.nodes[at];
-                if node == NONE || at == SELF {
+                if node == NONE {
                     continue;
                 }
                 let what = self.nodes[node as usize];
@@ -120,9 +103,9 @@ impl Walk<'_> {
             if leaf == NONE || !first {
                 continue;
             }
-            let step = [other / 9, other / 3 % 3, other % 3];
-            let there = std::array::from_fn(|axis| halves[axis] + 2 - 2 * step[axis] as u8);
-            let bit = |of: fn(u8) -> u8| halves.iter().fold(0, |bits, half| bits << 1 | usize::from(of(*half)));
+            let step = halves_of(other);
+            let there = std::array::from_fn(|axis| halves[axis] + 2 - 2 * step[axis]);
+            let bit = |of: fn(u32) -> u32| halves.iter().fold(0, |bits, half| bits << 1 | of(*half) as usize);
             let (child, corner) = (bit(|half| half / 2), bit(|half| half - half / 2));
             let corner = self.corner(self.nodes[own as usize] + child as u32, corner);
             found[around.depth].push(Hanging { leaf, halves: there, corner });
@@ -142,7 +125,7 @@ impl Walk<'_> {
 
 /// All corners that hang, by how often the edge of the leaf that they hang on halves the root's.
 pub fn hanging(nodes: &[u32], leaves: &[[u32; 8]]) -> Vec<Vec<Hanging>> {
-    let walk = Walk { nodes, leaves };
+    let walk = Walk::new(nodes, leaves);
     let mut root = Around { nodes: [NONE; 27], depth: 0 };
     root.nodes[SELF] = 0;
     let mut found = vec![Vec::new()];
@@ -214,11 +197,9 @@ mod tests {
                 cells.iter().map(|cell| std::array::from_fn(|corner| number(cell.corner(corner)))).collect();
             let mut expected = HashMap::new();
             for (leaf, cell) in cells.iter().enumerate().filter(|(_, cell)| cell.size > 1) {
-                for i in 0..27 {
-                    let halves = [i / 9, i / 3 % 3, i % 3];
-                    let corner = numbers.get(&cell.point(halves)).filter(|_| halves.contains(&1));
-                    if let Some(corner) = corner {
-                        expected.entry(*corner).or_insert((leaf as u32, halves.map(|half| half as u8)));
+                for halves in middles() {
+                    if let Some(corner) = numbers.get(&cell.point(halves)) {
+                        expected.entry(*corner).or_insert((leaf as u32, halves));
                     }
                 }
             }

@@ -6,7 +6,7 @@ use rayon::prelude::*;
 
 use super::patch::{AXIS_BIT, Patch};
 use super::samples::{Sample, Samples};
-use super::tree::{Cell, NONE, Points, Tree, point_at};
+use super::tree::{Cell, CellPoints, NONE, Tree, halves_of, point_at};
 use super::{BuildError, Settings};
 use crate::distance::nearest::Watch;
 
@@ -20,9 +20,8 @@ const LARGEST_AT_SURFACE: u32 = 8;
 const SLOPE_REACH: f64 = 0.0625;
 
 /// The points of a cell in halves of its edge: its middle, then the middles of faces and edges.
-fn middles() -> impl Iterator<Item = [u32; 3]> {
-    let all = (0..27).map(|i| [i / 9, i / 3 % 3, i % 3]);
-    all.filter(|p: &[u32; 3]| p.contains(&1))
+pub fn middles() -> impl Iterator<Item = [u32; 3]> {
+    (0..27).map(halves_of).filter(|halves| halves.contains(&1))
 }
 
 fn corners(cell: &Cell) -> [[u32; 3]; 8] {
@@ -59,14 +58,14 @@ pub fn lone_patch(corners: &[&Sample; 8], edge: f64) -> Patch {
 
 /// How far a patch misses the truth at those middles of its cell that have samples, or may miss it beside them for
 /// the error of its gradient there.
-fn miss(patch: &Patch, points: &Points, samples: &Samples) -> f64 {
+fn miss(patch: &Patch, points: &CellPoints, samples: &Samples) -> f64 {
     let sampled = |halves: [u32; 3]| (points[point_at(halves)] != NONE).then_some((halves, points[point_at(halves)]));
     let miss = |(halves, number)| miss_at(patch, halves, samples.numbered(number));
     middles().filter_map(sampled).map(miss).fold(0.0, f64::max)
 }
 
 /// The numbers of the samples at a cell's middles; none at its corners, nor where there is none.
-fn sampled_middles(cell: &Cell, samples: &Samples) -> Points {
+fn sampled_middles(cell: &Cell, samples: &Samples) -> CellPoints {
     let mut points = [NONE; 27];
     for halves in middles() {
         points[point_at(halves)] = samples.number(cell.point(halves)).unwrap_or(NONE);
@@ -172,7 +171,7 @@ pub fn refine(
                 || miss(&lone_patch_of(tree, *node, samples, edge), &points, samples) > settings.tolerance;
             splits.then_some((*node, points))
         };
-        let split: Vec<(u32, Points)> = tried.par_iter().filter_map(try_out).collect();
+        let split: Vec<(u32, CellPoints)> = tried.par_iter().filter_map(try_out).collect();
         active.clear();
         for (node, points) in split {
             let first = tree.split(node);
@@ -197,7 +196,7 @@ fn balance(tree: &mut Tree, split: Vec<u32>, samples: &mut Samples) -> Result<()
 fn sample_children(tree: &mut Tree, split: &[u32], samples: &mut Samples) -> Result<(), BuildError> {
     let cells: Vec<Cell> = split.iter().map(|&node| tree.cells[node as usize]).collect();
     samples.request(&cells, all_middles, |_| {})?;
-    let points: Vec<Points> = cells.par_iter().map(|cell| sampled_middles(cell, samples)).collect();
+    let points: Vec<CellPoints> = cells.par_iter().map(|cell| sampled_middles(cell, samples)).collect();
     split.iter().zip(&points).for_each(|(&node, points)| tree.number(node, points));
     Ok(())
 }

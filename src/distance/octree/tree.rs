@@ -32,16 +32,23 @@ impl Cell {
 pub const NONE: u32 = u32::MAX;
 
 /// Numbers of the 27 points of a cell's corners and middles, by the place in halves of its edge, x slowest.
-pub type Points = [u32; 27];
+pub type CellPoints = [u32; 27];
 
 /// Where among 27 points one is, given in halves of the edge.
 pub const fn point_at([x, y, z]: [u32; 3]) -> usize {
     (x * 9 + y * 3 + z) as usize
 }
 
-/// The same of a corner.
-pub const fn corner_at(corner: usize) -> usize {
-    point_at([(corner as u32 >> 2 & 1) * 2, (corner as u32 >> 1 & 1) * 2, (corner as u32 & 1) * 2])
+/// Where the point with this place among 27 is, in halves of the edge.
+pub const fn halves_of(at: usize) -> [u32; 3] {
+    let at = at as u32;
+    [at / 9, at / 3 % 3, at % 3]
+}
+
+/// Where among 27 points a corner is.
+const fn corner_at(corner: usize) -> usize {
+    let corner = corner as u32;
+    point_at([(corner >> 2 & 1) * 2, (corner >> 1 & 1) * 2, (corner & 1) * 2])
 }
 
 /// An octree under construction. Node 0 is the root.
@@ -72,7 +79,7 @@ impl Tree {
     }
 
     /// Tells the samples at the corners of a split node's children: those at its own points, of which its corners are known.
-    pub fn number(&mut self, node: u32, points: &Points) {
+    pub fn number(&mut self, node: u32, points: &CellPoints) {
         let (own, first) = (self.corners[node as usize], self.children[node as usize] as usize);
         for child in 0..8 {
             self.corners[first + child] = std::array::from_fn(|corner| {
@@ -93,8 +100,8 @@ impl Tree {
         node
     }
 
-    /// Splits leaves until no two that touch, even at a corner, differ by more than one halving, which they do by `split` alone.
-    /// Returns the nodes that were split, parents before their children.
+    /// Splits leaves until no two that touch, even at a corner, differ by more than one halving. Before the nodes in `split`
+    /// were split, none did. Returns the nodes that were split for it, parents before their children.
     pub fn balance(&mut self, split: impl IntoIterator<Item = u32>) -> Vec<u32> {
         let root = self.cells[0].size;
         let mut found = Vec::new();
@@ -130,8 +137,8 @@ impl Tree {
 /// The least corners of the 26 cells of the same size around one, those in the root.
 fn neighbours(cell: &Cell, root: u32) -> impl Iterator<Item = [u32; 3]> + use<> {
     let cell = *cell;
-    (0..27).filter(|&i| i != 13).filter_map(move |i: u32| {
-        let step = [i / 9, i / 3 % 3, i % 3];
+    (0..27).filter(|&at| at != 13).filter_map(move |at| {
+        let step = halves_of(at);
         let mut place = [0; 3];
         for axis in 0..3 {
             place[axis] = (cell.origin[axis] + step[axis] * cell.size).checked_sub(cell.size)?;
