@@ -7,6 +7,7 @@ use glam::DVec3;
 
 use super::branch::{Branches, Part};
 use super::graph::{Graph, Node};
+use super::interval::Intervals;
 use super::op::{Op, mark_needed};
 use super::program::Program;
 use super::prune::{Asked, Pruner, has_choices};
@@ -71,7 +72,7 @@ impl Expression {
             externals: program.externals.iter().map(|field| field.evaluator()).collect(),
             levels: vec![whole],
             depth: 0,
-            bounds: Vec::new(),
+            bounds: Intervals::default(),
             pruner: Pruner::default(),
             machine: Machine::new(width, program.externals.len()),
             resolved: Vec::new(),
@@ -153,7 +154,7 @@ pub struct ExpressionEvaluator<'a> {
     externals: Vec<Box<dyn Evaluator + 'a>>,
     levels: Vec<Level>,
     depth: usize,
-    bounds: Vec<Interval>,
+    bounds: Intervals,
     pruner: Pruner,
     machine: Machine,
     resolved: Vec<Op>,
@@ -233,7 +234,7 @@ impl Evaluator for ExpressionEvaluator<'_> {
         // Where nothing is chosen externals' bounds are of no use yet, and may take long.
         let chooses = *chooses;
         self.program.bound(ops, region, chooses, &mut self.externals, &mut self.bounds);
-        level.bounds = self.bounds.last().copied().filter(|_| chooses);
+        level.bounds = self.bounds.last().filter(|_| chooses);
         let shorter = self.pruner.plan(ops, &self.bounds, self.asked);
         if !self.externals.is_empty() {
             for (op, asked) in ops.iter().zip(&self.pruner.asked) {
@@ -266,7 +267,7 @@ impl Evaluator for ExpressionEvaluator<'_> {
             let ops = &self.levels[owner].ops;
             self.program.bound(ops, &region, true, &mut self.externals, &mut self.bounds);
             externals_of(ops).for_each(|leaf| self.externals[leaf as usize].leave());
-            let found = self.bounds.last().copied();
+            let found = self.bounds.last();
             self.levels[self.depth].bounds = found;
             found.unwrap_or(Interval::ALL)
         })

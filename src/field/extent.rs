@@ -4,7 +4,7 @@
 use glam::DVec3;
 
 use super::program::Program;
-use super::{Aabb, Interval};
+use super::{Aabb, interval::Intervals};
 
 /// Steps of bisection for each face: a box is found to about a thousandth of its size.
 const STEPS: usize = 12;
@@ -21,10 +21,10 @@ pub(super) fn narrowed(program: &Program, known: Option<Aabb>) -> Option<Aabb> {
     if !program.externals.is_empty() {
         return known;
     }
-    let mut bounds = Vec::new();
+    let mut bounds = Intervals::default();
     let mut absent = |region: &Aabb| {
         program.bound(&program.ops, region, true, &mut [], &mut bounds);
-        bounds.last().is_some_and(|bound: &Interval| bound.hi < 0.0)
+        bounds.last().is_some_and(|bound| bound.hi < 0.0)
     };
     let everywhere = Aabb::new(DVec3::NEG_INFINITY, DVec3::INFINITY);
     let mut found = match known {

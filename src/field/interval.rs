@@ -32,6 +32,34 @@ impl Interval {
     }
 }
 
+/// Intervals side by side, their lower and their upper ends apart: written end by end and read back at once as a pair, as
+/// arithmetic on pairs is compiled, an interval would have to wait until both ends are in memory.
+#[derive(Default)]
+pub(super) struct Intervals {
+    lo: Vec<f64>,
+    hi: Vec<f64>,
+}
+
+impl Intervals {
+    pub fn clear(&mut self) {
+        self.lo.clear();
+        self.hi.clear();
+    }
+
+    pub fn push(&mut self, interval: Interval) {
+        self.lo.push(interval.lo);
+        self.hi.push(interval.hi);
+    }
+
+    pub fn at(&self, index: u32) -> Interval {
+        Interval { lo: self.lo[index as usize], hi: self.hi[index as usize] }
+    }
+
+    pub fn last(&self) -> Option<Interval> {
+        Some(Interval { lo: *self.lo.last()?, hi: *self.hi.last()? })
+    }
+}
+
 /// An axis-aligned box of world positions.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Aabb {

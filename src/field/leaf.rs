@@ -57,13 +57,12 @@ impl Affine {
         let (mut least, mut most) = (self.constant, self.constant);
         let (mut below, mut above) = (self.constant.abs(), self.constant.abs());
         for axis in 0..3 {
+            // A form that does not change along an axis does not at its far ends either. Without a branch: which axes
+            // a form changes along is different from one to the next.
             let slope = self.slope[axis];
-            // A form that does not change along an axis does not at its far ends either. Most change along one alone.
-            if slope == 0.0 {
-                continue;
-            }
-            let (from, to) = (slope * region.min[axis], slope * region.max[axis]);
-            let (from, to) = if from < to { (from, to) } else { (to, from) };
+            let at = |end: f64| if slope == 0.0 { 0.0 } else { slope * end };
+            let (from, to) = (at(region.min[axis]), at(region.max[axis]));
+            let (from, to) = (if from < to { from } else { to }, if from < to { to } else { from });
             least += from;
             most += to;
             below += from.abs();

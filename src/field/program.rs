@@ -5,6 +5,7 @@ use std::sync::Arc;
 use glam::DVec3;
 
 use super::graph::{Graph, Node};
+use super::interval::Intervals;
 use super::leaf::{Affine, Quadric};
 use super::op::{Binary, Op, Unary};
 use super::{Aabb, Evaluator, Field, Interval, scalar};
@@ -125,7 +126,7 @@ impl Program {
         region: &Aabb,
         asked: bool,
         externals: &mut [Box<dyn Evaluator + '_>],
-        bounds: &mut Vec<Interval>,
+        bounds: &mut Intervals,
     ) {
         bounds.clear();
         for op in ops {
@@ -133,14 +134,14 @@ impl Program {
                 Op::Affine(leaf) => self.affines[leaf as usize].bounds(region),
                 Op::Quadric(leaf) => self.quadrics[leaf as usize].bounds(region),
                 Op::External { leaf, at } => {
-                    let [x, y, z] = at.map(|argument| bounds[argument as usize]);
+                    let [x, y, z] = at.map(|argument| bounds.at(argument));
                     let read = Aabb::new(DVec3::new(x.lo, y.lo, z.lo), DVec3::new(x.hi, y.hi, z.hi));
                     let external = &mut externals[leaf as usize];
                     external.enter(&read);
                     if asked { external.bounds() } else { Interval::ALL }
                 }
-                Op::Unary(operation, a) => unary(operation, bounds[a as usize]),
-                Op::Binary(operation, a, b) => binary(operation, bounds[a as usize], bounds[b as usize]),
+                Op::Unary(operation, a) => unary(operation, bounds.at(a)),
+                Op::Binary(operation, a, b) => binary(operation, bounds.at(a), bounds.at(b)),
             };
             bounds.push(bound);
         }

@@ -7,8 +7,14 @@
 //! an argument that is positive throughout is that argument. Where values are needed, only choices that are the
 //! same to the last bit are made: the greater of two that do not overlap, the absolute value of a number of
 //! known sign, a sum with an exact zero.
+//!
+//! Of a minimum and a maximum among many, what each operand may be without deciding is known from all the others, as in
+//! a game tree (alpha-beta pruning): an operand of a minimum that is above the bound of the whole minimum is dropped,
+//! however far up the tree that bound comes from. [`Pruner::windows`] holds, of each operation, the values that matter:
+//! above them it may be anything that is not below them, and the other way round.
 
 use super::Interval;
+use super::interval::Intervals;
 use super::op::{Binary, Op, Unary};
 
 /// What is asked of an operation.
@@ -28,29 +34,34 @@ enum Choice {
     Negated(u32),
 }
 
+/// The window of an operation that nothing asked for.
+const NO_VALUE: Interval = Interval::new(f64::INFINITY, f64::NEG_INFINITY);
+
 /// Scratch memory of pruning.
 #[derive(Default)]
 pub(super) struct Pruner {
     pub asked: Vec<Asked>,
+    /// Where values are asked for: those that matter.
+    windows: Vec<Interval>,
     choices: Vec<Choice>,
     places: Vec<u32>,
 }
 
-fn choose(op: Op, asked: Asked, bounds: &[Interval]) -> Choice {
+fn choose(op: Op, window: Interval, bounds: &Intervals) -> Choice {
     match op {
-        Op::Unary(Unary::Abs, a) => match bounds[a as usize] {
+        Op::Unary(Unary::Abs, a) => match bounds.at(a) {
             bound if bound.lo >= 0.0 => Choice::Is(a),
             bound if bound.hi <= 0.0 => Choice::Negated(a),
             _ => Choice::Keep,
         },
         Op::Binary(operation, a, b) => {
-            let (first, second) = (bounds[a as usize], bounds[b as usize]);
+            let (first, second) = (bounds.at(a), bounds.at(b));
             match operation {
                 Binary::Add if first == Interval::ZERO => Choice::Is(b),
                 Binary::Add | Binary::Sub if second == Interval::ZERO => Choice::Is(a),
                 _ if !operation.is_set_operation() => Choice::Keep,
                 _ => same_value(operation, (a, first), (b, second))
-                    .or_else(|| (asked == Asked::Sign).then(|| same_sign(operation, (a, first), (b, second)))?)
+                    .or_else(|| same_in(window, operation, (a, first), (b, second)))
                     .map_or(Choice::Keep, Choice::Is),
             }
         }
@@ -71,13 +82,16 @@ fn same_value(operation: Binary, a: (u32, Interval), b: (u32, Interval)) -> Opti
     }
 }
 
-/// The argument that has the operation's sign and zero set throughout.
-fn same_sign(operation: Binary, a: (u32, Interval), b: (u32, Interval)) -> Option<u32> {
-    let (negative, positive) = (|x: Interval| x.hi < 0.0, |x: Interval| x.lo > 0.0);
-    // Neutral: drop the argument. Decided: it settles the sign.
+/// The argument that a union or an intersection may be replaced by: where the operation's value lies in a window it
+/// is that argument's, elsewhere both lie on the same side. Over the window of zero alone, the one that has the
+/// operation's sign and zero set; this holds for any set operation, other windows for minima and maxima. Strictly, since
+/// an argument that is a constant may be the end of the window itself.
+fn same_in(window: Interval, operation: Binary, a: (u32, Interval), b: (u32, Interval)) -> Option<u32> {
+    let (below, above) = (|x: Interval| x.hi < window.lo, |x: Interval| x.lo > window.hi);
+    // Neutral: drop the argument. Decided: it settles the side.
     let union = operation.is_union();
-    let neutral = |x| if union { negative(x) } else { positive(x) };
-    let decided = |x| if union { positive(x) } else { negative(x) };
+    let neutral = |x| if union { below(x) } else { above(x) };
+    let decided = |x| if union { above(x) } else { below(x) };
     if neutral(a.1) || decided(b.1) {
         Some(b.0)
     } else if neutral(b.1) || decided(a.1) {
@@ -88,14 +102,14 @@ fn same_sign(operation: Binary, a: (u32, Interval), b: (u32, Interval)) -> Optio
 }
 
 /// Asks the arguments of a kept operation what it needs.
-fn ask_arguments(op: Op, asked: Asked, mut ask: impl FnMut(u32, Asked)) {
+fn ask_arguments(op: Op, asked: Asked, window: Interval, mut ask: impl FnMut(u32, Asked, Interval)) {
     match op {
-        Op::Unary(Unary::Linear { offset: 0.0, .. }, a) => ask(a, asked),
+        Op::Unary(Unary::Linear { offset: 0.0, .. }, a) => ask(a, asked, Interval::ALL),
         Op::Binary(operation, a, b) if operation.is_set_operation() => {
-            ask(a, asked);
-            ask(b, asked);
+            ask(a, asked, window);
+            ask(b, asked, window);
         }
-        _ => op.arguments(|argument| ask(argument, Asked::Value)),
+        _ => op.arguments(|argument| ask(argument, Asked::Value, Interval::ALL)),
     }
 }
 
@@ -114,13 +128,15 @@ pub(super) fn has_choices(ops: &[Op]) -> bool {
 impl Pruner {
     /// Finds out what is asked of each operation, and how it can be met. Returns whether anything can be left
     /// out.
-    pub fn plan(&mut self, ops: &[Op], bounds: &[Interval], root: Asked) -> bool {
+    pub fn plan(&mut self, ops: &[Op], bounds: &Intervals, root: Asked) -> bool {
         self.asked.clear();
         self.asked.resize(ops.len(), Asked::Nothing);
+        self.windows.clear();
+        self.windows.resize(ops.len(), NO_VALUE);
         self.choices.clear();
         self.choices.resize(ops.len(), Choice::Keep);
-        if let Some(last) = self.asked.last_mut() {
-            *last = root;
+        if let (Some(asked), Some(window)) = (self.asked.last_mut(), self.windows.last_mut()) {
+            (*asked, *window) = (root, Interval::ALL);
         }
         let mut shorter = false;
         for (index, &op) in ops.iter().enumerate().rev() {
@@ -129,21 +145,29 @@ impl Pruner {
                 shorter = true;
                 continue;
             }
-            let choice = choose(op, asked, bounds);
+            let window = self.windows[index];
+            let matters = match op {
+                _ if asked == Asked::Sign => Interval::ALL,
+                Op::Binary(Binary::Min, ..) => Interval::new(window.lo, window.hi.min(bounds.at(index as u32).hi)),
+                Op::Binary(Binary::Max, ..) => Interval::new(window.lo.max(bounds.at(index as u32).lo), window.hi),
+                _ => Interval::ALL,
+            };
+            let choice = choose(op, if asked == Asked::Sign { Interval::ZERO } else { matters }, bounds);
             self.choices[index] = choice;
-            let all = &mut self.asked;
-            let mut ask = |argument: u32, asked: Asked| {
-                let slot = &mut all[argument as usize];
-                *slot = (*slot).max(asked);
+            let (all, windows) = (&mut self.asked, &mut self.windows);
+            let mut ask = |argument: u32, asked: Asked, window: Interval| {
+                let argument = argument as usize;
+                all[argument] = all[argument].max(asked);
+                windows[argument] = windows[argument].union(window);
             };
             match choice {
-                Choice::Keep => ask_arguments(op, asked, ask),
+                Choice::Keep => ask_arguments(op, asked, matters, ask),
                 Choice::Is(a) => {
-                    ask(a, asked);
+                    ask(a, asked, window);
                     shorter = true;
                 }
                 Choice::Negated(a) => {
-                    ask(a, asked);
+                    ask(a, asked, Interval::ALL);
                     shorter = true;
                 }
             }
@@ -204,12 +228,83 @@ mod tests {
                 let corner =
                     DVec3::new(f64::from(i % 9 - 4), f64::from(i / 9 % 9 - 4), f64::from(i / 81 % 9 - 4)) * 0.5;
                 let region = Aabb::new(corner, corner + 0.5 * f64::from(1 + i / 729));
-                let mut bounds = Vec::new();
+                let mut bounds = Intervals::default();
                 program.bound(&program.ops, &region, true, &mut [], &mut bounds);
                 Pruner::default().plan(&program.ops, &bounds, Asked::Sign)
             });
             assert!(chooses || !shortened, "{text}");
             assert!(shortened || !text.contains("max") && !text.contains("abs"), "{text}");
         }
+    }
+
+    /// Trees of minima and maxima over slanted half-spaces, some of them used twice, and constants.
+    fn random_tree(seed: u64) -> Program {
+        let mut random = crate::field::cells::Random::new(seed, 0, crate::field::cells::Purpose::Split);
+        let mut graph = Graph::new();
+        let mut nodes: Vec<_> = (0..24)
+            .map(|i| match i % 8 {
+                0 => graph.constant(random.range(-0.5, 0.5)),
+                _ => {
+                    let direction = random.direction();
+                    graph.half_space(direction, random.range(-0.5, 1.0))
+                }
+            })
+            .collect();
+        while nodes.len() > 1 {
+            let a = nodes.swap_remove(random.index(nodes.len()));
+            let b = nodes[random.index(nodes.len())];
+            if random.unit() < 0.8 {
+                nodes.retain(|node| *node != b);
+            }
+            nodes.push(if random.unit() < 0.5 { graph.min(a, b) } else { graph.max(a, b) });
+        }
+        Program::new(&graph, nodes[0])
+    }
+
+    #[test]
+    fn what_cannot_decide_a_minimum_or_maximum_is_left_out_and_the_value_stays() {
+        let (mut before, mut after) = (0, 0);
+        for seed in 0..200 {
+            let whole = random_tree(seed);
+            let mut random = crate::field::cells::Random::new(seed, 1, crate::field::cells::Purpose::Split);
+            for _ in 0..20 {
+                let mut within = || DVec3::new(random.unit(), random.unit(), random.unit());
+                let corner = within() * 4.0 - 2.0;
+                let region = Aabb::new(corner, corner + within() * 0.5);
+                let mut bounds = Intervals::default();
+                whole.bound(&whole.ops, &region, true, &mut [], &mut bounds);
+                let (mut pruner, mut ops) = (Pruner::default(), whole.ops.clone());
+                if pruner.plan(&whole.ops, &bounds, Asked::Value) {
+                    pruner.shorten(&whole.ops, &mut ops);
+                }
+                (before, after) = (before + whole.ops.len(), after + ops.len());
+                let (affines, quadrics) = (whole.affines.clone(), whole.quadrics.clone());
+                let pruned = Program { ops, affines, quadrics, externals: Vec::new() };
+                for _ in 0..50 {
+                    let position = region.min + within() * region.size();
+                    assert_eq!(pruned.reference(position), whole.reference(position), "seed {seed} at {position}");
+                }
+            }
+        }
+        assert!(after * 5 < before, "{after} of {before}");
+    }
+
+    #[test]
+    fn of_many_balls_those_remain_that_may_be_nearest() {
+        // Pairs of neighbours in the tree are far apart: neither of two decides alone.
+        let text =
+            (0..64).map(|i| format!("(x - {})^2 + y^2 + z^2", i * 37 % 64)).reduce(|a, b| format!("min({a}, {b})"));
+        let mut graph = Graph::new();
+        let names = Names::space(&mut graph);
+        let root = Formula::parse(&text.expect("balls")).and_then(|formula| formula.compile(&mut graph, &names));
+        let program = Program::new(&graph, root.expect("a sound formula"));
+        let region = Aabb::new(DVec3::new(20.1, 5.0, 5.0), DVec3::new(20.3, 5.1, 5.1));
+        let mut bounds = Intervals::default();
+        program.bound(&program.ops, &region, true, &mut [], &mut bounds);
+        let (mut pruner, mut ops) = (Pruner::default(), Vec::new());
+        assert!(pruner.plan(&program.ops, &bounds, Asked::Value));
+        pruner.shorten(&program.ops, &mut ops);
+        let balls = ops.iter().filter(|op| matches!(op, Op::Quadric(_))).count();
+        assert!(balls <= 3, "{balls}");
     }
 }
