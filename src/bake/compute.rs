@@ -144,10 +144,11 @@ pub fn compute(
             // An attribute taken at the feet is constant along the surface's normals, so that a mesh of the level set which
             // samples it trilinearly meets the surface's own.
             block.feet_into(&mut feet);
+            let region = around(&feet, block);
             BlockAttributes {
                 distances,
-                colour: colour.as_mut().map(|colour| colour.sample(&feet, block)),
-                scalars: scalars.iter_mut().map(|scalar| scalar.sample(&feet, block)).collect(),
+                colour: colour.as_mut().map(|colour| colour.sample(&feet, &region, block)),
+                scalars: scalars.iter_mut().map(|scalar| scalar.sample(&feet, &region, block)).collect(),
                 velocities: velocity.as_mut().map(|velocity| velocity.visit(block, &feet)),
             }
         }
@@ -198,6 +199,16 @@ fn channel<const N: usize>(name: &str, blocks: Vec<Sampled<N>>, band: &Band) -> 
     Channel { name: name.into(), values: blocks.into_iter().map(|block| block.active).collect(), background }
 }
 
+/// A box around a block's feet. They lie on a piece of surface, which fills little of the block and the room around it: over
+/// the box of that piece far less is left to choose between.
+fn around(feet: &Points, block: &MeasuredBlock) -> Aabb {
+    // Where a box is carried into another space, points on its faces may come out a rounding error outside.
+    const MARGIN_VOXELS: f64 = 0.01;
+    let margin = MARGIN_VOXELS * block.lattice.voxel_size.get();
+    let around = feet.bounding_box().and_then(|aabb| aabb.grown(margin).intersection(block.region));
+    around.unwrap_or(block.region)
+}
+
 /// Samples one attribute in one block after the other.
 struct Visitor<'a, const N: usize> {
     sampler: Box<dyn Sampler<N> + 'a>,
@@ -213,7 +224,8 @@ impl<'a, const N: usize> Visitor<'a, N> {
         Self { sampler: attribute.sampler(), node: None, least, sampled: Box::new([[0.0; N]; BATCH]) }
     }
 
-    fn sample(&mut self, feet: &Points, block: &MeasuredBlock) -> Sampled<N> {
+    /// Of all that a block's feet lie in, `region` is what they fill.
+    fn sample(&mut self, feet: &Points, region: &Aabb, block: &MeasuredBlock) -> Sampled<N> {
         if self.node != Some(block.node_region) {
             if self.node.is_some() {
                 self.sampler.leave();
@@ -221,7 +233,7 @@ impl<'a, const N: usize> Visitor<'a, N> {
             self.node = Some(block.node_region);
             self.sampler.enter(&block.node_region);
         }
-        self.sampler.enter(&block.region);
+        self.sampler.enter(region);
         self.sampler.sample(feet, &mut self.sampled);
         self.sampler.leave();
         let active = &self.sampled[..feet.len];
