@@ -1,5 +1,6 @@
-//! What bounds the distances of a frame: they are worked out from F and ∇F at so many points, and the work cannot take less
-//! than those take by themselves, in whole blocks and whole batches. Processor time, two threads.
+//! What bounds the distances and the colours of a frame. Distances are worked out from F and ∇F at so many points, and
+//! cannot take less than those take by themselves, in whole blocks and whole batches; colours cannot take less than sampling
+//! them does where all that it needs is at hand. Processor time, two threads.
 //!
 //! `cargo bench --bench bound [-- SCENE... RESOLUTION...]`
 //!
@@ -7,6 +8,10 @@
 //! or of one of its branches; milliseconds that the distances take, blocks found already; what so many gradients take, block
 //! after block; the same where the block is in the caches from the time before: the rest is memory; the first over the
 //! second. Of branches, which are cheaper than F, no time is known: scenes of several smooth parts have no bound here.
+//!
+//! `BOUND-COLOUR scene resolution voxels colours sampling ratio`: millions of active voxels; milliseconds that their colours
+//! take, the distances known already; what sampling takes at the same closest points, in blocks that were sampled just
+//! before; the first over the second.
 
 mod common;
 
@@ -16,16 +21,20 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use common::clock::{quartiles, timed};
 use common::scenes::{self, Sampling};
 use common::{
+    bake,
     fill::{in_blocks, node},
     threads,
 };
 use glam::{DVec3, IVec3};
+use hfvdb::attribute::Colour;
+use hfvdb::distance::band::{MeasuredBlock, Settings, measure};
 use hfvdb::distance::descent::{Scope, descend};
 use hfvdb::field::{Aabb, BATCH, Evaluator, Field, Gradients, Interval, Points, Slope};
+use hfvdb::scene::{FrameContent, Prepared};
 use rayon::prelude::*;
 
 const ROUNDS: usize = 9;
-/// How often more each block is filled once it is in the caches.
+/// How often more each block is filled, or its colours are sampled, once it is in the caches.
 const AGAIN: u64 = 4;
 
 /// A field that counts the points at which its gradients are asked for.
@@ -112,10 +121,9 @@ fn gradients(field: &dyn Field, scope: &Scope, blocks: &[IVec3], times: u64) {
     blocks.par_chunk_by(|a, b| node(*a) == node(*b)).for_each_init(evaluator, of_node);
 }
 
-fn bench(scene: &str, resolution: u32) {
-    let frame = if scene == "cubism" { 24 } else { 1 };
+fn distances(scene: &str, resolution: u32) {
     let prepared = scenes::prepare(scene, Sampling::OfSolid(resolution));
-    let mut content = prepared.frame(frame).expect("a frame");
+    let mut content = prepared.frame(frame_of(scene)).expect("a frame");
     let field = Arc::clone(&content.field);
     let counted = Arc::new(Counted { field: Arc::clone(&field), points: AtomicU64::new(0) });
     content.field = counted.clone();
@@ -148,12 +156,65 @@ fn bench(scene: &str, resolution: u32) {
     );
 }
 
+/// The band with its colours sampled in each block, so many times one after the other.
+fn samples(prepared: &Prepared, content: &FrameContent, colour: &Colour, times: u64) -> u64 {
+    let new_visitor = || {
+        let mut sampler = colour.sampler();
+        let (mut feet, mut sampled) = (Points::new(DVec3::ZERO), Box::new([[0.0; 3]; BATCH]));
+        move |block: &MeasuredBlock| {
+            block.feet_into(&mut feet);
+            sampler.enter(&block.region);
+            (0..times).for_each(|_| sampler.sample(&feet, std::hint::black_box(&mut sampled)));
+            sampler.leave();
+            feet.len as u64
+        }
+    };
+    let settings = Settings {
+        lattice: prepared.lattice,
+        half_width: prepared.half_width,
+        region: content.region,
+        cancel: &AtomicBool::new(false),
+        progress: &|_| {},
+    };
+    let measured = measure(&*content.field, &settings, new_visitor).expect("the scenes have surfaces");
+    measured.visits.iter().sum()
+}
+
+fn colours(scene: &str, resolution: u32) {
+    let frame = frame_of(scene);
+    let prepared = scenes::prepare(scene, Sampling::OfSolid(resolution));
+    let content = prepared.frame(frame).expect("a frame");
+    let colour = content.colour.as_deref().expect("the scenes have a colour");
+    let mut voxels = 0;
+    let mut milliseconds = [const { Vec::new() }; 2];
+    for _ in 0..ROUNDS {
+        let [band, computed, once, often] = [
+            timed(|| scenes::band(&prepared, &content)).0,
+            timed(|| bake::compute(&prepared, frame)).0,
+            timed(|| samples(&prepared, &content, colour, 1)).0,
+            timed(|| voxels = samples(&prepared, &content, colour, 1 + AGAIN)).0,
+        ]
+        .map(|seconds| 1e3 * seconds[1]);
+        let times = [computed - band, (often - once) / AGAIN as f64];
+        milliseconds.iter_mut().zip(times).for_each(|(all, time)| all.push(time));
+    }
+    let [colours, sampling] = milliseconds.map(|all| quartiles(all)[0]);
+    let ratio = colours / sampling;
+    println!("BOUND-COLOUR {scene} {resolution} {:.2} {colours:.1} {sampling:.1} {ratio:.2}", voxels as f64 / 1e6);
+}
+
+/// The frame of a scene that is looked at.
+fn frame_of(scene: &str) -> i64 {
+    if scene == "cubism" { 24 } else { 1 }
+}
+
 fn main() {
     let named: Vec<String> = common::arguments().into_iter().filter(|word| word.parse::<u32>().is_err()).collect();
     let scenes = if named.is_empty() { ["sphere-to-cube", "cubism"].map(String::from).to_vec() } else { named };
     for resolution in common::resolutions(&[512]) {
         for scene in &scenes {
-            threads(2).install(|| bench(scene, resolution));
+            threads(2).install(|| distances(scene, resolution));
+            threads(2).install(|| colours(scene, resolution));
         }
     }
 }

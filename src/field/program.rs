@@ -90,7 +90,6 @@ impl Program {
         });
     }
 
-    /// F in plain `f64` arithmetic.
     /// Whether values may jump.
     pub fn jumps(&self) -> bool {
         let jump = |op: &Op| {
@@ -100,6 +99,7 @@ impl Program {
         self.ops.iter().any(jump)
     }
 
+    /// F in plain `f64` arithmetic.
     pub fn reference(&self, position: DVec3) -> f64 {
         let mut values = Vec::with_capacity(self.ops.len());
         for op in &self.ops {
