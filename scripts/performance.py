@@ -40,6 +40,8 @@ GOALS = {
     "written": ("a ready frame with colour on the disk, rate against `io::File`", "handover", ""),
 }
 STAGES = ["find", "fill", "distances", "colour", "encode", "check", "disk"]
+BOUND = ["points, millions", "distances", "gradients alone", "of that in the caches"]
+BOUND_COLOUR = ["voxels, millions", "colours", "sampling in the caches"]
 MISSING = "Not in the logs that this page was made from."
 PROGRAM = {
     "cubism-256": ("`hfvdb bake cubism -o out/m.####.vdb`: 48 frames at 256 with colour", "90 s; 2 GiB"),
@@ -98,7 +100,7 @@ def read(logs):
                 rows.setdefault(key, (line.partition(" goal ")[2], []))[1].append(float(fields[4]))
             elif kind == "MACHINE":
                 others[kind].append(" ".join(fields))
-            elif kind in ("STAGE", "BOUND", "GROWTH", "EXPONENT", "PROGRAM", "MEMORY"):
+            elif kind in ("STAGE", "BOUND", "BOUND-COLOUR", "GROWTH", "EXPONENT", "PROGRAM", "MEMORY"):
                 others[kind].append(fields)
     return rows, others
 
@@ -144,13 +146,13 @@ def stages(lines):
     return table(["scene, voxels", *(stage.replace("_", " ") for stage in STAGES), "all"], rows)
 
 
-def bound(lines):
+def bound(lines, what):
+    """The medians of a line's numbers, by scene; `what` names them."""
     found = collections.defaultdict(list)
     for scene, resolution, *numbers in lines:
         found[f"{scene} {resolution}"].append([float(number) for number in numbers])
-    head = ["scene, voxels", "points, millions", "distances", "gradients alone", "of that in the caches", "ratio"]
     rows = [[scene, *(number(statistics.median(column)) for column in zip(*all))] for scene, all in found.items()]
-    return table(head, rows)
+    return table(["scene, voxels", *what, "ratio"], rows)
 
 
 def growth(lines, exponents):
@@ -191,7 +193,8 @@ def main():
         "errors": errors(rows),
         "runs": {1: "one run", 3: "three runs"}.get(len(sys.argv) - 1, f"{len(sys.argv) - 1} runs"),
         "stages": stages(others["STAGE"]) if others["STAGE"] else MISSING,
-        "bound": bound(others["BOUND"]) if others["BOUND"] else MISSING,
+        "bound": bound(others["BOUND"], BOUND) if others["BOUND"] else MISSING,
+        "bound_colour": bound(others["BOUND-COLOUR"], BOUND_COLOUR) if others["BOUND-COLOUR"] else MISSING,
         "growth": growth(others["GROWTH"], others["EXPONENT"]) if others["GROWTH"] else MISSING,
         "program": program(others["PROGRAM"]) if others["PROGRAM"] else MISSING,
         "memory": memory(others["MEMORY"]) if others["MEMORY"] else MISSING,
