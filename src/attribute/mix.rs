@@ -115,51 +115,57 @@ impl Mixer {
 
     #[inline(always)]
     fn mix_lanes<const N: usize>(&self, from: &mut [LinearRgb; N], to: &[LinearRgb; N], weights: &[f32; N]) {
+        let (starts, ends) = (lanes_of(from), lanes_of(to));
         let mut mixing = false;
         for i in 0..N {
-            mixing |= !((weights[i] <= 0.0) | (weights[i] >= 1.0) | same(from[i], to[i]));
+            mixing |= !((weights[i] <= 0.0) | (weights[i] >= 1.0) | same(&starts, i, &ends, i));
         }
         let mut mixed = [[0.0; N]; 3];
         if mixing {
-            self.mix_encoded(&self.encoded(from), &self.encoded(to), weights, &mut mixed);
+            self.mix_encoded(&self.encoded(&starts), &self.encoded(&ends), weights, &mut mixed);
             // The way between two colours may lead out of what can be shown: below 0, where decoding stops it, or above 1.
             for i in 0..N {
                 let mut most: f32 = 1.0;
                 for channel in 0..3 {
-                    most = most.max(from[i][channel]).max(to[i][channel]);
+                    most = most.max(starts[channel][i]).max(ends[channel][i]);
                 }
                 for mixed in &mut mixed {
                     mixed[i] = mixed[i].min(most);
                 }
             }
         }
-        // Not into `from`, which may be kept: see `lane_math`.
-        let mut out = [[0.0; 3]; N];
+        // Not into `mixed`, which may be kept: see `lane_math`.
+        let mut out = [[0.0; N]; 3];
         for i in 0..N {
-            let (stays, goes) = ((weights[i] <= 0.0) | same(from[i], to[i]), weights[i] >= 1.0);
+            let (stays, goes) = ((weights[i] <= 0.0) | same(&starts, i, &ends, i), weights[i] >= 1.0);
             for channel in 0..3 {
-                let moved = select_unpredictable(goes, to[i][channel], mixed[channel][i]);
-                out[i][channel] = select_unpredictable(stays, from[i][channel], moved);
+                let moved = select_unpredictable(goes, ends[channel][i], mixed[channel][i]);
+                out[channel][i] = select_unpredictable(stays, starts[channel][i], moved);
             }
         }
-        *from = out;
+        for i in 0..N {
+            from[i] = [out[0][i], out[1][i], out[2][i]];
+        }
     }
 
     /// Colours in the mixer's space; neighbours often share theirs, which is then encoded once.
     #[inline(always)]
-    fn encoded<const N: usize>(&self, colours: &[LinearRgb; N]) -> Lanes<N> {
+    fn encoded<const N: usize>(&self, colours: &Lanes<N>) -> Lanes<N> {
         let mut one = true;
-        for colour in colours {
-            one &= same(*colour, colours[0]);
-        }
-        if one {
-            return self.space.encode(colours[0]).map(|number| [number; N]);
-        }
-        let mut lanes = [[0.0; N]; 3];
         for i in 0..N {
-            [lanes[0][i], lanes[1][i], lanes[2][i]] = colours[i];
+            one &= same(colours, i, colours, 0);
         }
-        self.space.encode_lanes(&mut lanes);
+        let mut lanes = *colours;
+        if one {
+            let numbers = self.space.encode([colours[0][0], colours[1][0], colours[2][0]]);
+            for part in 0..3 {
+                for lane in &mut lanes[part] {
+                    *lane = numbers[part];
+                }
+            }
+        } else {
+            self.space.encode_lanes(&mut lanes);
+        }
         lanes
     }
 
@@ -229,8 +235,18 @@ fn mix_chunks(
 }
 
 #[inline(always)]
-fn same(one: LinearRgb, two: LinearRgb) -> bool {
-    (one[0] == two[0]) & (one[1] == two[1]) & (one[2] == two[2])
+fn lanes_of<const N: usize>(colours: &[LinearRgb; N]) -> Lanes<N> {
+    let mut lanes = [[0.0; N]; 3];
+    for i in 0..N {
+        [lanes[0][i], lanes[1][i], lanes[2][i]] = colours[i];
+    }
+    lanes
+}
+
+/// Whether two lanes hold the same colour.
+#[inline(always)]
+fn same<const N: usize>(one: &Lanes<N>, i: usize, two: &Lanes<N>, j: usize) -> bool {
+    (one[0][i] == two[0][j]) & (one[1][i] == two[1][j]) & (one[2][i] == two[2][j])
 }
 
 /// The hue at a weight, `apart` degrees being the way to go, between two hues with their strengths; a colour with
