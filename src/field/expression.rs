@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
+use super::balls::EqualBalls;
 use super::branch::{Branches, Part};
 use super::graph::{Graph, Node};
 use super::interval::Intervals;
@@ -48,6 +49,11 @@ impl Expression {
     /// their own any more.
     pub fn for_values_alone(self) -> Self {
         Self { program: Arc::new(chosen_first(&self.program)), ..self.keeping_values() }
+    }
+
+    /// The balls of which this is the union, for a field [for values alone](Self::for_values_alone).
+    pub(crate) fn equal_balls(&self) -> Option<EqualBalls> {
+        EqualBalls::of(&self.program)
     }
 
     /// The same field, known to be negative outside of a box: for what construction cannot tell.

@@ -4,6 +4,7 @@
 //! gradients, and the smooth branches that meet at creases. Expressions implement it here; distance objects,
 //! meshes and morphs implement it in their own rooms.
 
+mod balls;
 mod batch;
 mod bounds;
 mod branch;
@@ -33,6 +34,7 @@ mod tape;
 mod tests;
 mod width;
 
+pub(crate) use balls::EqualBalls;
 pub use batch::{BATCH, Gradients, Points};
 pub use combine::{Blend, BlendBounds, SetSystem};
 pub use expression::{Expression, ExpressionEvaluator};

@@ -7,7 +7,7 @@ use glam::{DAffine3, DVec3};
 use crate::attribute::VertexColours;
 use crate::attribute::{Attribute, Bands, ByCell, CellIndex, Choice, Colour, Constant, CubeLattice, LinearRgb};
 use crate::attribute::{ByFormula, Components, FieldValue, Mix, Mixer, Part, Parts, Rule, Scalar, Straight};
-use crate::distance::nearest::PointTree;
+use crate::distance::nearest::{BallsByTree, PointTree};
 use crate::field::cells::Cells;
 use crate::field::facet::{self, surface_points};
 use crate::field::{BATCH, Expression, Field, Graph, Points, Slope};
@@ -264,9 +264,18 @@ impl Solids {
         }
         let mut parts: Vec<Part<N>> = Vec::with_capacity(operands.len());
         for (id, paint) in operands.iter().zip(paints) {
-            parts.push((Arc::new(self.values(*id)?.for_values_alone()), paint.attribute));
+            parts.push((self.decider(*id)?, paint.attribute));
         }
         Ok(Parts::new(parts, rule, TOLERANCE_VOXELS * voxel).map(Paint::of))
+    }
+
+    /// The field whose values tell where a part is.
+    pub fn decider(&mut self, id: ShapeId) -> Result<Arc<dyn Field>, Problem> {
+        let field = self.values(id)?.for_values_alone();
+        Ok(match BallsByTree::of(&field) {
+            Some(balls) => Arc::new(balls),
+            None => Arc::new(field),
+        })
     }
 
     pub fn component(&self, component: &Component) -> Result<Arc<dyn Field>, Problem> {
