@@ -9,12 +9,16 @@ use rayon::prelude::*;
 
 use super::evaluate::Place;
 use super::patch::{self, PatchBounds};
+use super::steepest::Steepest;
 use super::{DistanceObject, LEAF};
 use crate::field::{Aabb, Interval};
 
 /// Leaves cut to the box they are asked for, at most: a cut costs some microseconds. Where more are met, their whole
 /// bounds are taken.
 const CUT: usize = 8;
+
+/// Leaves bounded by one thread before it looks for others: steep ones among them are looked at together.
+const LEAVES_AT_ONCE: usize = 1024;
 
 /// Cuts spent on the declared slope: some ten milliseconds.
 const STEEPEST_CUTS: usize = 1000;
@@ -297,15 +301,20 @@ impl DistanceObject {
 
     /// Works out every node's bounds, the slope, and the box of what may be inside. `places` are those of the leaves.
     pub(super) fn bound(&mut self, places: &[Place]) {
-        let (leaf_bounds, slopes): (Vec<PatchBounds>, Vec<f64>) = places
-            .par_iter()
-            .map(|&place| {
+        let of_some = |places: &[Place]| {
+            let mut steepest = Steepest::new();
+            let bounds = |&place: &Place| {
                 let patch = self.patch(place);
                 let tensor = patch.bernstein();
                 let slopes = patch::slopes(&tensor, [patch.edge; 3]);
-                (patch::bounds(&tensor, &slopes, patch.edge), patch::steepest(&tensor, &slopes, patch.edge))
-            })
-            .unzip();
+                steepest.add(&tensor, &slopes, patch.edge);
+                patch::bounds(&tensor, &slopes, patch.edge)
+            };
+            let bounds: Vec<PatchBounds> = places.iter().map(bounds).collect();
+            (bounds, steepest.take().collect::<Vec<f64>>())
+        };
+        let (leaf_bounds, slopes): (Vec<_>, Vec<_>) = places.par_chunks(LEAVES_AT_ONCE).map(of_some).unzip();
+        let (leaf_bounds, slopes) = (leaf_bounds.concat(), slopes.concat());
         self.bounds = vec![Stored::NONE; self.nodes.len()];
         // Children stand after their parents.
         for node in (0..self.nodes.len()).rev() {
@@ -334,7 +343,7 @@ impl DistanceObject {
         let mut open: BinaryHeap<Steep> = (leaves.into_iter())
             .map(|leaf| Steep { slope: slopes[leaf], place: places[leaf], min: [0.0; 3], edge: 1.0 })
             .collect();
-        let mut met = 0.0_f64;
+        let (mut met, mut parts) = (0.0_f64, Steepest::new());
         for _ in 0..STEEPEST_CUTS {
             let Some(steep) = open.pop() else { break };
             if steep.slope <= 1.1 * met {
@@ -343,15 +352,17 @@ impl DistanceObject {
             let patch = self.patch(steep.place);
             let tensor = patch.bernstein();
             let half = steep.edge / 2.0;
-            for child in 0..8 {
-                let min: [f64; 3] =
-                    std::array::from_fn(|axis| steep.min[axis] + if child & (4 >> axis) != 0 { half } else { 0.0 });
+            let min = |child: usize| {
+                std::array::from_fn(|axis| steep.min[axis] + if child & (4 >> axis) != 0 { half } else { 0.0 })
+            };
+            for min in (0..8).map(min) {
                 let jet = patch.jet(min.map(|x| x + half / 2.0));
                 met = met.max((jet[4] * jet[4] + jet[2] * jet[2] + jet[1] * jet[1]).sqrt());
                 let part = patch::restrict(&tensor, min, min.map(|x| x + half));
-                let slopes = patch::slopes(&part, [half * patch.edge; 3]);
-                let slope = patch::steepest(&part, &slopes, patch.edge);
-                open.push(Steep { slope, place: steep.place, min, edge: half });
+                parts.add(&part, &patch::slopes(&part, [half * patch.edge; 3]), patch.edge);
+            }
+            for (child, slope) in parts.take().enumerate() {
+                open.push(Steep { slope, place: steep.place, min: min(child), edge: half });
             }
         }
         open.pop().map_or(met, |steep| steep.slope)

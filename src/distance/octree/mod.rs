@@ -22,6 +22,7 @@ mod kernel;
 mod patch;
 mod refine;
 mod samples;
+mod steepest;
 mod tree;
 
 #[cfg(test)]

@@ -186,8 +186,9 @@ fn lesser(a: f64, b: f64) -> f64 {
     if a < b { a } else { b }
 }
 
+/// The greater of two numbers.
 #[inline(always)]
-fn greater(a: f64, b: f64) -> f64 {
+pub fn greater(a: f64, b: f64) -> f64 {
     if a > b { a } else { b }
 }
 
@@ -203,9 +204,6 @@ fn extreme(tensor: &Tensor, choose: impl Fn(f64, f64) -> f64) -> f64 {
     }
     lanes[1..].iter().fold(lanes[0], |chosen, lane| choose(chosen, *lane))
 }
-
-/// A bound of |∇F| above this is worth some cuts.
-const STEEP: f64 = 1.05;
 
 /// Grows an interval by what the `f32` evaluation of a value or slope of that size may be off.
 pub fn padded(interval: Interval, size: f64) -> Interval {
@@ -229,69 +227,9 @@ fn slope_size(value: f64, cell: f64) -> f64 {
     1.0 + value / cell
 }
 
-/// The greatest |∇F| over a cell, from the same: a gradient stays in the hull of what the coefficients of its parts make up
-/// together. Where that is above 1, which that of a distance hardly is, from those of the cell's eight octants: the hull of
-/// the whole takes more than twice as much too much.
-pub fn steepest(tensor: &Tensor, slopes: &[Tensor; 3], cell: f64) -> f64 {
-    let mut greatest = longest_squared(slopes);
-    if greatest > STEEP * STEEP {
-        greatest = longest_squared_in_octants(slopes);
-    }
-    greatest.sqrt() + 4e-6 * slope_size(largest(tensor), cell)
-}
-
-fn longest_squared(slopes: &[Tensor; 3]) -> f64 {
-    let mut most = [0.0; 64];
-    raise_to_squares(slopes, &mut most);
-    extreme(&most, greater)
-}
-
-#[multiversion::multiversion(targets = "simd")]
-fn longest_squared_in_octants(slopes: &[Tensor; 3]) -> f64 {
-    let mut most = [0.0; 64];
-    // Most work goes along x, where vectors hold numbers that stand side by side.
-    for along_z in halves_of_each::<1>(slopes) {
-        for along_y in halves_of_each::<4>(&along_z) {
-            for octant in halves_of_each::<16>(&along_y) {
-                raise_to_squares(&octant, &mut most);
-            }
-        }
-    }
-    extreme(&most, greater)
-}
-
-#[inline(always)]
-fn raise_to_squares([x, y, z]: &[Tensor; 3], most: &mut Tensor) {
-    for i in 0..64 {
-        most[i] = greater(x[i] * x[i] + y[i] * y[i] + z[i] * z[i], most[i]);
-    }
-}
-
-/// The coefficients of both halves of a box along an axis, whose numbers are so far apart, for each of three tensors.
-#[inline(always)]
-fn halves_of_each<const STRIDE: usize>(tensors: &[Tensor; 3]) -> [[Tensor; 3]; 2] {
-    let mut halves = [[[0.0; 64]; 3]; 2];
-    let [near, far] = &mut halves;
-    for axis in 0..3 {
-        halve::<STRIDE>(&tensors[axis], &mut near[axis], &mut far[axis]);
-    }
-    halves
-}
-
-/// The coefficients of both halves, by de Casteljau.
-#[inline(always)]
-fn halve<const STRIDE: usize>(tensor: &Tensor, near: &mut Tensor, far: &mut Tensor) {
-    for lines in (0..64).step_by(4 * STRIDE) {
-        for start in lines..lines + STRIDE {
-            let at = |i: usize| start + i * STRIDE;
-            let [a, b, c, d] = [tensor[at(0)], tensor[at(1)], tensor[at(2)], tensor[at(3)]];
-            let [ab, bc, cd] = [0.5 * (a + b), 0.5 * (b + c), 0.5 * (c + d)];
-            let [abc, bcd] = [0.5 * (ab + bc), 0.5 * (bc + cd)];
-            let middle = 0.5 * (abc + bcd);
-            (near[at(0)], near[at(1)], near[at(2)], near[at(3)]) = (a, ab, abc, middle);
-            (far[at(0)], far[at(1)], far[at(2)], far[at(3)]) = (middle, bcd, cd, d);
-        }
-    }
+/// What bounds of |∇F| over a cell of some edge are to be greater by.
+pub fn rounding_of_slopes(tensor: &Tensor, cell: f64) -> f64 {
+    4e-6 * slope_size(largest(tensor), cell)
 }
 
 /// The greatest of the numbers without their signs.
@@ -311,33 +249,34 @@ pub fn mixed(tensor: &Tensor, edge: f64) -> (f64, f64) {
     (second, largest(&slope(&xy, 2, edge)))
 }
 
+/// Σ c_ijk xⁱ yʲ zᵏ with all derivatives of a jet.
+#[cfg(test)]
+pub fn polynomial(p: [f64; 3]) -> Jet {
+    let mut jet = [0.0; 8];
+    for i in 0..64 {
+        let coefficient = f64::from(i * 37 % 19 - 9) / 9.0;
+        let powers = [i >> 4, (i >> 2) & 3, i & 3];
+        for (slot, number) in jet.iter_mut().enumerate() {
+            let mut term = coefficient;
+            for axis in 0..3 {
+                let n: i32 = powers[axis];
+                term *= if slot & AXIS_BIT[axis] == 0 {
+                    p[axis].powi(n)
+                } else if n == 0 {
+                    0.0
+                } else {
+                    f64::from(n) * p[axis].powi(n - 1)
+                };
+            }
+            *number += term;
+        }
+    }
+    jet
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    /// Σ c_ijk xⁱ yʲ zᵏ with all derivatives of a jet.
-    fn polynomial(p: [f64; 3]) -> Jet {
-        let mut jet = [0.0; 8];
-        for i in 0..64 {
-            let coefficient = f64::from(i * 37 % 19 - 9) / 9.0;
-            let powers = [i >> 4, (i >> 2) & 3, i & 3];
-            for (slot, number) in jet.iter_mut().enumerate() {
-                let mut term = coefficient;
-                for axis in 0..3 {
-                    let n: i32 = powers[axis];
-                    term *= if slot & AXIS_BIT[axis] == 0 {
-                        p[axis].powi(n)
-                    } else if n == 0 {
-                        0.0
-                    } else {
-                        f64::from(n) * p[axis].powi(n - 1)
-                    };
-                }
-                *number += term;
-            }
-        }
-        jet
-    }
 
     #[test]
     fn tricubic_polynomials_are_kept() {
@@ -360,27 +299,6 @@ mod tests {
             let part = restrict(&tensor, t.map(|t| t * 0.5), t.map(|t| 0.5 + t * 0.5));
             let want = at(t.map(|t| t * 0.5))[0];
             assert!((part[0] - want).abs() < 1e-11 * (1.0 + want.abs()));
-        }
-    }
-
-    #[test]
-    fn the_steepest_slope_is_that_of_the_octants() {
-        let edge = 0.7;
-        let at =
-            |corner: usize| polynomial(std::array::from_fn(|axis| edge * f64::from(corner as u32 >> (2 - axis) & 1)));
-        let tensor = Patch { corners: std::array::from_fn(at), edge }.bernstein();
-        let steepest = steepest(&tensor, &slopes(&tensor, [edge; 3]), edge);
-        // The same by blossoming, and the rounding that a cell's values allow for.
-        let octants = (0..8).map(|octant| {
-            let lo: [f64; 3] = std::array::from_fn(|axis| 0.5 * f64::from(octant as u32 >> (2 - axis) & 1));
-            longest_squared(&slopes(&restrict(&tensor, lo, lo.map(|lo| lo + 0.5)), [0.5 * edge; 3])).sqrt()
-        });
-        let want = octants.fold(0.0, f64::max) + 4e-6 * slope_size(largest(&tensor), edge);
-        assert!((steepest - want).abs() < 1e-12 * want, "{steepest} for {want}");
-        for place in 0..1000 {
-            let p = std::array::from_fn(|axis| edge / 9.0 * f64::from(place / 10_i32.pow(axis as u32) % 10));
-            let [_, z, y, _, x, ..] = polynomial(p);
-            assert!((x * x + y * y + z * z).sqrt() < steepest, "at {p:?}");
         }
     }
 }

@@ -11,9 +11,9 @@ use super::BuildError;
 use crate::distance::Foot;
 use crate::distance::nearest::{ClosestPoint, Watch};
 
-/// Positions asked for in one call: enough to share the cost of a call and of the surface that they have in common, few
-/// enough to give all threads some.
-const BATCH: usize = 1024;
+/// Positions asked for in one call: those on either side of the same piece of surface, which share what is found out about
+/// it, are far apart along the Morton curve. More shares hardly more, and leaves threads without work.
+const BATCH: usize = 4096;
 
 /// Cells whose points are listed together before they are sought among those of all.
 const CELLS: usize = 256;
