@@ -90,16 +90,36 @@ impl Points {
 fn range(values: &[f32]) -> [f32; 2] {
     const LANES: usize = 32;
     let (mut least, mut greatest) = ([f32::INFINITY; LANES], [f32::NEG_INFINITY; LANES]);
-    for values in values.chunks(LANES) {
-        // The first again in the place of those that are missing.
-        let mut row = [values[0]; LANES];
-        row[..values.len()].copy_from_slice(values);
+    let Some(&first) = values.first() else { return [least[0], greatest[0]] };
+    let (rows, rest) = values.as_chunks::<LANES>();
+    // The first again in the place of those that are missing.
+    let mut last = [first; LANES];
+    last[..rest.len()].copy_from_slice(rest);
+    for row in rows.iter().chain([&last]) {
         for i in 0..LANES {
-            least[i] = if row[i] < least[i] { row[i] } else { least[i] };
-            greatest[i] = if row[i] > greatest[i] { row[i] } else { greatest[i] };
+            least[i] = lesser(row[i], least[i]);
+            greatest[i] = greater(row[i], greatest[i]);
         }
     }
-    [least.into_iter().fold(f32::INFINITY, f32::min), greatest.into_iter().fold(f32::NEG_INFINITY, f32::max)]
+    for half in [16, 8, 4, 2, 1] {
+        for i in 0..half {
+            least[i] = lesser(least[i], least[half + i]);
+            greatest[i] = greater(greatest[i], greatest[half + i]);
+        }
+    }
+    [least[0], greatest[0]]
+}
+
+// One vector instruction each; what is no number is passed over where it comes first.
+
+#[inline(always)]
+fn lesser(a: f32, b: f32) -> f32 {
+    if a < b { a } else { b }
+}
+
+#[inline(always)]
+fn greater(a: f32, b: f32) -> f32 {
+    if a > b { a } else { b }
 }
 
 /// Values and gradients at a batch of points.

@@ -487,7 +487,8 @@ mod tests {
                 points.origin = (points.origin * 256.0).round() / 256.0;
             }
             let mut found = [0; BATCH];
-            cells.surface_leaves_at(&points, &mut found);
+            let Some(region) = points.bounding_box() else { continue };
+            cells.surface_leaves_at(&points, &region, &mut found);
             for i in 0..points.len {
                 let (batch, one) = (CellId(found[i]), cells.surface_leaf_at(points.position(i)));
                 let distance = |id: CellId| {

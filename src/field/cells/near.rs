@@ -22,10 +22,13 @@ struct Near {
 }
 
 impl Cells {
-    /// [`Cells::surface_leaf_at`] for each point, but for the rounding of an offset.
-    pub fn surface_leaves_at(&self, points: &Points, out: &mut [u32; BATCH]) {
-        let Some(region) = points.bounding_box() else { return };
-        let near = self.surface_leaves_near(&region);
+    /// [`Cells::surface_leaf_at`] for each point, but for the rounding of an offset. `region` holds all points.
+    pub fn surface_leaves_at(&self, points: &Points, region: &Aabb, out: &mut [u32; BATCH]) {
+        let near = self.surface_leaves_near(region);
+        if let [only] = near[..] {
+            out[..points.len].fill(only.0);
+            return;
+        }
         if near.len() > MOST_IN_TURN {
             let mut last = self.surface()[0];
             for i in 0..points.len {
@@ -47,7 +50,7 @@ impl Cells {
 
     /// The leaves on the surface among which the nearest one of any position in a region is, in the order of
     /// [`Cells::cells`].
-    fn surface_leaves_near(&self, region: &Aabb) -> Vec<CellId> {
+    pub fn surface_leaves_near(&self, region: &Aabb) -> Vec<CellId> {
         let (mut within, mut near) = (f64::INFINITY, Vec::new());
         self.collect_near(self.nodes[0], self.root, region, &mut within, &mut near);
         let mut near: Vec<CellId> =

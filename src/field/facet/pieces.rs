@@ -27,17 +27,26 @@ impl Pieces {
     /// The surface cell that each point belongs to: the one it lies in, or the one beside it whose piece holds a point
     /// that its own cell's piece does not.
     pub fn cells_at(&self, cells: &Cells, points: &Points, out: &mut [u32; BATCH]) {
-        cells.surface_leaves_at(points, out);
+        let Some(region) = points.bounding_box() else { return };
+        cells.surface_leaves_at(points, &region, out);
+        // Mostly all points belong to one cell, or to none.
+        let first = out[0];
+        if out[..points.len].iter().all(|&cell| cell == first) && self.holds_alone(cells, CellId(first), &region) {
+            return;
+        }
+        let root = cells.root();
         let mut values = None;
         for i in 0..points.len {
             let (position, own) = (points.position(i), CellId(out[i]));
-            // No piece but its own reaches as far as this, or none at all.
-            let bounds = cells.cell(own).bounds;
-            if bounds.grown(-self.reach).contains(position) || !bounds.grown(2.0 * self.reach).contains(position) {
+            if self.holds_alone(cells, own, &Aabb::new(position, position)) {
                 continue;
             }
-            let corners = Aabb::new(position, position).grown(self.reach).corners();
-            let root = cells.root();
+            let around = Aabb::new(position, position).grown(self.reach);
+            let clamped = Aabb::new(around.min.clamp(root.min, root.max), around.max.clamp(root.min, root.max));
+            if cells.surface_leaves_near(&clamped) == [own] {
+                continue;
+            }
+            let corners = around.corners();
             let beside = corners.map(|corner| cells.surface_leaf_from(corner.clamp(root.min, root.max), own));
             if beside.iter().all(|&cell| cell == own) {
                 continue;
@@ -57,5 +66,14 @@ impl Pieces {
                 out[i] = other.0;
             }
         }
+    }
+
+    /// Whether a region, whose points lie nearest to a cell, is one that no other cell's piece reaches into: so deep in its
+    /// cell, or so far from it that no piece does.
+    fn holds_alone(&self, cells: &Cells, own: CellId, region: &Aabb) -> bool {
+        let bounds = cells.cell(own).bounds;
+        let deep = bounds.grown(-self.reach);
+        let deep = deep.contains(region.min) && deep.contains(region.max);
+        deep || bounds.grown(2.0 * self.reach).intersection(*region).is_none()
     }
 }
