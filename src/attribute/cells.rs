@@ -153,14 +153,10 @@ impl<const N: usize, M: Mix<N>> Sampler<N> for ByCellSampler<'_, N, M> {
 
     fn sample(&mut self, points: &Points, out: &mut [[f32; N]; BATCH]) {
         self.by_cell.cells.indices(points, &mut self.indices);
-        let mut last: Option<(u32, [f32; N])> = None;
-        for (index, out) in self.indices[..points.len].iter().zip(out) {
-            let value = match last {
-                Some((cell, value)) if cell == *index => value,
-                _ => self.by_cell.choice.pick(self.by_cell.seed, *index),
-            };
-            last = Some((*index, value));
-            *out = value;
+        let mut rest = &mut out[..points.len];
+        for run in self.indices[..points.len].chunk_by(|a, b| a == b) {
+            let out = rest.split_off_mut(..run.len()).unwrap_or_default();
+            out.fill(self.by_cell.choice.pick(self.by_cell.seed, run[0]));
         }
     }
 
