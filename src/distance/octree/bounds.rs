@@ -290,13 +290,7 @@ impl DistanceObject {
         if whole || node & LEAF != 0 {
             *found = steepest;
         } else {
-            // The steepest first: what is met there most often saves looking at the others.
-            let slope = |child: &usize| self.bounds[node as usize + child].steepest;
-            let first = (0..8).max_by(|a, b| slope(a).total_cmp(&slope(b))).unwrap_or(0);
-            let others = (0..8).filter(|child| *child != first);
-            std::iter::once(first)
-                .chain(others)
-                .for_each(|child| self.visit_steepest(region, place.nth_child(node, child), found));
+            (0..8).for_each(|child| self.visit_steepest(region, place.nth_child(node, child), found));
         }
     }
 
