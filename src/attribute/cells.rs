@@ -153,10 +153,10 @@ impl<const N: usize, M: Mix<N>> Sampler<N> for ByCellSampler<'_, N, M> {
 
     fn sample(&mut self, points: &Points, out: &mut [[f32; N]; BATCH]) {
         self.by_cell.cells.indices(points, &mut self.indices);
-        let mut rest = &mut out[..points.len];
+        let mut start = 0;
         for run in self.indices[..points.len].chunk_by(|a, b| a == b) {
-            let out = rest.split_off_mut(..run.len()).unwrap_or_default();
-            out.fill(self.by_cell.choice.pick(self.by_cell.seed, run[0]));
+            out[start..start + run.len()].fill(self.by_cell.choice.pick(self.by_cell.seed, run[0]));
+            start += run.len();
         }
     }
 

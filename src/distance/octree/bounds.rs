@@ -301,20 +301,20 @@ impl DistanceObject {
 
     /// Works out every node's bounds, the slope, and the box of what may be inside. `places` are those of the leaves.
     pub(super) fn bound(&mut self, places: &[Place]) {
-        let of_some = |places: &[Place]| {
+        let none = PatchBounds { value: Interval::ZERO, gradient: [Interval::ZERO; 3] };
+        let (mut leaf_bounds, mut slopes) = (vec![none; places.len()], vec![0.0; places.len()]);
+        let found = leaf_bounds.par_chunks_mut(LEAVES_AT_ONCE).zip(slopes.par_chunks_mut(LEAVES_AT_ONCE));
+        places.par_chunks(LEAVES_AT_ONCE).zip(found).for_each(|(places, (bounds, longest))| {
             let mut steepest = Steepest::new();
-            let bounds = |&place: &Place| {
+            for (&place, bounds) in places.iter().zip(bounds) {
                 let patch = self.patch(place);
                 let tensor = patch.bernstein();
                 let slopes = patch::slopes(&tensor, [patch.edge; 3]);
+                *bounds = patch::bounds(&tensor, &slopes, patch.edge);
                 steepest.add(&tensor, &slopes, patch.edge);
-                patch::bounds(&tensor, &slopes, patch.edge)
-            };
-            let bounds: Vec<PatchBounds> = places.iter().map(bounds).collect();
-            (bounds, steepest.take().collect::<Vec<f64>>())
-        };
-        let (leaf_bounds, slopes): (Vec<_>, Vec<_>) = places.par_chunks(LEAVES_AT_ONCE).map(of_some).unzip();
-        let (leaf_bounds, slopes) = (leaf_bounds.concat(), slopes.concat());
+            }
+            longest.iter_mut().zip(steepest.take()).for_each(|(longest, steepest)| *longest = steepest);
+        });
         self.bounds = vec![Stored::NONE; self.nodes.len()];
         // Children stand after their parents.
         for node in (0..self.nodes.len()).rev() {
@@ -352,18 +352,17 @@ impl DistanceObject {
             let patch = self.patch(steep.place);
             let tensor = patch.bernstein();
             let half = steep.edge / 2.0;
-            let min = |child: usize| {
+            let mins: [[f64; 3]; 8] = std::array::from_fn(|child| {
                 std::array::from_fn(|axis| steep.min[axis] + if child & (4 >> axis) != 0 { half } else { 0.0 })
-            };
-            for min in (0..8).map(min) {
+            });
+            for min in mins {
                 let jet = patch.jet(min.map(|x| x + half / 2.0));
                 met = met.max((jet[4] * jet[4] + jet[2] * jet[2] + jet[1] * jet[1]).sqrt());
                 let part = patch::restrict(&tensor, min, min.map(|x| x + half));
                 parts.add(&part, &patch::slopes(&part, [half * patch.edge; 3]), patch.edge);
             }
-            for (child, slope) in parts.take().enumerate() {
-                open.push(Steep { slope, place: steep.place, min: min(child), edge: half });
-            }
+            let halves = mins.into_iter().zip(parts.take());
+            open.extend(halves.map(|(min, slope)| Steep { slope, place: steep.place, min, edge: half }));
         }
         open.pop().map_or(met, |steep| steep.slope)
     }

@@ -68,7 +68,9 @@ impl Steepest {
 
     /// The bounds; none is left.
     pub fn take(&mut self) -> impl Iterator<Item = f64> {
-        self.look_at_octants();
+        if !self.waiting.is_empty() {
+            self.look_at_octants();
+        }
         self.found.drain(..).map(|Found { longest_squared, rounding }| longest_squared.sqrt() + rounding)
     }
 }

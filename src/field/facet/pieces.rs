@@ -38,16 +38,17 @@ impl Pieces {
         let mut values = None;
         for i in 0..points.len {
             let (position, own) = (points.position(i), CellId(out[i]));
-            if self.holds_alone(cells, own, &Aabb::new(position, position)) {
+            let point = Aabb::new(position, position);
+            if self.holds_alone(cells, own, &point) {
                 continue;
             }
-            let around = Aabb::new(position, position).grown(self.reach);
-            let clamped = Aabb::new(around.min.clamp(root.min, root.max), around.max.clamp(root.min, root.max));
-            if cells.surface_leaves_near(&clamped) == [own] {
+            let around = point.grown(self.reach);
+            let around = Aabb::new(around.min.clamp(root.min, root.max), around.max.clamp(root.min, root.max));
+            // One search for most, in place of one for each corner.
+            if cells.surface_leaves_near(&around) == [own] {
                 continue;
             }
-            let corners = around.corners();
-            let beside = corners.map(|corner| cells.surface_leaf_from(corner.clamp(root.min, root.max), own));
+            let beside = around.corners().map(|corner| cells.surface_leaf_from(corner, own));
             if beside.iter().all(|&cell| cell == own) {
                 continue;
             }
