@@ -71,7 +71,8 @@ impl Real for f64 {
 #[inline(always)]
 pub(super) fn intersection<T: Real>(a: T, b: T) -> T {
     let (least, most) = (a.least(b), a.most(b));
-    let length = (least * least + most * most).sqrt();
+    // As the slopes have it, so that it is worked out once for all of them.
+    let length = (a * a + b * b).sqrt();
     let both = least - least * least / (length + most).most(T::TINY);
     if most > T::ZERO { both } else { least + most - length }
 }
