@@ -23,14 +23,9 @@ const LEAVES_AT_ONCE: usize = 1024;
 /// Cuts spent on the declared slope: some ten milliseconds.
 const STEEPEST_CUTS: usize = 1000;
 
-/// A node's bounds, rounded outward.
+/// A node's bounds of F, ∂x, ∂y, ∂z, rounded outward.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Stored {
-    /// Of F, ∂x, ∂y, ∂z.
-    ranges: [[f32; 2]; 4],
-    /// Of |∇F|: less than what the derivatives along the axes add up to.
-    steepest: f32,
-}
+pub(super) struct Stored([[f32; 2]; 4]);
 
 fn down(x: f64) -> f32 {
     let y = x as f32;
@@ -42,23 +37,23 @@ fn up(x: f64) -> f32 {
 }
 
 impl Stored {
-    const NONE: Self = Self { ranges: [[f32::INFINITY, f32::NEG_INFINITY]; 4], steepest: 0.0 };
+    const NONE: Self = Self([[f32::INFINITY, f32::NEG_INFINITY]; 4]);
 
-    fn new(bounds: &PatchBounds, steepest: f64) -> Self {
+    fn new(bounds: &PatchBounds) -> Self {
         let [x, y, z] = bounds.gradient;
-        Self { ranges: [bounds.value, x, y, z].map(|i| [down(i.lo), up(i.hi)]), steepest: up(steepest) }
+        Self([bounds.value, x, y, z].map(|i| [down(i.lo), up(i.hi)]))
     }
 
     fn union(self, other: Self) -> Self {
         let range = |i: usize| {
-            let ([lo, hi], [other_lo, other_hi]) = (self.ranges[i], other.ranges[i]);
+            let ([lo, hi], [other_lo, other_hi]) = (self.0[i], other.0[i]);
             [lo.min(other_lo), hi.max(other_hi)]
         };
-        Self { ranges: std::array::from_fn(range), steepest: self.steepest.max(other.steepest) }
+        Self(std::array::from_fn(range))
     }
 
     fn interval(&self, i: usize) -> Interval {
-        Interval::new(f64::from(self.ranges[i][0]), f64::from(self.ranges[i][1]))
+        Interval::new(f64::from(self.0[i][0]), f64::from(self.0[i][1]))
     }
 
     pub(super) fn value(&self) -> Interval {
@@ -90,16 +85,15 @@ impl Bounded {
     }
 
     /// Whether bounds lie within these.
-    fn holds(&self, stored: &Stored) -> bool {
-        let mut mine =
-            [self.value, self.gradient[0], self.gradient[1], self.gradient[2]].into_iter().zip(stored.ranges);
-        f64::from(stored.steepest) <= self.steepest
+    fn holds(&self, stored: &Stored, steepest: f32) -> bool {
+        let mut mine = [self.value, self.gradient[0], self.gradient[1], self.gradient[2]].into_iter().zip(stored.0);
+        f64::from(steepest) <= self.steepest
             && mine.all(|(mine, other)| mine.lo <= f64::from(other[0]) && f64::from(other[1]) <= mine.hi)
     }
 
-    fn add_stored(&mut self, stored: &Stored) {
+    fn add_stored(&mut self, stored: &Stored, steepest: f32) {
         let gradient = [stored.interval(1), stored.interval(2), stored.interval(3)];
-        self.add(stored.interval(0), gradient, f64::from(stored.steepest));
+        self.add(stored.interval(0), gradient, f64::from(steepest));
     }
 }
 
@@ -129,10 +123,11 @@ struct Walk<'a> {
 impl Walk<'_> {
     fn visit(&mut self, place: Place) {
         let Some(whole) = met(place, self.lo, self.hi) else { return };
-        let (node, bounds) = (self.object.nodes[place.node as usize], &self.object.bounds[place.node as usize]);
+        let node = self.object.nodes[place.node as usize];
+        let (bounds, steepest) = self.object.stored(place);
         if whole {
-            self.found.add_stored(bounds);
-        } else if self.found.holds(bounds) {
+            self.found.add_stored(bounds, steepest);
+        } else if self.found.holds(bounds, steepest) {
             // Whatever is met in it adds nothing.
         } else if node & LEAF == 0 {
             for child in 0..8 {
@@ -142,7 +137,7 @@ impl Walk<'_> {
             if self.count < CUT {
                 self.partly[self.count] = place;
             } else {
-                self.found.add_stored(bounds);
+                self.found.add_stored(bounds, steepest);
             }
             self.count += 1;
         }
@@ -151,13 +146,13 @@ impl Walk<'_> {
     fn finish(mut self) -> Bounded {
         for i in 0..self.count.min(CUT) {
             let place = self.partly[i];
-            let stored = &self.object.bounds[place.node as usize];
+            let (stored, steepest) = self.object.stored(place);
             if self.count > CUT {
-                self.found.add_stored(stored);
+                self.found.add_stored(stored, steepest);
                 continue;
             }
             let cut = self.object.cut(place, self.lo, self.hi);
-            self.found.add(cut.value, cut.gradient, f64::from(stored.steepest));
+            self.found.add(cut.value, cut.gradient, f64::from(steepest));
         }
         self.found
     }
@@ -192,6 +187,11 @@ impl PartialEq for Steep {
 impl Eq for Steep {}
 
 impl DistanceObject {
+    /// A node's bounds.
+    fn stored(&self, place: Place) -> (&Stored, f32) {
+        (&self.bounds[place.node as usize], self.slopes[place.node as usize])
+    }
+
     /// Bounds over the part of a leaf that lies in a box given in smallest cells.
     fn cut(&self, place: Place, lo: [f64; 3], hi: [f64; 3]) -> PatchBounds {
         let size = f64::from(place.size);
@@ -274,23 +274,29 @@ impl DistanceObject {
     /// The most that |∇F| may be in the part of the root that is nearest to a box; `place` is a node that holds it.
     pub(super) fn steepest_in_root(&self, region: &Aabb, place: Place) -> f64 {
         let [lo, hi] = self.in_root(region);
+        if self.nodes[place.node as usize] & LEAF != 0 {
+            return f64::from(self.slopes[place.node as usize]);
+        }
         let mut found = 0.0;
         self.visit_steepest([lo, hi], place, &mut found);
         f64::from(found)
     }
 
+    /// Looks below a node, split, for slopes above what was found.
     fn visit_steepest(&self, region: [[f64; 3]; 2], place: Place, found: &mut f32) {
-        let steepest = self.bounds[place.node as usize].steepest;
-        if steepest <= *found {
-            return;
-        }
+        let first = self.nodes[place.node as usize];
         let [lo, hi] = region;
-        let Some(whole) = met(place, lo, hi) else { return };
-        let node = self.nodes[place.node as usize];
-        if whole || node & LEAF != 0 {
-            *found = steepest;
-        } else {
-            (0..8).for_each(|child| self.visit_steepest(region, place.nth_child(node, child), found));
+        for (child, &steepest) in self.slopes[first as usize..][..8].iter().enumerate() {
+            if steepest <= *found {
+                continue;
+            }
+            let child = place.nth_child(first, child);
+            let Some(whole) = met(child, lo, hi) else { continue };
+            if whole || self.nodes[child.node as usize] & LEAF != 0 {
+                *found = steepest;
+            } else {
+                self.visit_steepest(region, child, found);
+            }
         }
     }
 
@@ -316,14 +322,17 @@ impl DistanceObject {
             longest.iter_mut().zip(steepest.take()).for_each(|(longest, steepest)| *longest = steepest);
         });
         self.bounds = vec![Stored::NONE; self.nodes.len()];
+        self.slopes = vec![0.0; self.nodes.len()];
         // Children stand after their parents.
         for node in (0..self.nodes.len()).rev() {
             let what = self.nodes[node];
-            self.bounds[node] = if what & LEAF != 0 {
+            (self.bounds[node], self.slopes[node]) = if what & LEAF != 0 {
                 let leaf = (what & !LEAF) as usize;
-                Stored::new(&leaf_bounds[leaf], slopes[leaf])
+                (Stored::new(&leaf_bounds[leaf]), up(slopes[leaf]))
             } else {
-                (what..what + 8).fold(Stored::NONE, |all, child| all.union(self.bounds[child as usize]))
+                let children = what as usize..what as usize + 8;
+                let bounds = self.bounds[children.clone()].iter().fold(Stored::NONE, |all, &child| all.union(child));
+                (bounds, self.slopes[children].iter().copied().fold(0.0, f32::max))
             };
         }
         self.border = self.measure_border(places, &leaf_bounds, &slopes);

@@ -1,6 +1,7 @@
 //! Which leaf holds each of many smallest cells, without a way down the tree for each: the leaves of small nodes as tables.
 
 use super::evaluate::Place;
+use super::rows::{ROW, ROWS};
 use super::tree::{Cell, Tree};
 use super::{DistanceObject, LEAF};
 use crate::field::BATCH;
@@ -20,7 +21,8 @@ const MOST: i32 = 1 << 10;
 /// The tables of an octree.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Bricks {
-    /// By brick and by cell in it, x slowest: the leaf, counted from the brick's first, and its level.
+    /// By brick and by cell in it, x slowest: the leaf, counted from the brick's first, and its level. The first table is
+    /// that of larger leaves: nothing is added to what is known of them.
     tables: Vec<[u16; CELLS]>,
     /// By brick.
     first_leaves: Vec<u32>,
@@ -33,12 +35,20 @@ pub(super) struct Bricks {
 struct Holder {
     /// The leaf, or the brick's first.
     leaf: u32,
-    /// That of the leaf; [`IN_BRICK`] for a brick.
+    /// That of the leaf; 0 for a brick.
     level: u32,
-    brick: u32,
+    /// The brick's table, or that of larger leaves.
+    table: u32,
 }
 
-const IN_BRICK: u32 = u32::MAX;
+impl Holder {
+    /// The leaf of an entry of its table, and how often its edge doubles that of a smallest cell.
+    #[inline(always)]
+    fn leaf(self, entry: u16) -> (u32, u32) {
+        let entry = u32::from(entry);
+        (self.leaf + (entry >> LEVEL_BITS), self.level + (entry & ((1 << LEVEL_BITS) - 1)))
+    }
+}
 
 /// The bricks and larger leaves of a box of cells.
 #[derive(Default)]
@@ -65,7 +75,7 @@ impl Bricks {
     /// The tables of finished nodes.
     pub fn new(nodes: &[u32], root_size: u32) -> Self {
         let by_family = vec![0; nodes.len() / 8];
-        let mut bricks = Self { tables: Vec::new(), first_leaves: Vec::new(), by_family };
+        let mut bricks = Self { tables: vec![[0; CELLS]], first_leaves: vec![0], by_family };
         let mut open = vec![(0, root_size as i32)];
         while let Some((node, size)) = open.pop() {
             let first = nodes[node as usize];
@@ -156,10 +166,10 @@ impl Grid {
         }
         let node = object.nodes[place.node as usize];
         let holder = if node & LEAF != 0 {
-            Holder { leaf: node & !LEAF, level: place.size.trailing_zeros(), brick: 0 }
+            Holder { leaf: node & !LEAF, level: place.size.trailing_zeros(), table: 0 }
         } else if place.size <= EDGE {
-            let brick = object.bricks.by_family[family(node)];
-            Holder { leaf: object.bricks.first_leaves[brick as usize], level: IN_BRICK, brick }
+            let table = object.bricks.by_family[family(node)];
+            Holder { leaf: object.bricks.first_leaves[table as usize], level: 0, table }
         } else {
             (0..8).for_each(|child| self.visit(object, place.nth_child(node, child)));
             return;
@@ -193,12 +203,34 @@ impl Grid {
         places(cells, self.origin, self.along, leaf, level, len);
         for (leaf, level) in leaf.iter_mut().zip(level).take(len) {
             let holder = self.holders[*leaf as usize];
-            (*leaf, *level) = if holder.level == IN_BRICK {
-                let entry = u32::from(bricks.tables[holder.brick as usize][*level as usize]);
-                (holder.leaf + (entry >> LEVEL_BITS), entry & ((1 << LEVEL_BITS) - 1))
-            } else {
-                (holder.leaf, holder.level)
-            };
+            (*leaf, *level) = holder.leaf(bricks.tables[holder.table as usize][*level as usize]);
+        }
+    }
+
+    /// The same of all points of a block in rows, whose cells stand as in [`Rows`](super::rows::Rows).
+    pub fn leaves_in_rows(
+        &self,
+        bricks: &Bricks,
+        [x, y, z]: &[[i32; BATCH]; 3],
+        leaf: &mut [u32; BATCH],
+        level: &mut [u32; BATCH],
+    ) {
+        let [first_x, first_y, first_z] = self.origin;
+        let along_z: [_; ROW] = std::array::from_fn(|lane| ((z[lane] >> SHIFT) - first_z, in_table([0, 0, z[lane]])));
+        let rows = leaf.as_chunks_mut::<ROW>().0.iter_mut().zip(level.as_chunks_mut::<ROW>().0);
+        for ((leaf, level), (&x, &y)) in rows.zip(x.iter().zip(y).take(ROWS)) {
+            let holder = in_grid([(x >> SHIFT) - first_x, (y >> SHIFT) - first_y, 0], self.along);
+            let entry = in_table([x, y, 0]);
+            let mut lane = 0;
+            while lane < ROW {
+                let brick = along_z[lane].0;
+                let holder = self.holders[(holder + brick) as usize];
+                let entries = &bricks.tables[holder.table as usize][entry..entry + EDGE as usize];
+                while lane < ROW && along_z[lane].0 == brick {
+                    (leaf[lane], level[lane]) = holder.leaf(entries[along_z[lane].1]);
+                    lane += 1;
+                }
+            }
         }
     }
 }

@@ -4,6 +4,7 @@ use glam::DVec3;
 
 use super::bricks::Grid;
 use super::kernel::{self, Extent, Located};
+use super::rows::{self, Rows};
 use super::{DistanceObject, LEAF};
 use crate::field::{Aabb, BATCH, Evaluator, Gradients, Interval, Points};
 
@@ -79,52 +80,78 @@ impl<'a> OctreeEvaluator<'a> {
     /// Finds the cells of a batch. Returns the leaf where it is one for all, and whether some points lie out of the
     /// root; those are given the nearest point of the root.
     fn locate(&mut self, points: &Points) -> (Option<Place>, bool) {
-        let object = self.object;
-        let base = ((points.origin - object.origin) * object.inverse_step).to_array();
-        let size = object.root_size() as i32;
-        let Extent { low, high, outside } = kernel::place(points, base, object.inverse_step, size, &mut self.located);
-        let mut start = self.start(low, high);
-        // Down while all points go the same way.
-        while object.nodes[start.node as usize] & LEAF == 0 {
-            let half = start.size >> 1;
-            if (0..3).any(|axis| (low[axis] ^ high[axis]) & half != 0) {
-                if !self.place_by_bricks(points.len, low, high) {
-                    self.place_each(points.len, start);
-                }
-                kernel::place_in_leaves(&mut self.located, object.inverse_step, points.len);
-                return (None, outside);
-            }
-            start = start.child(object.nodes[start.node as usize], low);
+        let inverse_step = self.object.inverse_step;
+        let offsets = [&points.x, &points.y, &points.z].map(|offsets| &offsets[..points.len]);
+        let Extent { low, high, outside } = self.place(points.origin, offsets);
+        let around = self.around(low, high);
+        if self.object.nodes[around.node as usize] & LEAF != 0 {
+            kernel::place_in_cell(&mut self.located, around.origin, around.size, points.len);
+            return (Some(around), outside);
         }
-        kernel::place_in_cell(&mut self.located, start.origin, start.size, points.len);
-        (Some(start), outside)
+        if let Some(grid) = self.grid(points.len, low, high) {
+            let Located { cell, leaf, level, .. } = &mut *self.located;
+            self.grids[grid].leaves(&self.object.bricks, cell, leaf, level, points.len);
+        } else {
+            self.place_each(points.len, around);
+        }
+        kernel::place_in_leaves(&mut self.located, inverse_step, points.len);
+        (None, outside)
     }
 
-    /// The innermost region's node that holds both cells.
-    fn start(&self, low: [i32; 3], high: [i32; 3]) -> Place {
+    /// Finds the cells of a block in rows, where they are several in bricks that are known, and it lies in the root.
+    fn locate_rows(&mut self, origin: DVec3, rows: &Rows) -> bool {
+        let Extent { low, high, outside } = self.place(origin, [&rows.x, &rows.y, &rows.z]);
+        if outside || self.object.nodes[self.around(low, high).node as usize] & LEAF != 0 {
+            return false;
+        }
+        let Some(grid) = self.grid(BATCH, low, high) else { return false };
+        let Located { cell, leaf, level, .. } = &mut *self.located;
+        self.grids[grid].leaves_in_rows(&self.object.bricks, cell, leaf, level);
+        rows::place_in_leaves(&mut self.located, self.object.inverse_step);
+        true
+    }
+
+    /// Where so many offsets from a position lie, along each axis.
+    fn place(&mut self, origin: DVec3, offsets: [&[f32]; 3]) -> Extent {
+        let object = self.object;
+        let base = ((origin - object.origin) * object.inverse_step).to_array();
+        kernel::place(offsets, base, object.inverse_step, object.root_size() as i32, &mut self.located)
+    }
+
+    /// The innermost node that holds all cells from `low` to `high`.
+    fn around(&self, low: [i32; 3], high: [i32; 3]) -> Place {
         let holds = |place: &&Place| {
             (0..3).all(|axis| place.origin[axis] <= low[axis] && high[axis] < place.origin[axis] + place.size)
         };
-        self.regions.iter().rev().map(|region| &region.place).find(holds).copied().unwrap_or(self.object.root())
+        let mut places = self.regions.iter().rev().map(|region| &region.place);
+        let mut around = places.find(holds).copied().unwrap_or(self.object.root());
+        // Down while all go the same way.
+        loop {
+            let node = self.object.nodes[around.node as usize];
+            let half = around.size >> 1;
+            if node & LEAF != 0 || (0..3).any(|axis| (low[axis] ^ high[axis]) & half != 0) {
+                return around;
+            }
+            around = around.child(node, low);
+        }
     }
 
-    /// Finds the leaves by the bricks around a region; `false` where some points are not in any of them.
-    fn place_by_bricks(&mut self, len: usize, low: [i32; 3], high: [i32; 3]) -> bool {
+    /// The region whose bricks hold all cells from `low` to `high`. They are looked for where so many points are worth it.
+    fn grid(&mut self, len: usize, low: [i32; 3], high: [i32; 3]) -> Option<usize> {
         let depth = self.regions.len();
         self.grids.resize_with(self.grids.len().max(depth), Grid::default);
         // Those of a large region serve many small ones in it.
-        for (region, grid) in self.regions.iter_mut().zip(&mut self.grids) {
+        let grids = self.regions.iter_mut().zip(&mut self.grids).enumerate();
+        for (which, (region, grid)) in grids {
             if region.bricks.is_none() && len >= WORTH_BRICKS {
                 let (least, greatest) = self.object.cells_of(&region.within);
                 region.bricks = Some(grid.find(self.object, region.place, least, greatest));
             }
             if region.bricks == Some(true) && grid.holds(low, high) {
-                let Located { cell, leaf, level, .. } = &mut *self.located;
-                grid.leaves(&self.object.bricks, cell, leaf, level, len);
-                return true;
+                return Some(which);
             }
         }
-        false
+        None
     }
 
     /// Finds the leaves one by one.
@@ -205,6 +232,13 @@ impl Evaluator for OctreeEvaluator<'_> {
     }
 
     fn gradients(&mut self, points: &Points, out: &mut Gradients) {
+        if let Some(rows) = Rows::of(points)
+            && self.locate_rows(points.origin, &rows)
+        {
+            let Gradients { value, dx, dy, dz } = out;
+            rows::gradients(&self.object.polynomials, &self.located, [value, dx, dy, dz]);
+            return;
+        }
         let (cell, outside) = self.locate(points);
         let object = self.object;
         let located = &self.located;
@@ -217,12 +251,7 @@ impl Evaluator for OctreeEvaluator<'_> {
             }
             None => {
                 let Gradients { value, dx, dy, dz } = out;
-                let out = [value, dx, dy, dz];
-                if kernel::stand_in_rows(points) {
-                    kernel::gradients_in_rows(&object.polynomials, located, out);
-                } else {
-                    kernel::gradients(&object.polynomials, located, out, len);
-                }
+                kernel::gradients(&object.polynomials, located, [value, dx, dy, dz], len);
             }
         }
         if outside {

@@ -11,7 +11,7 @@ use glam::{Mat4, Vec4};
 use multiversion::multiversion;
 
 use super::patch::Patch;
-use crate::field::{BATCH, Points};
+use crate::field::BATCH;
 
 /// A cell's polynomial over its \[0, 1\]³: by the powers of x and of y the coefficients of 1, z, z² and z³. It fills four
 /// lines of a cache.
@@ -20,7 +20,7 @@ use crate::field::{BATCH, Points};
 pub struct Polynomial([[[f32; 4]; 4]; 4]);
 
 /// What is left of each polynomial once x is given: by the power of y the coefficients of 1, z, z² and z³.
-type AlongX = [f32; 16];
+pub(super) type AlongX = [f32; 16];
 
 impl Polynomial {
     /// That of a patch.
@@ -43,7 +43,7 @@ impl Polynomial {
 
     /// The same, and its slopes.
     #[inline(always)]
-    fn along_x_and_slopes(&self, x: f32, [values, slopes]: &mut [AlongX; 2]) {
+    pub(super) fn along_x_and_slopes(&self, x: f32, [values, slopes]: &mut [AlongX; 2]) {
         let [a, b, c, d] = self.0.each_ref().map(|by_y| by_y.as_flattened());
         for n in 0..16 {
             (values[n], slopes[n]) = cubic_and_slope([a[n], b[n], c[n], d[n]], x);
@@ -52,7 +52,7 @@ impl Polynomial {
 }
 
 #[inline(always)]
-fn by_y(along_x: &AlongX) -> [Vec4; 4] {
+pub(super) fn by_y(along_x: &AlongX) -> [Vec4; 4] {
     from_fn(|j| Vec4::from_slice(&along_x[4 * j..]))
 }
 
@@ -75,13 +75,16 @@ fn gradient_at([values, slopes]: &[AlongX; 2], [y, z]: [f32; 2]) -> [f32; 4] {
 
 /// a + t(b + t(c + t·d)), of numbers or of several side by side.
 #[inline(always)]
-fn cubic<T: Copy + Add<Output = T> + Mul<S, Output = T>, S: Copy>([a, b, c, d]: [T; 4], t: S) -> T {
+pub(super) fn cubic<T: Copy + Add<Output = T> + Mul<S, Output = T>, S: Copy>([a, b, c, d]: [T; 4], t: S) -> T {
     a + (b + (c + d * t) * t) * t
 }
 
 /// The same, and its slope.
 #[inline(always)]
-fn cubic_and_slope<T: Copy + Add<Output = T> + Mul<S, Output = T>, S: Copy>([a, b, c, d]: [T; 4], t: S) -> (T, T) {
+pub(super) fn cubic_and_slope<T: Copy + Add<Output = T> + Mul<S, Output = T>, S: Copy>(
+    [a, b, c, d]: [T; 4],
+    t: S,
+) -> (T, T) {
     let highest = d * t;
     let last = c + highest;
     let first = b + last * t;
@@ -121,15 +124,15 @@ pub struct Extent {
 /// look after what is no number, is one for each lane.)
 const WHOLE: f64 = (1_u64 << 52) as f64;
 
-/// Works out `at` and `cell`: `base + offset·inverse` along each axis, in a root of `size` smallest cells.
+/// Works out `at` and `cell`: `base + offset·inverse` along each axis, of as many as there are, in a root of `size`
+/// smallest cells.
 #[multiversion(targets("x86_64+avx512f+avx512vl", "x86_64+avx+avx2", "x86_64+sse4.1"))]
-pub fn place(points: &Points, base: [f64; 3], inverse: f64, size: i32, located: &mut Located) -> Extent {
+pub fn place(offsets: [&[f32]; 3], base: [f64; 3], inverse: f64, size: i32, located: &mut Located) -> Extent {
     let mut extent = Extent { low: [i32::MAX; 3], high: [i32::MIN; 3], outside: false };
     let top = f64::from(size);
-    let offsets = [&points.x, &points.y, &points.z];
     for axis in 0..3 {
-        let at = &mut located.at[axis][..points.len];
-        let cell = &mut located.cell[axis][..points.len];
+        let len = offsets[axis].len();
+        let (at, cell) = (&mut located.at[axis][..len], &mut located.cell[axis][..len]);
         let (mut low, mut high, mut outside) = (i32::MAX, i32::MIN, 0);
         for ((at, cell), offset) in at.iter_mut().zip(cell).zip(offsets[axis]) {
             let wanted = base[axis] + f64::from(*offset) * inverse;
@@ -165,19 +168,28 @@ pub fn place_in_cell(located: &mut Located, origin: [i32; 3], size: i32, len: us
     }
 }
 
+/// 2⁻ˡᵉᵛᵉˡ, by the bits of its exponent.
+#[inline(always)]
+pub(super) fn one_over_edge(level: u32) -> f64 {
+    f64::from_bits(u64::from(1023 - level) << 52)
+}
+
+/// Where in a leaf, \[0, 1\], is what lies in one of its smallest cells.
+#[inline(always)]
+pub(super) fn in_leaf(at: f64, cell: i32, level: u32) -> f32 {
+    ((at - f64::from(cell >> level << level)) * one_over_edge(level)) as f32
+}
+
 /// Works out `t` and `inverse_edge` of so many points from `cell` and `level`; `inverse_step` is one over a smallest cell's
 /// edge.
 #[multiversion(targets("x86_64+avx512f+avx512vl", "x86_64+avx+avx2", "x86_64+sse4.1"))]
 pub fn place_in_leaves(located: &mut Located, inverse_step: f64, len: usize) {
     let Located { at, cell, t, level, inverse_edge, .. } = located;
     for n in 0..lanes(len) {
-        // 2⁻ˡᵉᵛᵉˡ, by the bits of its exponent.
-        let scale = f64::from_bits(u64::from(1023 - level[n]) << 52);
         for axis in 0..3 {
-            let origin = f64::from(cell[axis][n] >> level[n] << level[n]);
-            t[axis][n] = ((at[axis][n] - origin) * scale) as f32;
+            t[axis][n] = in_leaf(at[axis][n], cell[axis][n], level[n]);
         }
-        inverse_edge[n] = (scale * inverse_step) as f32;
+        inverse_edge[n] = (one_over_edge(level[n]) * inverse_step) as f32;
     }
 }
 
@@ -217,75 +229,6 @@ pub fn gradients(polynomials: &[Polynomial], located: &Located, out: [&mut [f32;
             (value[i], dx[i], dy[i], dz[i]) = (f, by_x * inverse_edge, by_y * inverse_edge, by_z * inverse_edge);
         }
     }
-}
-
-/// Points of a row: the voxels of a block along z.
-const ROW: usize = 8;
-
-/// Whether points are a block's voxels in rows along z of the octree: x is one number in each, and y. So they are where an
-/// object was moved, or turned about z.
-#[multiversion(targets("x86_64+avx512f+avx512vl", "x86_64+avx+avx2", "x86_64+sse4.1"))]
-pub fn stand_in_rows(points: &Points) -> bool {
-    if points.len != BATCH {
-        return false;
-    }
-    let mut differs = 0;
-    for row in (0..BATCH).step_by(ROW) {
-        for lane in 1..ROW {
-            differs |= points.x[row + lane].to_bits() ^ points.x[row].to_bits();
-            differs |= points.y[row + lane].to_bits() ^ points.y[row].to_bits();
-        }
-    }
-    differs == 0
-}
-
-/// The same as [`gradients`] for points in rows: what x and y leave of a cell's polynomial serves all points of a row that
-/// lie in it.
-#[multiversion(targets("x86_64+avx512f+avx512vl", "x86_64+avx+avx2", "x86_64+sse4.1"))]
-pub fn gradients_in_rows(polynomials: &[Polynomial], located: &Located, out: [&mut [f32; BATCH]; 4]) {
-    // Lanes spelt out by four: a loop over a whole row would be taken apart into single numbers.
-    const LANES: [Vec4; 2] = [Vec4::new(0.0, 1.0, 2.0, 3.0), Vec4::new(4.0, 5.0, 6.0, 7.0)];
-    let mut along_x = [[0.0; 16]; 2];
-    let [value, dx, dy, dz] = out;
-    for first in (0..BATCH).step_by(ROW) {
-        let halves = |numbers: &[f32; BATCH]| [0, 4].map(|lane| Vec4::from_slice(&numbers[first + lane..]));
-        let leaves = &located.leaf[first..first + ROW];
-        let z = halves(&located.t[2]);
-        let mut found = [[Vec4::ZERO; 4]; 2];
-        let mut start = 0;
-        while start < ROW {
-            let [x, y] = [located.t[0][first + start], located.t[1][first + start]];
-            polynomials[leaves[start] as usize].along_x_and_slopes(x, &mut along_x);
-            let [values, slopes] = [by_y(&along_x[0]), by_y(&along_x[1])];
-            let (by_z, dy) = cubic_and_slope(values, y);
-            let [by_z, dx, dy] = [splat_each(by_z), splat_each(cubic(slopes, y)), splat_each(dy)];
-            for half in 0..2 {
-                let (sum, slope) = cubic_and_slope(by_z, z[half]);
-                let here = [sum, cubic(dx, z[half]), cubic(dy, z[half]), slope];
-                // Taken from here on, of which the next cell takes its own.
-                let lanes = LANES[half].cmpge(Vec4::splat(start as f32));
-                for n in 0..4 {
-                    found[half][n] = Vec4::select(lanes, here[n], found[half][n]);
-                }
-            }
-            start += leaves[start..].iter().take_while(|leaf| **leaf == leaves[start]).count();
-        }
-        let inverse_edge = halves(&located.inverse_edge);
-        for half in 0..2 {
-            let [sum, by_x, by_y, by_z] = found[half];
-            let at = first + 4 * half;
-            sum.write_to_slice(&mut value[at..]);
-            (by_x * inverse_edge[half]).write_to_slice(&mut dx[at..]);
-            (by_y * inverse_edge[half]).write_to_slice(&mut dy[at..]);
-            (by_z * inverse_edge[half]).write_to_slice(&mut dz[at..]);
-        }
-    }
-}
-
-#[inline(always)]
-fn splat_each(numbers: Vec4) -> [Vec4; 4] {
-    let [a, b, c, d] = numbers.to_array();
-    [Vec4::splat(a), Vec4::splat(b), Vec4::splat(c), Vec4::splat(d)]
 }
 
 /// Values at so many points that all lie in one cell; entries of `out` past them are unspecified.

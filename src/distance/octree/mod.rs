@@ -21,6 +21,7 @@ mod hanging;
 mod kernel;
 mod patch;
 mod refine;
+mod rows;
 mod samples;
 mod steepest;
 mod tree;
@@ -200,6 +201,9 @@ pub struct DistanceObject {
     nodes: Vec<u32>,
     /// By node.
     bounds: Vec<bounds::Stored>,
+    /// By node: the most that |∇F| may be, less than what the bounds of the derivatives add up to. By themselves, since
+    /// they are asked for far more often.
+    slopes: Vec<f32>,
     leaves: Vec<[u32; 8]>,
     numbers: Vec<Numbers>,
     /// By leaf: what points are evaluated by.
@@ -256,6 +260,7 @@ impl DistanceObject {
             depth,
             nodes,
             bounds: Vec::new(),
+            slopes: Vec::new(),
             leaves: made.leaves,
             numbers: made.numbers,
             polynomials: Vec::new(),
@@ -411,6 +416,7 @@ impl DistanceObject {
     fn bytes(&self) -> usize {
         size_of_val(&self.nodes[..])
             + size_of_val(&self.bounds[..])
+            + size_of_val(&self.slopes[..])
             + size_of_val(&self.leaves[..])
             + size_of_val(&self.numbers[..])
             + size_of_val(&self.polynomials[..])
