@@ -273,12 +273,11 @@ impl DistanceObject {
 
     /// The most that |∇F| may be in the part of the root that is nearest to a box; `place` is a node that holds it.
     pub(super) fn steepest_in_root(&self, region: &Aabb, place: Place) -> f64 {
-        let [lo, hi] = self.in_root(region);
         if self.nodes[place.node as usize] & LEAF != 0 {
             return f64::from(self.slopes[place.node as usize]);
         }
         let mut found = 0.0;
-        self.visit_steepest([lo, hi], place, &mut found);
+        self.visit_steepest(self.in_root(region), place, &mut found);
         f64::from(found)
     }
 

@@ -7,9 +7,10 @@ use multiversion::multiversion;
 
 use super::kernel::{AlongX, Located, Polynomial, by_y, cubic, cubic_and_slope, in_leaf, one_over_edge};
 use crate::field::{BATCH, Points};
+use crate::grid::BLOCK_EDGE;
 
 /// Points of a row: the voxels of a block along z.
-pub const ROW: usize = 8;
+pub const ROW: usize = BLOCK_EDGE as usize;
 /// Rows of a block.
 pub const ROWS: usize = BATCH / ROW;
 
