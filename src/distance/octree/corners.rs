@@ -15,7 +15,7 @@ use super::tree::{Cell, NONE, Tree};
 /// Hanging corners worked out at once: enough to share, few enough to hold.
 const HANGING_AT_ONCE: usize = 1 << 16;
 
-/// A corner's jet, rounded.
+/// A corner's jet, rounded as it is kept.
 pub type Numbers = [f32; 8];
 
 /// The leaves in Morton order with their corners.
@@ -88,10 +88,10 @@ pub fn corners(tree: &Tree, nodes: &[u32], order: &[u32], samples: &Samples, ste
         *sample = *number;
     }
     let known = Known { beside: beside(&leaves, &cells, of_corners.len()), samples: of_corners, step };
-    let mut jets = free_jets(&known, samples);
-    hang(&leaves, nodes, &cells, step, &mut jets);
+    let mut numbers = free_jets(&known, samples);
+    hang(&leaves, nodes, &cells, step, &mut numbers);
     let parts = known.samples.par_iter().map(|&sample| samples.numbered(sample).part).collect();
-    Corners { leaves, numbers: jets.into_par_iter().map(rounded).collect(), parts }
+    Corners { leaves, numbers, parts }
 }
 
 impl Corners {
@@ -134,51 +134,40 @@ fn beside(leaves: &[[u32; 8]], cells: &[Cell], corners: usize) -> [Vec<[Beside; 
 }
 
 /// Jets as if no corner hung: value and gradient from the foot, mixed derivatives from differences.
-fn free_jets(known: &Known, samples: &Samples) -> Vec<Jet> {
-    let from_foot = |sample: &u32| {
-        let sample = samples.numbered(*sample);
-        let [x, y, z] = sample.gradient;
-        [sample.value, z, y, 0.0, x, 0.0, 0.0, 0.0]
-    };
-    let mut jets: Vec<Jet> = known.samples.par_iter().map(from_foot).collect();
-    let twists: Vec<[f64; 3]> = (0..jets.len() as u32)
-        .into_par_iter()
-        .map(|corner| {
-            [(1, 2), (0, 2), (0, 1)].map(|(a, b)| {
-                let ab = known.along(corner, a, |other| jets[other as usize][AXIS_BIT[b]]);
-                let ba = known.along(corner, b, |other| jets[other as usize][AXIS_BIT[a]]);
-                0.5 * (ab + ba)
-            })
+fn free_jets(known: &Known, samples: &Samples) -> Vec<Numbers> {
+    let gradients: Vec<[f64; 3]> = known.samples.par_iter().map(|&sample| samples.numbered(sample).gradient).collect();
+    let corners = (0..gradients.len() as u32).into_par_iter();
+    let twist = |corner: u32| {
+        [(1, 2), (0, 2), (0, 1)].map(|(a, b)| {
+            let ab = known.along(corner, a, |other| gradients[other as usize][b]);
+            let ba = known.along(corner, b, |other| gradients[other as usize][a]);
+            0.5 * (ab + ba)
         })
-        .collect();
-    jets.par_iter_mut().enumerate().for_each(|(corner, jet)| {
-        let [yz, xz, xy] = twists[corner];
-        let triple: f64 = (0..3).map(|axis| known.along(corner as u32, axis, |c| twists[c as usize][axis])).sum();
-        (jet[3], jet[5], jet[6], jet[7]) = (yz, xz, xy, triple / 3.0);
-        *jet = stored(*jet);
-    });
-    jets
-}
-
-/// Rounded as it will be stored, so that hanging corners follow what is stored.
-fn stored(jet: Jet) -> Jet {
-    jet.map(|number| f64::from(number as f32))
+    };
+    let twists: Vec<[f64; 3]> = corners.clone().map(twist).collect();
+    let free = |corner: u32| {
+        let value = samples.numbered(known.samples[corner as usize]).value;
+        let ([x, y, z], [yz, xz, xy]) = (gradients[corner as usize], twists[corner as usize]);
+        let triple: f64 = (0..3).map(|axis| known.along(corner, axis, |c| twists[c as usize][axis])).sum();
+        rounded([value, z, y, yz, x, xz, xy, triple / 3.0])
+    };
+    corners.map(free).collect()
 }
 
 /// Gives every hanging corner the jet of the leaf it hangs on.
-fn hang(leaves: &[[u32; 8]], nodes: &[u32], cells: &[Cell], step: f64, jets: &mut [Jet]) {
-    // Coarse leaves first: no corner of a leaf hangs on one of its own size, so those take their jets from what is final.
+fn hang(leaves: &[[u32; 8]], nodes: &[u32], cells: &[Cell], step: f64, numbers: &mut [Numbers]) {
+    // What is stored is followed, not what it was rounded from. Coarse leaves first: no corner of a leaf hangs on one of its own size, so those take their jets from what is final.
     for alike in hanging(nodes, leaves) {
         for some in alike.chunks(HANGING_AT_ONCE) {
-            let jet = |hanging: &Hanging| {
+            let followed = |hanging: &Hanging| {
                 let leaf = hanging.leaf as usize;
-                let corners = leaves[leaf].map(|corner| jets[corner as usize]);
+                let corners = leaves[leaf].map(|corner| jet(&numbers[corner as usize]));
                 let patch = Patch { corners, edge: f64::from(cells[leaf].size) * step };
-                stored(patch.jet(hanging.halves.map(|h| f64::from(h) * 0.5)))
+                rounded(patch.jet(hanging.halves.map(|h| f64::from(h) * 0.5)))
             };
-            let found: Vec<Jet> = some.par_iter().map(jet).collect();
-            for (hanging, jet) in some.iter().zip(found) {
-                jets[hanging.corner as usize] = jet;
+            let found: Vec<Numbers> = some.par_iter().map(followed).collect();
+            for (hanging, found) in some.iter().zip(found) {
+                numbers[hanging.corner as usize] = found;
             }
         }
     }
