@@ -187,7 +187,7 @@ impl PartialEq for Steep {
 impl Eq for Steep {}
 
 impl DistanceObject {
-    /// A node's bounds.
+    /// A node's bounds, and the most that |∇F| may be in it.
     fn stored(&self, place: Place) -> (&Stored, f32) {
         (&self.bounds[place.node as usize], self.slopes[place.node as usize])
     }

@@ -156,7 +156,8 @@ fn free_jets(known: &Known, samples: &Samples) -> Vec<Numbers> {
 
 /// Gives every hanging corner the jet of the leaf it hangs on.
 fn hang(leaves: &[[u32; 8]], nodes: &[u32], cells: &[Cell], step: f64, numbers: &mut [Numbers]) {
-    // What is stored is followed, not what it was rounded from. Coarse leaves first: no corner of a leaf hangs on one of its own size, so those take their jets from what is final.
+    // What is kept is followed, not what it was rounded from. Coarse leaves first: no corner of a leaf hangs on one of its
+    // own size, so those take their jets from what is final.
     for alike in hanging(nodes, leaves) {
         for some in alike.chunks(HANGING_AT_ONCE) {
             let followed = |hanging: &Hanging| {

@@ -245,6 +245,7 @@ impl DistanceObject {
             }
             memory(&tree, &samples)?;
             (nodes, order) = flatten(&tree);
+            // Given back first: as much again is made anew.
             drop(made);
             made = corners::corners(&tree, &nodes, &order, &samples, settings.smallest_cell);
         }
