@@ -16,7 +16,7 @@ use super::{
     exchange,
     facing::{Offer, Seed, Side},
     polish::{
-        Polisher, Request,
+        Polisher, Request, Resolution, Sides,
         around::{Approach, Around},
     },
     staged::{ROOM, Staged},
@@ -37,8 +37,10 @@ pub struct Meter<'a> {
     region: Aabb,
     /// The nodes around the block measured next: as many of [`NODE_EDGES`] as are entered.
     entered: Vec<IVec3>,
+    resolution: Resolution,
     polisher: Polisher,
     around: Around,
+    sides: Sides,
     open: Vec<Approach>,
     at_voxels: Box<Gradients>,
     points: Points,
@@ -62,8 +64,10 @@ impl<'a> Meter<'a> {
             background: scope.background(),
             region: Aabb::new(DVec3::ZERO, DVec3::ZERO),
             entered: Vec::with_capacity(NODE_EDGES.len()),
+            resolution: scope.resolution(),
             polisher: Polisher::new(),
             around: Around::new(),
+            sides: Sides::new(),
             open: Vec::new(),
             at_voxels: Box::default(),
             points: Points::of_block(IVec3::ZERO, &scope.lattice),
@@ -126,6 +130,14 @@ impl<'a> Meter<'a> {
         self.points.origin = Points::middle_of_block(origin, &self.scope.lattice);
         self.evaluator.enter(&self.region);
         self.evaluator.gradients(&self.points, &mut self.at_voxels);
+        if !self.is_exact() {
+            self.sides.settle(&mut *self.evaluator, self.resolution, &self.points, &mut self.at_voxels);
+        }
+    }
+
+    /// Whether values are distances on both sides.
+    fn is_exact(&self) -> bool {
+        matches!(self.slope, Slope::Exact { inside: true, outside: true })
     }
 
     /// Lets the voxels take each other's feet, and signs the distances.
@@ -142,7 +154,7 @@ impl<'a> Meter<'a> {
     }
 
     fn request(&self) -> Request {
-        Request { unit: self.voxel(), reach: self.background, region: self.region }
+        Request { unit: self.voxel(), least: self.resolution.least, reach: self.background, region: self.region }
     }
 
     fn check_values(&self) -> Result<(), Error> {

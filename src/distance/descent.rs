@@ -10,6 +10,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use glam::IVec3;
 use rayon::prelude::*;
 
+use super::polish::Resolution;
 use crate::{
     field::{Aabb, BATCH, Evaluator, Field, Interval, Points, Slope},
     grid::{BLOCK_EDGE, InsideTile, Lattice, block_order, node_origin},
@@ -43,6 +44,11 @@ impl Scope {
     /// The distance at which the band ends, world units.
     pub fn background(&self) -> f32 {
         (f64::from(self.half_width) * self.lattice.voxel_size.get()) as f32
+    }
+
+    /// What F resolves over the region.
+    pub fn resolution(&self) -> Resolution {
+        Resolution::new(self.lattice.voxel_size.get(), self.region.size().max_element())
     }
 
     /// The box around the voxel centres of a node, grown by `margin` voxels.

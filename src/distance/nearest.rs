@@ -20,6 +20,7 @@ pub(crate) use self::balls::BallsByTree;
 pub(crate) use self::point_tree::PointTree;
 use super::band;
 use super::polish::around::{Approach, Around, box_of};
+use super::polish::{Resolution, Sides};
 use super::{Distance, Foot};
 use crate::field::{Aabb, BATCH, Evaluator, Field, Gradients, Points, Slope};
 use crate::grid::{Lattice, VoxelSize};
@@ -72,6 +73,7 @@ pub struct FieldFeet<'a> {
     inside: bool,
     seeds: PointTree,
     spacing: f64,
+    resolution: Resolution,
 }
 
 impl<'a> FieldFeet<'a> {
@@ -102,7 +104,8 @@ impl<'a> FieldFeet<'a> {
             })?;
             points = measured.visits.concat();
         }
-        Ok(Self { field, outside, inside, seeds: PointTree::new(points), spacing })
+        let resolution = Resolution::new(spacing, region.size().max_element());
+        Ok(Self { field, outside, inside, seeds: PointTree::new(points), spacing, resolution })
     }
 
     /// How many seeds there are.
@@ -115,6 +118,7 @@ impl<'a> FieldFeet<'a> {
 struct Work<'a> {
     evaluator: Box<dyn Evaluator + 'a>,
     around: Around,
+    sides: Sides,
     at: Box<Gradients>,
     queries: Points,
     /// Those that need a seed, their positions and the numbers of their seeds.
@@ -129,6 +133,7 @@ impl ClosestPoint for FieldFeet<'_> {
         let mut work = Work {
             evaluator: self.field.evaluator(),
             around: Around::new(),
+            sides: Sides::new(),
             at: Box::default(),
             queries: Points::new(DVec3::ZERO),
             seeking: Vec::new(),
@@ -140,7 +145,7 @@ impl ClosestPoint for FieldFeet<'_> {
             self.start(start, chunk, &mut feet[start..start + chunk.len()], &mut work);
         }
         let Work { evaluator, around, open, .. } = &mut work;
-        around.closest(&mut **evaluator, self.spacing, open);
+        around.closest(&mut **evaluator, self.resolution, open);
         for open in open {
             self.finish(positions[open.query], open.foot, &mut feet[open.query]);
         }
@@ -160,9 +165,13 @@ impl FieldFeet<'_> {
         // Pruning keeps signs, but not distances away from the surface.
         let prune = !(self.outside || self.inside);
         if prune {
-            work.evaluator.enter(&around.grown(1e-6 * around.size().length()));
+            // Signs are settled a step away.
+            work.evaluator.enter(&around.grown(0.1 * self.spacing));
         }
         work.evaluator.gradients(&work.queries, &mut work.at);
+        if !(self.outside && self.inside) {
+            work.sides.settle(&mut *work.evaluator, self.resolution, &work.queries, &mut work.at);
+        }
         if prune {
             work.evaluator.leave();
         }

@@ -82,7 +82,7 @@ impl Meter<'_> {
         if bounds.lo <= 0.0 && bounds.hi >= 0.0 {
             let branches = self.evaluator.branches();
             if branches <= FEW || edge == LEAST_CUBE {
-                self.find_feet_of_cube(corner, edge, &Request { unit: self.voxel(), reach: reach as f32, region });
+                self.find_feet_of_cube(corner, edge, &Request { reach: reach as f32, region, ..self.request() });
                 if branches > COMBINED && near > LEAST_NEAR {
                     self.find_near_feet(corner, edge, near - 1.0);
                 }
@@ -137,7 +137,7 @@ impl Meter<'_> {
 
     /// Nearer feet of neighbours, until there are none.
     pub(super) fn exchange(&mut self) {
-        if matches!(self.slope, Slope::Exact { inside: true, outside: true }) {
+        if self.is_exact() {
             return;
         }
         // Each round settles what the one before brought in; a foot hardly ever travels on after the second.
@@ -187,7 +187,7 @@ impl Meter<'_> {
             let inside = self.at_voxels.value[i] >= 0.0;
             self.open.push(Approach::new(i, self.points.position(i), inside, self.feet.position(i)));
         }
-        self.around.closest(&mut *self.evaluator, self.scope.lattice.voxel_size.get(), &mut self.open);
+        self.around.closest(&mut *self.evaluator, self.resolution, &mut self.open);
         for k in 0..self.open.len() {
             let open = self.open[k];
             let foot = (open.foot - self.points.origin).as_vec3();

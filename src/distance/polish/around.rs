@@ -8,7 +8,7 @@ use glam::DVec3;
 
 use crate::field::{Aabb, BATCH, Evaluator, Points};
 
-use super::{FEW, Polisher, Request};
+use super::{FEW, Polisher, Request, Resolution};
 
 /// Points of the surface in one cube of this many units are polished in one call. Smaller makes calls of few points,
 /// larger keeps more branches of the field.
@@ -86,6 +86,8 @@ enum Aim {
 /// Scratch memory of one thread.
 pub struct Around {
     polisher: Polisher,
+    /// See [`Resolution::least`].
+    least: f32,
     queries: Points,
     feet: Points,
     distances: Box<[f32; BATCH]>,
@@ -97,6 +99,7 @@ impl Around {
     pub fn new() -> Self {
         Self {
             polisher: Polisher::new(),
+            least: 0.0,
             queries: Points::new(DVec3::ZERO),
             feet: Points::new(DVec3::ZERO),
             distances: Box::new([0.0; BATCH]),
@@ -105,8 +108,9 @@ impl Around {
     }
 
     /// Moves the feet of positions to nearer points of the surface around them. They come back in another order.
-    pub fn closest(&mut self, evaluator: &mut dyn Evaluator, unit: f64, open: &mut [Approach]) {
-        self.closest_by_groups(evaluator, unit, LARGEST_GROUP, open);
+    pub fn closest(&mut self, evaluator: &mut dyn Evaluator, resolution: Resolution, open: &mut [Approach]) {
+        self.least = resolution.least;
+        self.closest_by_groups(evaluator, resolution.unit.into(), LARGEST_GROUP, open);
     }
 
     fn closest_by_groups(&mut self, evaluator: &mut dyn Evaluator, unit: f64, edge: f64, open: &mut [Approach]) {
@@ -178,8 +182,8 @@ impl Around {
             *inside = open.inside;
             reach = reach.max(query.distance(start));
         }
-        let request = Request { unit: unit as f32, reach: reach * 1.01, region };
-        let Self { polisher, queries, feet, distances, inside } = self;
+        let request = Request { unit: unit as f32, least: self.least, reach: reach * 1.01, region };
+        let Self { polisher, queries, feet, distances, inside, .. } = self;
         polisher.closest(evaluator, &request, queries, inside, feet, distances);
         for (lane, open) in group.iter_mut().enumerate() {
             let foot = self.feet.position(lane);

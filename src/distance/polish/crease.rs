@@ -17,6 +17,7 @@ use combine::Demand;
 use super::{
     FAR, Polisher, Request, kernel,
     lanes::{Lane, Lanes},
+    sides::{ACROSS, Sides, Zeros},
     wall,
 };
 
@@ -64,6 +65,9 @@ pub(super) struct Scratch {
     /// Places before or behind candidates.
     probes: Points,
     walls: wall::Scratch,
+    sides: Sides,
+    /// Zeros where two surfaces touch.
+    touching: Zeros,
 }
 
 impl Default for Scratch {
@@ -83,6 +87,8 @@ impl Default for Scratch {
             values: [Box::new([0.0; BATCH]), Box::new([0.0; BATCH])],
             probes: Points::new(DVec3::ZERO),
             walls: wall::Scratch::default(),
+            sides: Sides::new(),
+            touching: Zeros::new(),
         }
     }
 }
@@ -193,6 +199,8 @@ impl Polisher {
     ) {
         let Scratch { parts, group, values: [values, _], walls, .. } = &mut self.crease;
         let points = &mut self.lanes.points;
+        // What F may be by rounding, by its slope.
+        let rounding = request.resolution().share() * (ACROSS * request.unit);
         evaluator.branch(usize::from(branches[0]), points, &mut parts[0]);
         keep_near_surface(evaluator, request, points, group, &mut parts[0], values, &mut rejected);
         if group.is_empty() {
@@ -200,9 +208,16 @@ impl Polisher {
         }
         evaluator.gradients(points, &mut self.gradients);
         let gradients = &self.gradients;
-        let lies_on = |lane| on_surface(gradients, lane, parts[0].gradient(lane).length(), request);
+        let (mut roundings, mut kept) = ([0.0; BATCH], 0);
+        let lies_on = |lane| {
+            let slope = parts[0].gradient(lane).length();
+            let lies_on = on_surface(gradients, lane, slope, request);
+            roundings[kept] = slope.max(gradients.gradient(lane).length()) * rounding;
+            kept += usize::from(lies_on);
+            lies_on
+        };
         keep_lanes(points, group, lies_on, &mut rejected);
-        walls.leave_out(evaluator, request, queries, branches, parts, points, group, values, rejected);
+        walls.leave_out(evaluator, request, queries, branches, parts, points, group, &roundings, values, rejected);
     }
 
     /// Where a seed is still the best (the branches' own feet, found from the query, are local), moves it to the
@@ -289,7 +304,7 @@ fn keep_near_surface(
 pub(super) fn keep_lanes(
     points: &mut Points,
     group: &mut Vec<u16>,
-    passes: impl Fn(usize) -> bool,
+    mut passes: impl FnMut(usize) -> bool,
     mut rejected: impl FnMut(u16),
 ) {
     let mut kept = 0;

@@ -15,6 +15,7 @@ mod first_step;
 mod kernel;
 mod lanes;
 mod rows;
+mod sides;
 mod smooth;
 mod wall;
 
@@ -23,6 +24,7 @@ use crate::field::{Aabb, BATCH, Evaluator, Gradients, Points};
 pub use crease::{COMBINED, FEW};
 pub use kernel::within;
 use lanes::Lanes;
+pub use sides::{Resolution, Sides};
 
 /// A query whose |F|/|∇F| is more than this many reaches is not followed to the surface. Smaller relies on feet offered
 /// by neighbours inside small balls written as r² − |p|², where the quotient overestimates; larger wastes evaluations.
@@ -37,10 +39,18 @@ const OUT_OF_REACH: f32 = 1.3;
 pub struct Request {
     /// Results are right to about a hundredth of this length, world units; for a band, the voxel size.
     pub unit: f32,
+    /// The least thickness of sheets and gaps that are told from none, world units: see [`Resolution`].
+    pub least: f32,
     /// Feet farther than this from their query do not matter and may not be found, world units.
     pub reach: f32,
     /// F is never evaluated outside of this box; holds all queries and seeds.
     pub region: Aabb,
+}
+
+impl Request {
+    fn resolution(&self) -> Resolution {
+        Resolution { unit: self.unit, least: self.least }
+    }
 }
 
 /// Scratch memory of one thread for [`Polisher::closest`]. Large: keep it, do not make one a call.

@@ -28,7 +28,7 @@ fn worst(field: &Joined, truth: impl Fn(DVec3) -> f64) -> f64 {
         let region = crate::field::Aabb::new(queries.origin + corner, queries.origin - corner).grown(REACH + UNIT);
         evaluator.enter(&region);
         let mut feet = queries.clone();
-        let request = Request { unit: UNIT as f32, reach: REACH as f32, region };
+        let request = Request { unit: UNIT as f32, least: 1e-4, reach: REACH as f32, region };
         let inside = std::array::from_fn(|i| field.reference(queries.position(i)) >= 0.0);
         polisher.closest(&mut *evaluator, &request, &queries, &inside, &mut feet, &mut distances);
         evaluator.leave();
@@ -87,7 +87,7 @@ fn small_balls_and_far_queries() {
         (feet.x[i], feet.y[i], feet.z[i]) = (UNIT as f32, 0.0, 0.0);
     }
     let region = crate::field::Aabb::new(DVec3::splat(-1.0), DVec3::splat(1.0));
-    let request = Request { unit: UNIT as f32, reach: 1.0, region };
+    let request = Request { unit: UNIT as f32, least: 1e-4, reach: 1.0, region };
     let mut distances = [0.0; BATCH];
     Polisher::new().closest(&mut *field.evaluator(), &request, &queries, &[false; BATCH], &mut feet, &mut distances);
     for i in 0..queries.len {

@@ -41,7 +41,7 @@ impl Default for Scratch {
 
 impl Scratch {
     /// Leaves out the candidates on walls. `points` are candidates on the common zeros of two or three `branches`, of the
-    /// queries in `group`; `parts` and `values` are scratch memory.
+    /// queries in `group`; what F may be there by rounding, in `roundings`; `parts` and `values` are scratch memory.
     #[expect(clippy::too_many_arguments, reason = "the parts of one scratch memory")]
     pub fn leave_out(
         &mut self,
@@ -52,6 +52,7 @@ impl Scratch {
         parts: &mut [Box<Gradients>; 3],
         points: &mut Points,
         group: &mut Vec<u16>,
+        roundings: &Lane,
         values: &mut Lane,
         rejected: impl FnMut(u16),
     ) {
@@ -64,7 +65,7 @@ impl Scratch {
             let query = queries.points.offset(usize::from(group[lane]));
             points.offset(lane) - query
         };
-        self.probe(evaluator, request, points, group, queries.inside, values, |lane| {
+        self.probe(evaluator, request, points, group, queries.inside, roundings, values, |lane| {
             straight_on(lane).normalize_or_zero() * beside
         });
         if !self.doubtful.is_empty() {
@@ -72,7 +73,7 @@ impl Scratch {
                 evaluator.branch(usize::from(branch), points, part);
             }
             for sector in 0..SECTORS >> (3 - branches.len()) {
-                self.probe(evaluator, request, points, group, queries.inside, values, |lane| {
+                self.probe(evaluator, request, points, group, queries.inside, roundings, values, |lane| {
                     into_sector(parts, branches.len(), lane, sector) * beside
                 });
             }
@@ -89,6 +90,7 @@ impl Scratch {
         points: &Points,
         group: &[u16],
         inside: &[bool; BATCH],
+        roundings: &Lane,
         values: &mut Lane,
         step: impl Fn(usize) -> Vec3,
     ) {
@@ -107,7 +109,8 @@ impl Scratch {
         let confirmed = &mut self.confirmed;
         self.doubtful.retain(|&lane| {
             let lane = usize::from(lane);
-            confirmed[lane] = (values[probed] >= 0.0) != inside[usize::from(group[lane])];
+            let value = values[probed];
+            confirmed[lane] = (value >= 0.0) != inside[usize::from(group[lane])] && value.abs() > roundings[lane];
             probed += 1;
             !confirmed[lane]
         });

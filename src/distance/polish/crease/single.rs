@@ -5,6 +5,7 @@
 
 use std::hint::select_unpredictable;
 
+use glam::Vec3;
 use multiversion::multiversion;
 
 use crate::{
@@ -12,16 +13,13 @@ use crate::{
         Polisher, Request, kernel,
         lanes::{Lane, Lanes},
         rows::{ROW, Rows},
+        sides::{ACROSS, Resolution},
     },
     field::{BATCH, Evaluator, Points},
     grid::{BlockMask, mask},
 };
 
-use super::{Best, Queries, Scratch};
-
-/// How far before and behind a foot the sides are looked at, in units. More than the foot's error; gaps and sheets thinner
-/// than twice this are taken for walls.
-const ACROSS: f32 = 0.01;
+use super::{Best, Queries, STEEPER, Scratch};
 
 impl Polisher {
     /// Takes the feet of the candidates on one branch at which the surface is crossed; they are nearer than the best.
@@ -65,9 +63,112 @@ impl Polisher {
         evaluator.values(probes, behind);
         kernel::stepped(lanes, -1.0, probes);
         evaluator.values(probes, before);
-        take_crossed(&rows, queries.inside, [before, behind], feet, distances, best);
+        let resolution = request.resolution();
+        let one_sided = take_crossed(&rows, queries.inside, [before, behind], resolution, feet, distances, best);
+        if one_sided != [0; 8] {
+            self.take_thin(evaluator, request, queries, branch, &rows, &one_sided, best);
+        }
+    }
+
+    /// Takes those of the feet with F of one sign before and behind them that lie on a sheet, or beside a gap, thinner than
+    /// the steps: all others lie on skins and walls, or are hidden.
+    #[expect(clippy::too_many_arguments, reason = "what one judgement is made of")]
+    fn take_thin(
+        &mut self,
+        evaluator: &mut dyn Evaluator,
+        request: &Request,
+        queries: &Queries,
+        branch: usize,
+        rows: &Rows,
+        one_sided: &BlockMask,
+        best: &mut Best,
+    ) {
+        let lanes = &*self.lanes;
+        let Scratch { singles, parts, values: [behind, before], sides, .. } = &mut self.crease;
+        evaluator.branch(branch, &lanes.points, &mut parts[0]);
+        sides.zeros.clear(lanes.points.origin);
+        for lane in mask::places(one_sided) {
+            // The others are hidden: F is far from 0 there by the slope of the branch.
+            let near = STEEPER * ACROSS * request.unit * parts[0].gradient(lane).length();
+            if before[lane].abs().max(behind[lane].abs()) <= near {
+                let [x, y, z] = &lanes.normal_step;
+                sides.zeros.push(rows.query(lane), lanes.points.offset(lane), Vec3::new(x[lane], y[lane], z[lane]));
+            }
+        }
+        let resolution = request.resolution();
+        let bounds = lanes.bounds.map(Vec3::from_array);
+        let crossed = sides.crossed(evaluator, resolution, bounds, |query| queries.inside[query]);
+        for lane in (0..sides.zeros.points.len).filter(|&lane| crossed[lane]) {
+            let query = usize::from(sides.zeros.of[lane]);
+            best.take(query, sides.zeros.points.offset(lane), singles[branch].distance[query]);
+        }
+        sides.zeros.keep(|lane| !crossed[lane]);
+        if sides.zeros.points.len > 0 {
+            self.take_beside(evaluator, request, queries, branch, best);
+        }
+    }
+
+    /// Where two surfaces touch in a point or along a curve, a sheet begins beside it: takes the points nearest to the zeros
+    /// (in `sides`) at which it has a thickness.
+    fn take_beside(
+        &mut self,
+        evaluator: &mut dyn Evaluator,
+        request: &Request,
+        queries: &Queries,
+        branch: usize,
+        best: &mut Best,
+    ) {
+        let Scratch { parts: [part, ..], sides, touching, .. } = &mut self.crease;
+        touching.clone_from(&sides.zeros);
+        let resolution = request.resolution();
+        let bounds = self.lanes.bounds.map(Vec3::from_array);
+        for direction in 0..DIRECTIONS {
+            let mut open = [true; BATCH];
+            let mut reach = BESIDE * request.unit;
+            for _ in 0..HALVINGS {
+                sides.zeros.clear(touching.points.origin);
+                let mut from = [0; BATCH];
+                for lane in (0..touching.points.len).filter(|&lane| open[lane]) {
+                    let onward = touching.step(lane);
+                    let (u, v) = onward.normalize_or(Vec3::Z).any_orthonormal_pair();
+                    let (sin, cos) = (SINES[direction], SINES[(direction + DIRECTIONS / 4) % DIRECTIONS]);
+                    from[sides.zeros.points.len] = lane;
+                    let point = touching.points.offset(lane) + (u * cos + v * sin) * reach;
+                    sides.zeros.push(touching.of[lane].into(), point, onward);
+                }
+                if sides.zeros.points.len == 0 {
+                    break;
+                }
+                evaluator.branch(branch, &sides.zeros.points, part);
+                sides.zeros.project(part, bounds);
+                let crossed = sides.crossed(evaluator, resolution, bounds, |query| queries.inside[query]);
+                open = [false; BATCH];
+                for lane in (0..sides.zeros.points.len).filter(|&lane| crossed[lane]) {
+                    let query = usize::from(sides.zeros.of[lane]);
+                    let point = sides.zeros.points.offset(lane);
+                    best.take(query, point, (queries.points.offset(query) - point).length());
+                    open[from[lane]] = true;
+                }
+                reach *= 0.5;
+            }
+        }
     }
 }
+
+/// How far beside a place where two surfaces touch a sheet is looked for first, in units, and how often half as far after
+/// that. Farther meets other parts of the surface; less misses what two large balls leave between them.
+const BESIDE: f32 = 0.5;
+/// See [`BESIDE`].
+const HALVINGS: usize = 5;
+
+/// In how many directions.
+const DIRECTIONS: usize = 8;
+
+/// Their sines.
+const SINES: [f32; DIRECTIONS] = {
+    use std::f32::consts::FRAC_1_SQRT_2 as HALF;
+    [0.0, HALF, 1.0, HALF, 0.0, -HALF, -1.0, -HALF]
+};
 
 /// Of some lanes those that have no step.
 #[multiversion(targets = "simd")]
@@ -81,23 +182,33 @@ fn without_step(lanes: &Lanes, of: &BlockMask) -> BlockMask {
     std::array::from_fn(|word| none[word] & of[word])
 }
 
-/// Takes the feet of those queries of the rows that have F of their own side before them and of the other behind.
+/// Takes the feet of those queries of the rows that have F of their own side before them and of the other behind. Returns
+/// the lanes that have F of their own side on both.
 #[multiversion(targets = "simd")]
 fn take_crossed(
     rows: &Rows,
     inside: &[bool; BATCH],
     [before, behind]: [&Lane; 2],
+    resolution: Resolution,
     feet: [&Lane; 3],
     distances: &Lane,
     best: &mut Best,
-) {
+) -> BlockMask {
+    let mut one_sided = [0; BATCH];
+    let share = resolution.share();
     for (first, &row) in (0..).step_by(ROW).zip(rows.starts()) {
         let meant = rows.meant()[first >> 6] >> (first & 63);
         let mut taken = [false; ROW];
         for l in 0..ROW {
             let inside = inside[row + l];
-            let crossed = ((before[first + l] >= 0.0) == inside) & ((behind[first + l] >= 0.0) != inside);
-            taken[l] = crossed & (meant >> l & 1 == 1);
+            let (before, behind) = (before[first + l], behind[first + l]);
+            let is_other = |value: f32, other: f32| {
+                ((value >= 0.0) != inside) & (value.abs() > share * other.abs())
+            };
+            let comes = !is_other(before, behind) & (meant >> l & 1 == 1);
+            let leaves = is_other(behind, before);
+            taken[l] = comes & leaves;
+            one_sided[first + l] = u8::from(comes & !leaves);
         }
         let Points { x, y, z, .. } = &mut *best.feet;
         for (from, to) in feet.into_iter().chain([distances]).zip([x, y, z, &mut *best.distances]) {
@@ -109,4 +220,5 @@ fn take_crossed(
             kernel::store(chosen, to, row);
         }
     }
+    mask::pack_first(&one_sided, rows.lanes())
 }
