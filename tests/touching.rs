@@ -7,7 +7,7 @@ use std::sync::atomic::AtomicBool;
 
 use glam::{DAffine3, DVec3, IVec3};
 use hfvdb::distance::band::{Error, MeasuredBlock, Settings, measure};
-use hfvdb::field::{Aabb, Expression, Field, Graph, Node, SetSystem};
+use hfvdb::field::{Aabb, Expression, Field, Formula, Graph, Names, Node, SetSystem};
 use hfvdb::grid::{BLOCK_VOXELS, Lattice, VoxelSize, is_active};
 use rayon::prelude::*;
 
@@ -33,7 +33,9 @@ const PRIMITIVES: [(&str, fn(&mut Graph) -> Node); 8] = [
 
 /// Directions to look in.
 fn directions() -> impl Iterator<Item = DVec3> {
-    (0..27).filter(|&i| i != 13).map(|i| DVec3::new(f64::from(i / 9 - 1), f64::from(i / 3 % 3 - 1), f64::from(i % 3 - 1)))
+    (0..27)
+        .filter(|&i| i != 13)
+        .map(|i| DVec3::new(f64::from(i / 9 - 1), f64::from(i / 3 % 3 - 1), f64::from(i % 3 - 1)))
 }
 
 /// Whether F is of the other sign somewhere within so many voxels of a point.
@@ -107,7 +109,9 @@ fn fault(field: &Expression, voxel_size: f64, offset: usize) -> Result<usize, St
                 if inside { value < -least } else { value > least }
             };
             let mut ways = directions().chain((0..20).map(|k| random(i + 31 * k)));
-            if near > 0.0 && ways.any(|way| [1.0, 0.7].iter().any(|share| is_other(p + way.normalize() * (share * near)))) {
+            if near > 0.0
+                && ways.any(|way| [1.0, 0.7].iter().any(|share| is_other(p + way.normalize() * (share * near))))
+            {
                 return at("something is nearer");
             }
             if is_active(active, i) && size < background {
@@ -151,11 +155,8 @@ fn pair(first: usize, second: usize, place: usize, difference: bool, shift: DVec
     let map = DAffine3::from_translation(shift) * map;
     let a = graph.transform(a, &DAffine3::from_translation(shift)).unwrap();
     let b = graph.transform(b, &map).unwrap();
-    let node = if difference {
-        graph.difference(SetSystem::R0, a, &[b])
-    } else {
-        graph.intersection(SetSystem::R0, &[a, b])
-    };
+    let node =
+        if difference { graph.difference(SetSystem::R0, a, &[b]) } else { graph.intersection(SetSystem::R0, &[a, b]) };
     let frame = graph.cuboid(DVec3::splat(1.7));
     let node = graph.intersection(SetSystem::R0, &[node, frame]);
     Expression::new(&graph, node)
@@ -187,8 +188,9 @@ fn operands_that_share_faces_leave_no_skins() {
             let field = pair(pair_number / count, pair_number % count, place, difference, shifts[shift]);
             let name = |i: usize| PRIMITIVES[i].0;
             let (a, b) = (name(pair_number / count), name(pair_number % count));
-            fault(&field, VOXEL, case)
-                .map_err(|fault| format!("{a} {} {b}, {place}, {shift}: {fault}", if difference { "less" } else { "and" }))
+            fault(&field, VOXEL, case).map_err(|fault| {
+                format!("{a} {} {b}, {place}, {shift}: {fault}", if difference { "less" } else { "and" })
+            })
         })
         .collect();
     let faults: Vec<&String> = found.iter().filter_map(|found| found.as_ref().err()).collect();
@@ -198,4 +200,53 @@ fn operands_that_share_faces_leave_no_skins() {
     assert!(faults.is_empty(), "{} of {} cases", faults.len(), found.len());
     let looked: usize = found.iter().filter_map(|found| found.as_ref().ok()).sum();
     assert!(looked > 100_000, "{looked}");
+}
+
+/// Formulas that jump on planes of voxels: distances along x, from the jumps alone.
+#[test]
+fn jumps_on_planes_of_voxels_are_surfaces_there() {
+    let voxel_size = 0.1;
+    // Each with the places where its sign changes, between -1.7 and 1.7, and whether it is inside before the first.
+    let cases: [(&str, &[f64], bool); 6] = [
+        ("mod(x, 1) - 0.5", &[-1.5, -1.0, -0.5, 0.0, 0.5, 1.0, 1.5], false),
+        ("0.5 - mod(x, 1)", &[-1.5, -1.0, -0.5, 0.0, 0.5, 1.0, 1.5], true),
+        ("floor(x)", &[0.0], false),
+        ("-floor(x) - 0.5", &[0.0], true),
+        ("sign(x - 0.3)", &[0.3], false),
+        ("step(0.2, x) - 0.5", &[0.2], false),
+    ];
+    for (text, jumps, inside_first) in cases {
+        for offset in [0.0, 0.03, 0.05] {
+            let mut graph = Graph::new();
+            let names = Names::space(&mut graph);
+            let node = Formula::parse(text).unwrap().compile(&mut graph, &names).unwrap();
+            let node = graph.transform(node, &DAffine3::from_translation(DVec3::X * offset)).unwrap();
+            let frame = graph.cuboid(DVec3::new(8.0, 3.0, 3.0));
+            let node = graph.intersection(SetSystem::R0, &[node, frame]);
+            let lattice = Lattice { voxel_size: VoxelSize::new(voxel_size).unwrap() };
+            let cancel = AtomicBool::new(false);
+            let region = Aabb::new(DVec3::splat(-1.7), DVec3::splat(1.7));
+            let settings = Settings { lattice, half_width: 3.0, region, cancel: &cancel, progress: &|_| {} };
+            let band = measure(&Expression::new(&graph, node), &settings, || |_: &MeasuredBlock| ()).unwrap().band;
+            let mut looked = 0;
+            for (origin, distances) in band.origins.iter().zip(&band.distances) {
+                for i in 0..BLOCK_VOXELS {
+                    let place = IVec3::new(i as i32 >> 6, i as i32 >> 3 & 7, i as i32 & 7);
+                    let p = lattice.centre(*origin + place);
+                    if p.x.abs() > 1.2 || p.y.abs() > 0.9 || p.z.abs() > 0.9 {
+                        continue;
+                    }
+                    let x = p.x - offset;
+                    let nearest = jumps.iter().map(|jump| (x - jump).abs()).fold(3.0 * voxel_size, f64::min);
+                    let inside = (jumps.iter().filter(|jump| **jump < x).count() % 2 == 0) == inside_first;
+                    let truth = if inside { nearest } else { -nearest };
+                    let found = f64::from(distances[i]);
+                    let wrong = (found - truth).abs().min(if nearest < 1e-6 { (found + truth).abs() } else { 1.0 });
+                    assert!(wrong < 0.02 * voxel_size, "{text} + {offset} at {p}: {found} for {truth}");
+                    looked += 1;
+                }
+            }
+            assert!(looked > 1000, "{text}: {looked}");
+        }
+    }
 }

@@ -130,10 +130,10 @@ fn offer(
 const CROSSED: f32 = 1.0 + 2.0 * NEARER;
 
 /// Whether two neighbouring voxels with these signed distances are of different sign, and both farther from the surface
-/// than they can be: it passes between them.
+/// than they can be: it passes between them. A voxel outside that lies on the surface has the distance −0.
 #[inline(always)]
 pub fn miss_a_crossing(voxel: f32, here: f32, there: f32) -> bool {
-    ((here >= 0.0) != (there >= 0.0)) & (here.abs() + there.abs() > CROSSED * voxel)
+    (here.is_sign_negative() != there.is_sign_negative()) & (here.abs() + there.abs() > CROSSED * voxel)
 }
 
 /// Whether any two neighbours in a block miss a crossing. The usual answer is no, and a plain loop finds that out fast.
@@ -141,8 +141,8 @@ pub fn miss_a_crossing(voxel: f32, here: f32, there: f32) -> bool {
 pub fn any_crossing_missed(voxel: f32, signed: &[f32; BLOCK_VOXELS]) -> bool {
     let (mut inside, mut outside) = (0, 0);
     for distance in signed {
-        inside |= u32::from(*distance >= 0.0);
-        outside |= u32::from(*distance < 0.0);
+        inside |= u32::from(distance.is_sign_positive());
+        outside |= u32::from(distance.is_sign_negative());
     }
     if inside == 0 || outside == 0 {
         return false;

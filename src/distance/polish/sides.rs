@@ -152,7 +152,13 @@ impl Sides {
 
     /// Gives values that are zero but for rounding the sign of what is around them: negative on a skin, positive on a wall.
     /// Others stay as they are.
-    pub fn settle(&mut self, evaluator: &mut dyn Evaluator, resolution: Resolution, points: &Points, at: &mut Gradients) {
+    pub fn settle(
+        &mut self,
+        evaluator: &mut dyn Evaluator,
+        resolution: Resolution,
+        points: &Points,
+        at: &mut Gradients,
+    ) {
         if !any_zero(at, points.len, resolution.least) {
             return;
         }
@@ -167,10 +173,8 @@ impl Sides {
         let Self { zeros, ends: [before, behind], .. } = self;
         let (mut one_sided, mut inside_of) = ([false; BATCH], [false; BATCH]);
         for lane in 0..zeros.points.len {
-            let sides = [
-                is_inside(before[lane], behind[lane], resolution),
-                is_inside(behind[lane], before[lane], resolution),
-            ];
+            let sides =
+                [is_inside(before[lane], behind[lane], resolution), is_inside(behind[lane], before[lane], resolution)];
             one_sided[lane] = sides[0].is_none() || sides[1].is_none() || sides[0] == sides[1];
             inside_of[usize::from(zeros.of[lane])] = sides[0].or(sides[1]).unwrap_or(true);
         }

@@ -202,9 +202,7 @@ fn take_crossed(
         for l in 0..ROW {
             let inside = inside[row + l];
             let (before, behind) = (before[first + l], behind[first + l]);
-            let is_other = |value: f32, other: f32| {
-                ((value >= 0.0) != inside) & (value.abs() > share * other.abs())
-            };
+            let is_other = |value: f32, other: f32| ((value >= 0.0) != inside) & (value.abs() > share * other.abs());
             let comes = !is_other(before, behind) & (meant >> l & 1 == 1);
             let leaves = is_other(behind, before);
             taken[l] = comes & leaves;
