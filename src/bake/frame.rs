@@ -42,6 +42,8 @@ pub fn compute_frame(
     };
     compute(&*content.field, attributes, &settings, content.keep).map_err(|error| match error {
         ComputeError::Distance(band::Error::Cancelled) => Error::Interrupted,
+        // What measuring was stopped for is no number.
+        _ if interrupt.is_raised() => Error::Interrupted,
         ComputeError::Colour { .. } => of_grid(name, error),
         ComputeError::Scalar { name: ref grid, .. } => of_grid(&grid.clone(), error),
         error => Error::Frame(frame, error),

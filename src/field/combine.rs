@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use super::facts::Facts;
 use super::graph::{Graph, Node};
 use super::op::{Binary, Op, Unary};
-use super::{Aabb, Slope};
+use super::{Aabb, Side, Slope};
 
 /// Which functions stand for union and intersection. All have the same zero set.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -198,12 +198,15 @@ impl Graph {
 
     /// The skin of a solid: all within half the thickness of its surface, as exactly as its value is the distance.
     pub fn shell(&mut self, solid: Node, thickness: f64) -> Node {
+        self.wall(solid, solid, thickness)
+    }
+
+    /// The same by two values of one sign: one is the distance outside of the solid, one inside.
+    pub fn wall(&mut self, outside: Node, inside: Node, thickness: f64) -> Node {
         let half = thickness / 2.0;
-        let (inner, outer) = (self.shifted(solid, -1.0, half), self.offset(solid, half));
-        let slope = match self.slope(solid) {
-            Slope::Exact { outside: true, inside: true } => Slope::Exact { outside: true, inside: false },
-            _ => Slope::Unknown,
-        };
+        let (inner, outer) = (self.shifted(inside, -1.0, half), self.offset(outside, half));
+        let exact = self.slope(outside).is_exact(Side::Outside) && self.slope(inside).is_exact(Side::Inside);
+        let slope = if exact { Slope::Exact { outside: true, inside: false } } else { Slope::Unknown };
         let node = self.min(outer, inner);
         self.declare(node, Facts { bounds: None, slope })
     }

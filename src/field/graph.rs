@@ -158,8 +158,11 @@ impl Graph {
     /// Another field as an operand: a mesh, a distance object, an expression of another graph.
     pub fn field(&mut self, field: Arc<dyn Field>) -> Node {
         let facts = Facts { bounds: field.bounding_box(), slope: field.slope() };
-        self.externals.push(field);
-        let leaf = self.externals.len() as u32 - 1;
+        let same = |known: &Arc<dyn Field>| std::ptr::addr_eq(Arc::as_ptr(known), Arc::as_ptr(&field));
+        let leaf = self.externals.iter().position(same).unwrap_or_else(|| {
+            self.externals.push(field);
+            self.externals.len() - 1
+        }) as u32;
         let at = [self.x(), self.y(), self.z()];
         let node = self.external(leaf, at);
         self.declare(node, facts)

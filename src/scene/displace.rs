@@ -3,15 +3,12 @@
 //! Where f is a solid's signed distance and d the scalar, the moved solid is F = f + d (STTI, "scalar displacement").
 
 use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
 
 use crate::attribute::{Scalar, ScalarField};
-use crate::distance::nearest::Watch;
-use crate::distance::octree::{self, BuildError, DistanceObject};
-use crate::field::{Aabb, Expression, Field, Graph, Interval, Node, Slope};
+use crate::field::{Aabb, Expression, Field, Graph, Interval, Node, Side, Slope};
 
 use super::error::Problem;
-use super::morphing::smallest_cell;
+use super::measured::SLACK;
 use super::source::Span;
 
 /// How often the greatest displacement is sought in a box grown by the one found before.
@@ -19,9 +16,6 @@ const TRIES: usize = 16;
 /// The part of a solid's longest side that a scalar's gradient is taken over. Greater rounds its detail; smaller lets
 /// the rounding of `f32` show.
 const GRADIENT_STEP: f64 = 1.0 / 8192.0;
-/// Measured distances are short of the distance by less than this share of it: how much further than the greatest
-/// displacement the moved surface is sought.
-const SLACK: f64 = 1.1;
 
 /// A scalar that moves the surface of a solid.
 pub(super) struct Displacement {
@@ -60,8 +54,12 @@ impl Displacement {
 
     /// Whether a field of this slope is the distance on all sides that the surface is moved to.
     pub fn is_distance(&self, slope: Slope) -> bool {
-        let Slope::Exact { outside, inside } = slope else { return false };
-        (outside || self.range.hi <= 0.0) && (inside || self.range.lo >= 0.0)
+        (self.range.hi <= 0.0 || slope.is_exact(Side::Outside)) && (self.range.lo >= 0.0 || slope.is_exact(Side::Inside))
+    }
+
+    /// The distances, positive inside, between the surface and where it may be moved to.
+    pub fn levels(&self) -> Interval {
+        Interval::new((-self.range.hi).min(0.0), (-self.range.lo).max(0.0))
     }
 
     /// The moved solid, from its distance.
@@ -81,17 +79,6 @@ impl Displacement {
         let moved = self.apply(&mut graph, distance);
         Arc::new(Expression::new(&graph, moved))
     }
-}
-
-/// The distance of a solid in a box. `voxel` is a voxel's edge.
-pub(super) fn measured(
-    field: &dyn Field,
-    solid: Aabb,
-    voxel: f64,
-    cancel: &AtomicBool,
-) -> Result<DistanceObject, BuildError> {
-    let settings = octree::Settings::new(solid, smallest_cell(voxel, &solid));
-    DistanceObject::of_field(field, &settings, &Watch { cancel, progress: &|_| {} })
 }
 
 /// The problem of a scalar without a greatest value.

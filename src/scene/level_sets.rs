@@ -10,13 +10,13 @@ use std::sync::{Arc, Mutex, PoisonError};
 use crate::distance::SampledLevelSet;
 use crate::distance::band::{self, Settings, measure};
 use crate::distance::octree::DistanceObject;
-use crate::field::Field;
+use crate::field::{Field, Interval};
 use crate::grid::Lattice;
 use crate::vdb::{self, LevelSet};
 
-use super::displace::measured;
 use super::error::Problem;
 use super::frames::FrameRange;
+use super::measured::measured;
 use super::model::{Model, Morph};
 use super::morphing::Planned;
 use super::prepare::{Stop, box_of};
@@ -112,7 +112,7 @@ impl LevelSets {
         let field = self.field(frame)?;
         let Ok(solid) = box_of(field.as_ref()) else { return Ok(None) };
         let problem = |error: String| Problem::new(self.span, format!("frame {frame}: {error}"));
-        let distance = measured(field.as_ref(), solid, cell, &self.cancel);
+        let distance = measured(field.as_ref(), solid, Interval::ZERO, cell, &self.cancel);
         distance.map(Some).map_err(|error| Stop::of_measuring(&error, problem))
     }
 

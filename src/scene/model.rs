@@ -10,7 +10,7 @@ use super::diagnostic::Diagnostics;
 use super::files::FileReference;
 use super::formula::Formula;
 use super::frames::{FrameRange, Shot};
-use super::number::{Moment, Number};
+use super::number::{Moment, Number, NumberValue};
 use super::reader::Setting;
 use super::source::{Sources, Span};
 
@@ -160,6 +160,13 @@ pub struct Modifiers {
     pub rotate: [Number; 3],
     /// Where to.
     pub translate: [Number; 3],
+}
+
+impl Modifiers {
+    /// Whether any of them moves the surface by a distance.
+    pub fn need_distance(&self) -> bool {
+        !matches!(self.offset.value, NumberValue::Constant(0.0)) || self.shell.is_some() || self.displace.is_some()
+    }
 }
 
 /// The scalar that a key names.

@@ -1,6 +1,6 @@
 //! Colours and scalars of shapes at one moment.
 
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use glam::{DAffine3, DVec3};
 
@@ -8,14 +8,15 @@ use crate::attribute::VertexColours;
 use crate::attribute::{Attribute, Bands, ByCell, CellIndex, Choice, Colour, Constant, CubeLattice, LinearRgb};
 use crate::attribute::{ByFormula, Components, FieldValue, Mix, Mixer, Part, Parts, Rule, Scalar, Straight};
 use crate::distance::nearest::{BallsByTree, PointTree};
+use crate::distance::octree::BuildError;
 use crate::field::cells::Cells;
 use crate::field::facet::{self, surface_points};
-use crate::field::{BATCH, Expression, Field, Graph, Points, Slope};
+use crate::field::{BATCH, Expression, Field, Graph, Interval, Points};
 use crate::mesh::MeshDistance;
 
 use super::assets::Assets;
 use super::colour::{GREY, css};
-use super::displace::measured;
+use super::depth::Depth;
 use super::error::Problem;
 use super::model::{AttributeSource, Component, Maker, Model, Pieces, Shape, ShapeColour, ShapeId, ShapeScalar};
 use super::placed::{Placed, Way};
@@ -315,8 +316,8 @@ impl Solids {
         Ok(Paint::of(ByCell { cells, choice, seed }))
     }
 
-    /// Bands need a distance: the shape is measured where its field is none. They stand as before `displace`, which they
-    /// may be what it goes by.
+    /// Bands need a distance: the shape is measured where nothing else tells it, once a point off its surface is asked for.
+    /// They stand as before `displace`, which they may be what it goes by.
     fn by_bands<const N: usize>(
         &mut self,
         id: ShapeId,
@@ -325,16 +326,27 @@ impl Solids {
     ) -> Result<Paint<N>, Problem> {
         let model = self.model();
         let shape = model.shape(id);
-        let field = self.field(id, Stage::Bare)?;
-        let distance: Arc<dyn Field> = match field.slope() {
-            Slope::Exact { outside: true, inside: true } => field,
-            _ => {
-                let solid = solid_box(&model, id, field.as_ref())?;
-                let measured = measured(field.as_ref(), solid, voxel, self.cancel());
-                Arc::new(measured.map_err(|error| Problem::new(shape.span, format!("`{}`: {error}", shape.name)))?)
+        // What lies before the first has the first's: it begins nowhere.
+        let levels = match &bands[..] {
+            [] | [_] => return Ok(Paint::solid(bands.first().map_or([0.0; N], |(_, value)| *value))),
+            [_, (first, _), .., (last, _)] | [_, (first @ last, _)] => Interval::new(*first, *last),
+        };
+        let tolerance = TOLERANCE_VOXELS * voxel;
+        let depth: Arc<Scalar> = match self.distance_without_measuring(id, levels)? {
+            Some(distance) => Arc::new(FieldValue(distance)),
+            None => {
+                let solid = self.field(id, Stage::Bare)?;
+                let aabb = solid_box(&model, id, solid.as_ref())?;
+                let (failure, name, span) = (Arc::clone(self.failure()), shape.name.clone(), shape.span);
+                let failed = move |error: BuildError| {
+                    // Which of several comes first does not matter.
+                    let _ = failure.set(Problem::new(span, format!("`{name}`: {error}")));
+                };
+                let (cancel, failed) = (Arc::clone(self.cancel()), Box::new(failed));
+                Arc::new(Depth { solid, aabb, levels, voxel, tolerance, cancel, failed, measured: OnceLock::new() })
             }
         };
-        let bands = Bands::new(distance, bands, TOLERANCE_VOXELS * voxel);
+        let bands = Bands::new(depth, bands, tolerance);
         bands.map(Paint::of).ok_or_else(|| Problem::new(shape.span, "bands begin one below the other"))
     }
 }

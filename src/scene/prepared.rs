@@ -18,6 +18,7 @@ use super::displace::{self, Displacement};
 use super::error::{Error, Problem};
 use super::frames::{Shot, plain};
 use super::level_sets::LevelSets;
+use super::measured::measured;
 use super::model::{AttributeSource, Content, Model, Morph, ScalarName, ShapeId};
 use super::morphing::{Planned, shown_at};
 use super::paint::Scenery;
@@ -236,7 +237,7 @@ impl Prepared {
         }
         let voxel = self.lattice.voxel_size.get();
         let problem = |error: String| Problem::new(by.span, format!("frame {}: {error}", plain(frame)));
-        let distance = displace::measured(whole.as_ref(), solid, voxel, &self.cancel)
+        let distance = measured(whole.as_ref(), solid, displacement.levels(), voxel, &self.cancel)
             .map_err(|error| Stop::of_measuring(&error, problem))?;
         Ok(displacement.of_field(Arc::new(distance)))
     }
@@ -279,8 +280,11 @@ impl Prepared {
     }
 
     /// A problem with a value of a grid, the colour's or a scalar's, as an error that points to the formulas it can come
-    /// from; `None` where none of them is a formula.
+    /// from, or to what could not be measured; `None` where none of them is either.
     pub fn attribute_problem(&self, grid: &str, problem: &str) -> Option<Error> {
+        if let Some(failure) = self.base.failure().get() {
+            return Some(self.model.error(failure.clone()));
+        }
         let is_colour = grid == self.model.output.colour_name;
         let span = |id: ShapeId| {
             let shape = self.model.shape(id);

@@ -1,7 +1,7 @@
 //! Shapes as fields at one moment.
 
 use std::collections::BTreeMap;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 use std::sync::atomic::AtomicBool;
 
 use glam::{DAffine3, DVec3};
@@ -9,7 +9,7 @@ use glam::{DAffine3, DVec3};
 use crate::attribute::Scalar;
 use crate::field::cells::{CellId, CellOptions, Cells};
 use crate::field::facet::{Options, Pieces, facet, scatter};
-use crate::field::{Blend, BlendBounds, Expression, Field, Graph, Node, SetSystem, rotation};
+use crate::field::{Blend, BlendBounds, Expression, Field, Graph, Interval, Node, SetSystem, rotation};
 
 use crate::distance::extent::extent;
 
@@ -17,10 +17,11 @@ use super::assets::Assets;
 use super::diagnostic::Diagnostic;
 use super::displace::{self, Displacement};
 use super::error::Problem;
+use super::measured::{Distances, Purpose, SLACK, told};
 use super::model::{CellsId, Copies, Fill, Maker, Model, Modifiers, ScalarName, Shape, ShapeId};
 use super::number::{Moment, Number};
 use super::paint::TheScalar;
-use super::prepare::solid_box;
+use super::prepare::{box_of, sampled_frames, solid_box};
 use super::variation::Variation;
 
 /// Builds the fields of shapes at one moment, in one graph.
@@ -34,8 +35,9 @@ pub(super) struct Solids {
     cancel: Arc<AtomicBool>,
     graph: Graph,
     made: BTreeMap<(ShapeId, Stage), Node>,
-    /// The distances of shapes as they are before `displace`, where those had to be measured.
-    measured: BTreeMap<ShapeId, Node>,
+    distances: Distances,
+    /// Why something could not be measured that was asked for while a frame is made.
+    failure: Arc<OnceLock<Problem>>,
     cells: BTreeMap<CellsId, Arc<Cells>>,
     /// Of shapes made by `facet`, as far as they are made.
     pieces: BTreeMap<ShapeId, Arc<Pieces>>,
@@ -72,7 +74,8 @@ impl Solids {
             cancel: Arc::clone(cancel),
             graph: Graph::new(),
             made: BTreeMap::new(),
-            measured: BTreeMap::new(),
+            distances: Distances::new(resolution, cancel),
+            failure: Arc::default(),
             cells: BTreeMap::new(),
             pieces: BTreeMap::new(),
         }
@@ -86,7 +89,6 @@ impl Solids {
             Stage::Own => !variation.own(*id),
             Stage::Scaled | Stage::Placed => !variation.placed(*id),
         });
-        other.measured.retain(|id, _| !variation.bare(*id));
         other.pieces.retain(|id, _| !variation.bare(*id));
         other.cells.retain(|id, _| !variation.placed(self.model.cells[id.0].around));
         other
@@ -116,7 +118,14 @@ impl Solids {
     /// Builds now what does not change, so that [`Solids::at`] keeps it. What cannot be built is said when a frame
     /// needs it.
     pub fn build_still(&mut self, shapes: &[ShapeId], variation: &Variation) {
+        let model = self.model();
         for &id in shapes {
+            // The distance of what changes by its offset or its wall alone is kept.
+            if variation.bare(id) && !variation.grown(id) {
+                let _ = self.bare(id, model.shape(id));
+            } else if variation.grown(id) && !variation.whole(id) {
+                let _ = self.grown(id, model.shape(id));
+            }
             // Own before bare: what moves the surface now tells whether that is to be measured.
             let still = [(Stage::Own, variation.bare(id)), (Stage::Placed, variation.placed(id))];
             for (stage, _) in still.into_iter().filter(|(_, varies)| !varies) {
@@ -132,8 +141,25 @@ impl Solids {
     }
 
     /// Set to stop.
-    pub fn cancel(&self) -> &AtomicBool {
+    pub fn cancel(&self) -> &Arc<AtomicBool> {
         &self.cancel
+    }
+
+    /// Told why something could not be measured that was asked for while a frame is made.
+    pub fn failure(&self) -> &Arc<OnceLock<Problem>> {
+        &self.failure
+    }
+
+    /// A shape before `displace` as a field that is the distance wherever that is one of `levels`, as far as it takes no
+    /// measuring.
+    pub fn distance_without_measuring(
+        &mut self,
+        id: ShapeId,
+        levels: Interval,
+    ) -> Result<Option<Arc<dyn Field>>, Problem> {
+        let bare = self.node(id, Stage::Bare)?;
+        let distance = told(&mut self.graph, bare, levels);
+        Ok(distance.map(|distance| Arc::new(Expression::new(&self.graph, distance).keeping_values()) as Arc<dyn Field>))
     }
 
     /// The moment.
@@ -247,7 +273,8 @@ impl Solids {
         self.graph.transform(node, map).map_err(|error| Problem::new(shape.span, format!("`{}`: {error}", shape.name)))
     }
 
-    fn bare(&mut self, id: ShapeId, shape: &Shape) -> Result<Node, Problem> {
+    /// All but `offset` and what comes after it.
+    fn whole(&mut self, id: ShapeId, shape: &Shape) -> Result<Node, Problem> {
         let mut node = self.made_by(id, shape)?;
         let modifiers = &shape.modifiers;
         if let Some(bounds) = shape.bounds {
@@ -263,15 +290,57 @@ impl Solids {
         if let Some(axis) = modifiers.mirror {
             node = self.graph.mirror(node, DVec3::AXES[axis], 0.0);
         }
-        let offset = self.number(&modifiers.offset)?;
-        if offset != 0.0 {
-            node = self.graph.offset(node, offset);
-        }
-        if let Some(shell) = &modifiers.shell {
-            let thickness = self.number(shell)?;
-            node = self.graph.shell(node, thickness);
-        }
         Ok(node)
+    }
+
+    /// All but `shell` and what comes after it.
+    fn grown(&mut self, id: ShapeId, shape: &Shape) -> Result<Node, Problem> {
+        let whole = self.whole(id, shape)?;
+        let offset = &shape.modifiers.offset;
+        let (now, ever) = (self.number(offset)?, self.over_shot(offset)?);
+        let purpose = Purpose { shape, key: "offset", span: offset.span };
+        let distance = self.distances.of(&mut self.graph, whole, Interval::new(-ever.hi, -ever.lo), &purpose)?;
+        if now == 0.0 {
+            return Ok(whole);
+        }
+        let grown = self.graph.offset(distance, now);
+        Ok(self.held(grown, whole, now))
+    }
+
+    fn bare(&mut self, id: ShapeId, shape: &Shape) -> Result<Node, Problem> {
+        let grown = self.grown(id, shape)?;
+        let Some(shell) = &shape.modifiers.shell else { return Ok(grown) };
+        let (thickness, half) = (self.number(shell)?, self.over_shot(shell)?.hi / 2.0);
+        let purpose = Purpose { shape, key: "shell", span: shell.span };
+        let [outside, inside] = [-half, half].map(|level| Interval::new(level, level));
+        let outside = self.distances.of(&mut self.graph, grown, outside, &purpose)?;
+        let inside = self.distances.of(&mut self.graph, grown, inside, &purpose)?;
+        let wall = self.graph.wall(outside, inside, thickness);
+        Ok(self.held(wall, grown, thickness / 2.0))
+    }
+
+    /// A solid that is another one grown by a distance, or lies within that: its box, where construction does not tell.
+    fn held(&mut self, grown: Node, solid: Node, by: f64) -> Node {
+        if self.graph.known_box(grown).is_some() {
+            return grown;
+        }
+        match box_of(&Expression::new(&self.graph, solid)) {
+            Ok(aabb) => self.graph.bounded(grown, aabb.grown(SLACK * by.max(0.0))),
+            Err(_) => grown,
+        }
+    }
+
+    /// What a number is over the shot.
+    fn over_shot(&self, number: &Number) -> Result<Interval, Problem> {
+        let now = self.number(number)?;
+        let mut all = Interval::new(now, now);
+        if self.model.varies(number) {
+            for frame in sampled_frames(self.model.shot.range) {
+                let then = number.at(&self.model.moment(frame))?;
+                all = all.union(Interval::new(then, then));
+            }
+        }
+        Ok(all)
     }
 
     fn displaced(&mut self, id: ShapeId, shape: &Shape, by: &ScalarName) -> Result<Node, Problem> {
@@ -283,18 +352,8 @@ impl Solids {
         let Some(paint) = self.paint(TheScalar(&by.name), id, Stage::Own, voxel)? else { return Ok(bare) };
         let displacement = Displacement::new(paint.attribute, solid)
             .ok_or_else(|| displace::no_greatest(by.span, &by.name, &shape.name))?;
-        let mut distance = bare;
-        if !displacement.is_distance(self.graph.slope(bare)) {
-            distance = match self.measured.get(&id) {
-                Some(known) => *known,
-                None => {
-                    let measured = displace::measured(&field, solid, voxel, &self.cancel)
-                        .map_err(|error| Problem::new(by.span, format!("`{}`: {error}", shape.name)))?;
-                    self.graph.field(Arc::new(measured))
-                }
-            };
-            self.measured.insert(id, distance);
-        }
+        let purpose = Purpose { shape, key: "displace", span: by.span };
+        let distance = self.distances.of(&mut self.graph, bare, displacement.levels(), &purpose)?;
         Ok(displacement.apply(&mut self.graph, distance))
     }
 
@@ -343,7 +402,9 @@ impl Solids {
             Maker::Mesh { .. } => {
                 let mesh = Arc::clone(self.assets.mesh(id));
                 // An operand is asked for its sign and its creases far more often than for its exact distance.
-                match mesh.half_spaces().filter(|_| !self.model.content.shows(id)) {
+                // A wall or an offset needs the distance.
+                let asked_for_sign = !self.model.content.shows(id) && !shape.modifiers.need_distance();
+                match mesh.half_spaces().filter(|_| asked_for_sign) {
                     Some(planes) => {
                         let faces: Vec<Node> =
                             planes.into_iter().map(|(normal, offset)| self.graph.half_space(normal, offset)).collect();

@@ -1,11 +1,13 @@
 //! What of a scene changes over the shot, and what does not.
 
-use super::model::{AttributeSource, Component, Maker, Model, ShapeId};
+use super::model::{AttributeSource, Component, Maker, Model, Modifiers, ShapeId};
 use super::number::{Number, NumberValue};
 
 /// Which shapes change over time.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Variation {
+    whole: Vec<bool>,
+    grown: Vec<bool>,
     bare: Vec<bool>,
     own: Vec<bool>,
     placed: Vec<bool>,
@@ -17,6 +19,8 @@ impl Variation {
     pub fn of(model: &Model) -> Self {
         let count = model.shapes.len();
         let mut variation = Self {
+            whole: vec![false; count],
+            grown: vec![false; count],
             bare: vec![false; count],
             own: vec![false; count],
             placed: vec![false; count],
@@ -26,7 +30,10 @@ impl Variation {
         for _ in 0..=count {
             let before = variation.clone();
             for i in 0..count {
-                variation.bare[i] = variation.bare_varies(model, ShapeId(i));
+                let Modifiers { offset, shell, .. } = &model.shape(ShapeId(i)).modifiers;
+                variation.whole[i] = variation.whole_varies(model, ShapeId(i));
+                variation.grown[i] = variation.whole[i] || model.varies(offset);
+                variation.bare[i] = variation.grown[i] || shell.as_ref().is_some_and(|shell| model.varies(shell));
                 variation.own[i] = variation.bare[i] || variation.displacement_varies(model, ShapeId(i));
                 variation.placed[i] = variation.own[i] || placement_varies(model, ShapeId(i));
                 variation.painted[i] = variation.paint_varies(model, ShapeId(i));
@@ -36,6 +43,16 @@ impl Variation {
             }
         }
         variation
+    }
+
+    /// Whether a shape changes in its own space, before `offset`.
+    pub fn whole(&self, id: ShapeId) -> bool {
+        self.whole[id.0]
+    }
+
+    /// Whether a shape changes in its own space, before `shell`.
+    pub fn grown(&self, id: ShapeId) -> bool {
+        self.grown[id.0]
     }
 
     /// Whether a shape changes in its own space, before `displace`.
@@ -91,13 +108,9 @@ impl Variation {
         }
     }
 
-    fn bare_varies(&self, model: &Model, id: ShapeId) -> bool {
+    fn whole_varies(&self, model: &Model, id: ShapeId) -> bool {
         let shape = model.shape(id);
-        let by_number = numbers(&shape.maker)
-            .into_iter()
-            .chain([&shape.modifiers.offset])
-            .chain(&shape.modifiers.shell)
-            .any(|number| model.varies(number));
+        let by_number = numbers(&shape.maker).into_iter().any(|number| model.varies(number));
         let by_formula = matches!(&shape.maker, Maker::Formula { formula, .. } if model.formula_varies(formula));
         by_number || by_formula || model.needs(id).into_iter().any(|other| self.placed[other.0])
     }

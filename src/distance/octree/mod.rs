@@ -44,7 +44,7 @@ use self::tree::Tree;
 use super::band;
 use super::nearest::{ClosestPoint, FieldFeet, Watch};
 use super::{Distance, Foot};
-use crate::field::{Aabb, Evaluator, Field, Slope};
+use crate::field::{Aabb, Evaluator, Field, Interval, Slope};
 
 /// Marks a node that is a leaf; the rest is the leaf's number.
 const LEAF: u32 = 1 << 31;
@@ -83,23 +83,33 @@ pub struct Settings {
     /// How far a cell between the two may miss the distance in its middle before it is taken to lie across the medial axis,
     /// in world units. More leaves lumps, less splits what is smooth.
     pub tolerance_across: f64,
+    /// The distances whose level sets are asked for, positive inside: patches are right there, and cells grow with the
+    /// distance to them. 0 is the surface itself.
+    pub levels: Interval,
     /// The most memory, in bytes, that building may hold.
     pub memory_limit: usize,
 }
 
 impl Settings {
     /// The usual settings for a region and a smallest cell: a tolerance of a fiftieth of the cell, cells up to half
-    /// their distance, across the medial axis up to an eighth where they miss it by a quarter of the smallest; 4 GiB.
+    /// their distance to the surface, across the medial axis up to an eighth where they miss it by a quarter of the
+    /// smallest; 4 GiB.
     pub fn new(region: Aabb, smallest_cell: f64) -> Self {
         Self {
             region,
             smallest_cell,
+            levels: Interval::ZERO,
             tolerance: 0.02 * smallest_cell,
             ratio: 0.5,
             ratio_across: 0.125,
             tolerance_across: 0.25 * smallest_cell,
             memory_limit: 4 << 30,
         }
+    }
+
+    /// How far a distance is from those that are asked for.
+    fn from_levels(&self, distance: f64) -> f64 {
+        (self.levels.lo - distance).max(distance - self.levels.hi).max(0.0)
     }
 }
 

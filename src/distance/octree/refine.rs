@@ -80,9 +80,9 @@ fn miss_at(patch: &Patch, halves: [u32; 3], sample: &Sample) -> f64 {
     (jet[0] - sample.value).abs().max(turn * patch.edge * SLOPE_REACH)
 }
 
-/// Whether a cell is large beside the distance of its middle to the surface, so that its patch must be right.
+/// Whether a cell is large beside the distance of its middle to the levels, so that its patch must be right.
 fn is_near(cell: &Cell, middle: f64, settings: &Settings) -> bool {
-    f64::from(cell.size) * settings.smallest_cell > settings.ratio * middle.abs()
+    f64::from(cell.size) * settings.smallest_cell > settings.ratio * settings.from_levels(middle)
 }
 
 /// What is to be done with a cell whose corners and middle have samples.
@@ -101,7 +101,7 @@ fn judged(cell: &Cell, patch: impl Fn() -> Patch, middle: &Sample, settings: &Se
     let edge = f64::from(cell.size) * settings.smallest_cell;
     if is_near(cell, middle.value, settings) {
         Verdict::Near
-    } else if edge > settings.ratio_across * middle.value.abs()
+    } else if edge > settings.ratio_across * settings.from_levels(middle.value)
         && is_within(cell, around)
         && miss_at(&patch(), [1; 3], middle) > settings.tolerance_across
     {
@@ -165,7 +165,7 @@ pub fn refine(
         let try_out = |(node, cell, verdict): &(u32, Cell, Verdict)| {
             let points = sampled_middles(cell, samples);
             // The surface may pass through a cell whose middle is nearer to it than a corner.
-            let at_surface = samples.numbered(points[point_at([1; 3])]).value.abs() <= 0.87 * edge;
+            let at_surface = settings.from_levels(samples.numbered(points[point_at([1; 3])]).value) <= 0.87 * edge;
             let splits = *verdict == Verdict::Across
                 || (at_surface && size > LARGEST_AT_SURFACE)
                 || miss(&lone_patch_of(tree, *node, samples, edge), &points, samples) > settings.tolerance;

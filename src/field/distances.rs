@@ -1,0 +1,128 @@
+//! Distances of set operations, from those of their operands.
+//!
+//! Outside of a union the nearest surface is that of the nearest operand, and inside an intersection likewise: there the
+//! maximum and the minimum of exact distances are exact distances, where R₀ functions have no more than the zero set in
+//! common with them. On the other side, and wherever an operand's value is not a distance, one has to be measured.
+
+use std::collections::BTreeMap;
+
+use super::Slope;
+use super::graph::{Graph, Node};
+use super::leaf::Affine;
+use super::op::{Binary, Op, Unary};
+
+/// A side of a surface.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Side {
+    /// Where F < 0.
+    Outside,
+    /// Where F > 0.
+    Inside,
+}
+
+impl Side {
+    fn other(self) -> Self {
+        match self {
+            Self::Outside => Self::Inside,
+            Self::Inside => Self::Outside,
+        }
+    }
+}
+
+impl Slope {
+    /// Whether the value is the distance on a side.
+    pub fn is_exact(self, side: Side) -> bool {
+        matches!(
+            (self, side),
+            (Self::Exact { outside: true, .. }, Side::Outside) | (Self::Exact { inside: true, .. }, Side::Inside)
+        )
+    }
+}
+
+/// Where the distance of a solid on one side comes from.
+enum Origin {
+    /// It is the value.
+    Value,
+    /// It is this form of unit slope.
+    Plane(Affine),
+    /// The maximum or minimum of two solids' distances on the same side.
+    Of(Binary, [Node; 2]),
+    /// It is another solid's.
+    Same(Node),
+    /// It is that of the complement's other side, turned.
+    Turned(Node),
+    /// Nothing tells it.
+    Unknown,
+}
+
+/// A solid's distance on a side.
+type Wanted = (Node, Side);
+
+impl Graph {
+    fn origin_of(&self, (solid, side): Wanted) -> Origin {
+        if self.slope(solid).is_exact(side) {
+            return Origin::Value;
+        }
+        let both = |a: u32, b: u32| [Node(a), Node(b)];
+        match (self.op(solid), side) {
+            (Op::Affine(index), _) => {
+                let form = self.affines[index as usize];
+                let length = form.slope.length();
+                if length > 0.0 { Origin::Plane(form.linear(1.0 / length, 0.0)) } else { Origin::Unknown }
+            }
+            (Op::Binary(Binary::Max | Binary::Union, a, b), Side::Outside) => Origin::Of(Binary::Max, both(a, b)),
+            (Op::Binary(Binary::Min | Binary::Intersection | Binary::Corner, a, b), Side::Inside) => {
+                Origin::Of(Binary::Min, both(a, b))
+            }
+            (Op::Unary(Unary::Linear { scale, offset: 0.0 }, a), _) if scale > 0.0 => Origin::Same(Node(a)),
+            (Op::Unary(Unary::Linear { scale, offset: 0.0 }, a), _) if scale < 0.0 => Origin::Turned(Node(a)),
+            _ => Origin::Unknown,
+        }
+    }
+
+    /// What a solid's distance on a side comes from, each before what comes from it, as far as it is not known.
+    fn origins(&self, solid: Node, side: Side, known: &BTreeMap<(Node, Side), Node>) -> BTreeMap<Wanted, Origin> {
+        let mut origins = BTreeMap::new();
+        let mut open = vec![(solid, side)];
+        while let Some(wanted) = open.pop() {
+            if known.contains_key(&wanted) || origins.contains_key(&wanted) {
+                continue;
+            }
+            let origin = self.origin_of(wanted);
+            match origin {
+                Origin::Of(_, [a, b]) => open.extend([(a, wanted.1), (b, wanted.1)]),
+                Origin::Same(a) => open.push((a, wanted.1)),
+                Origin::Turned(a) => open.push((a, wanted.1.other())),
+                Origin::Value | Origin::Plane(_) | Origin::Unknown => {}
+            }
+            origins.insert(wanted, origin);
+        }
+        origins
+    }
+
+    /// The parts of a solid whose distances have to be measured, and on which side, for that of the solid on one side.
+    pub fn to_measure(&self, solid: Node, side: Side) -> Vec<(Node, Side)> {
+        let unknown = |(wanted, origin)| matches!(origin, Origin::Unknown).then_some(wanted);
+        self.origins(solid, side, &BTreeMap::new()).into_iter().filter_map(unknown).collect()
+    }
+
+    /// A solid's distance on a side, a node with the same zero set, from those that were measured; `None` where some of
+    /// [`Self::to_measure`] is not among these.
+    pub fn distance(&mut self, solid: Node, side: Side, measured: &BTreeMap<(Node, Side), Node>) -> Option<Node> {
+        let mut made = measured.clone();
+        // Arguments come before their operation, and so do their distances.
+        for (wanted, origin) in self.origins(solid, side, measured) {
+            let (node, side) = wanted;
+            let distance = match origin {
+                Origin::Value => node,
+                Origin::Plane(form) => self.affine_leaf(form),
+                Origin::Of(operation, [a, b]) => self.binary(operation, made[&(a, side)], made[&(b, side)]),
+                Origin::Same(a) => made[&(a, side)],
+                Origin::Turned(a) => self.neg(made[&(a, side.other())]),
+                Origin::Unknown => return None,
+            };
+            made.insert(wanted, distance);
+        }
+        made.get(&(solid, side)).copied()
+    }
+}
