@@ -144,34 +144,27 @@ impl Graph {
     fn blended(&mut self, operation: Binary, a: Node, b: Node, blend: &Blend) -> Node {
         let base = self.binary(operation, a, b);
         let near = self.sum_of_scaled_squares(a, b, blend.reach);
-        let (displacement, bounds) = match blend.bounds {
+        let known = self.facts(base);
+        let (displacement, facts) = match blend.bounds {
             None => {
                 let grown = self.linear(near, 1.0, 1.0);
-                (self.unary(Unary::Recip, grown), self.box_of_blend(operation, a, b, blend.amount))
+                // No more is added than the amount.
+                let most = Unary::Linear { scale: 1.0, offset: blend.amount };
+                (self.unary(Unary::Recip, grown), Facts::unary(most, known))
             }
             Some(BlendBounds { solid, weight }) => {
                 let zero = self.constant(0.0);
                 let inside = self.max(solid, zero);
                 let inside = self.linear(inside, 1.0 / weight, 0.0);
                 let depth = self.square(inside);
-                let known = (self.facts(base).bounds, self.facts(solid).bounds);
-                (self.binary(Binary::Displacement, near, depth), known.0.zip(known.1).map(|(a, b)| a.union(b)))
+                // Nothing is added outside of the bounds.
+                let bounds = known.bounds.zip(self.facts(solid).bounds).map(|(a, b)| a.union(b));
+                (self.binary(Binary::Displacement, near, depth), Facts { bounds, ..known })
             }
         };
         let added = self.linear(displacement, blend.amount, 0.0);
         let node = self.add(base, added);
-        self.declare(node, Facts { bounds, slope: Slope::Unknown })
-    }
-
-    /// The box of an unbounded blend of two distances: that of their plain union, grown. Outside, with p the distance to
-    /// the nearer, their R₀ union is no more than −(2 − √2)p, and what is added no more than its amount.
-    fn box_of_blend(&self, operation: Binary, a: Node, b: Node, amount: f64) -> Option<Aabb> {
-        if operation != Binary::Union {
-            return None;
-        }
-        let nearer = Facts::binary(Binary::Max, self.facts(a), self.facts(b));
-        let offset = amount / (2.0 - std::f64::consts::SQRT_2);
-        Facts::unary(Unary::Linear { scale: 1.0, offset }, nearer).bounds
+        self.declare(node, Facts { slope: Slope::Unknown, ..facts })
     }
 
     fn sum_of_scaled_squares(&mut self, a: Node, b: Node, reach: [f64; 2]) -> Node {
@@ -208,7 +201,7 @@ impl Graph {
         let exact = self.slope(outside).is_exact(Side::Outside) && self.slope(inside).is_exact(Side::Inside);
         let slope = if exact { Slope::Exact { outside: true, inside: false } } else { Slope::Unknown };
         let node = self.min(outer, inner);
-        self.declare(node, Facts { bounds: None, slope })
+        self.declare(node, Facts::new(None, slope))
     }
 
     /// `scale · node + offset`, scale ±1.
@@ -259,6 +252,13 @@ impl Graph {
     /// States a box that the solid keeps within, where construction cannot tell (a formula). It is believed, and
     /// clips nothing.
     pub fn bounded(&mut self, solid: Node, bounds: Aabb) -> Node {
-        self.declare(solid, Facts { bounds: Some(bounds), slope: Slope::Unknown })
+        self.declare(solid, Facts::new(Some(bounds), Slope::Unknown))
+    }
+
+    /// States how a solid falls outside of its known box: it is no more than −`fall` times the distance to that. It is
+    /// believed.
+    pub fn falling(&mut self, solid: Node, fall: f64) -> Node {
+        let facts = Facts { fall, ..self.facts(solid) };
+        self.declare(solid, facts)
     }
 }

@@ -126,3 +126,55 @@ impl Graph {
         made.get(&(solid, side)).copied()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::field::{Expression, Field, SetSystem};
+    use glam::DVec3;
+
+    fn balls(graph: &mut Graph) -> [Node; 2] {
+        let ball = graph.sphere(1.0);
+        [ball, graph.translate(ball, DVec3::X * 0.5).expect("it moves")]
+    }
+
+    #[test]
+    fn outside_of_a_union_the_nearest_operand_is_as_far() {
+        let mut graph = Graph::new();
+        let [a, b] = balls(&mut graph);
+        let union = graph.union(SetSystem::R0, &[a, b]);
+        assert_eq!(graph.to_measure(union, Side::Outside), []);
+        assert_eq!(graph.to_measure(union, Side::Inside), [(union, Side::Inside)]);
+        let distance = graph.distance(union, Side::Outside, &BTreeMap::new()).expect("nothing is measured");
+        assert!(graph.slope(distance).is_exact(Side::Outside));
+        let field = Expression::new(&graph, distance);
+        for (at, wanted) in
+            [(DVec3::X * 2.0, -0.5), (DVec3::X * -3.0, -2.0), (DVec3::new(0.25, 3.0, 0.0), 1.0 - 9.0625_f64.sqrt())]
+        {
+            assert!((field.reference(at) - wanted).abs() < 1e-12, "{at}");
+        }
+    }
+
+    #[test]
+    fn what_is_taken_away_counts_by_its_other_side() {
+        let mut graph = Graph::new();
+        let [a, b] = balls(&mut graph);
+        let egg = graph.ellipsoid(DVec3::new(1.0, 0.5, 0.5));
+        let (rest, other) = (graph.difference(SetSystem::R0, a, &[b]), graph.difference(SetSystem::R0, a, &[egg]));
+        let distance = graph.distance(rest, Side::Inside, &BTreeMap::new()).expect("nothing is measured");
+        assert!((Expression::new(&graph, distance).reference(DVec3::X * -0.8) - 0.2).abs() < 1e-12);
+        assert!((Expression::new(&graph, distance).reference(DVec3::X * -0.6) - 0.1).abs() < 1e-12);
+        assert_eq!(graph.to_measure(other, Side::Inside).as_slice(), [(egg, Side::Outside)]);
+        assert_eq!(graph.distance(other, Side::Inside, &BTreeMap::new()), None);
+        let measured = BTreeMap::from([((egg, Side::Outside), b)]);
+        assert_eq!(graph.distance(other, Side::Inside, &measured), Some(distance));
+    }
+
+    #[test]
+    fn planes_of_any_length_are_distances() {
+        let mut graph = Graph::new();
+        let steep = graph.affine(DVec3::new(3.0, 0.0, 4.0), 10.0);
+        let distance = graph.distance(steep, Side::Outside, &BTreeMap::new()).expect("nothing is measured");
+        assert_eq!(Expression::new(&graph, distance).reference(DVec3::ZERO), 2.0);
+    }
+}

@@ -3,13 +3,18 @@
 use glam::{DAffine3, DVec3};
 
 use super::op::{Binary, Unary};
-use super::{Aabb, Slope};
+use super::{Aabb, Side, Slope};
 
-/// A box outside of which F < 0 (`None`: perhaps unbounded), and the slope.
+/// The share of the distance that R₀ unions keep of two equal distances outside: 2 − √2.
+const KEPT: f64 = 2.0 - std::f64::consts::SQRT_2;
+
+/// A box outside of which F < 0 (`None`: perhaps unbounded), the slope, and how F falls outside of the box.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Facts {
     pub bounds: Option<Aabb>,
     pub slope: Slope,
+    /// Outside of the box F is no more than −`fall` times the distance to it; 0 where nothing is known.
+    pub fall: f64,
 }
 
 /// The bound of |∇F| that a slope implies.
@@ -43,17 +48,22 @@ fn union(a: Option<Aabb>, b: Option<Aabb>) -> Option<Aabb> {
 }
 
 impl Facts {
-    pub const NONE: Self = Self { bounds: None, slope: Slope::Unknown };
+    pub const NONE: Self = Self { bounds: None, slope: Slope::Unknown, fall: 0.0 };
+
+    /// A box and a slope; of a distance outside it is known how that falls.
+    pub fn new(bounds: Option<Aabb>, slope: Slope) -> Self {
+        Self { bounds, slope, fall: if slope.is_exact(Side::Outside) { 1.0 } else { 0.0 } }
+    }
 
     /// An exact signed distance with a box.
     pub fn distance(bounds: Option<Aabb>) -> Self {
-        Self { bounds, slope: Slope::Exact { outside: true, inside: true } }
+        Self::new(bounds, Slope::Exact { outside: true, inside: true })
     }
 
     pub fn affine(slope: DVec3) -> Self {
         let length = slope.length();
         let unit = (length - 1.0).abs() < 1e-12;
-        Self { bounds: None, slope: if unit { exact(true, true) } else { lipschitz(Some(length)) } }
+        Self::new(None, if unit { exact(true, true) } else { lipschitz(Some(length)) })
     }
 
     /// Two truths about one node.
@@ -66,7 +76,18 @@ impl Facts {
             (Slope::Lipschitz(a), Slope::Lipschitz(b)) => Slope::Lipschitz(a.min(b)),
             (known, Slope::Unknown) | (Slope::Unknown, known) => known,
         };
-        Self { bounds: intersection(self.bounds, other.bounds), slope }
+        let bounds = intersection(self.bounds, other.bounds);
+        let fall = if self.bounds == other.bounds { self.fall.max(other.fall) } else { self.fall_in_both(other) };
+        Self { bounds, slope, fall: Self::new(bounds, slope).fall.max(fall) }
+    }
+
+    /// How the lesser of two falls outside of the box in both: one of the boxes is farther away than that over √2.
+    fn fall_in_both(self, other: Self) -> f64 {
+        match (self.bounds, other.bounds) {
+            (Some(_), Some(_)) => self.fall.min(other.fall) / std::f64::consts::SQRT_2,
+            (Some(_), None) => self.fall,
+            (None, _) => other.fall,
+        }
     }
 
     pub fn unary(operation: Unary, a: Self) -> Self {
@@ -78,7 +99,7 @@ impl Facts {
             Unary::Smooth => lipschitz(steep.map(|bound| 1.5 * bound)),
             _ => Slope::Unknown,
         };
-        Self { bounds: None, slope }
+        Self::new(None, slope)
     }
 
     fn linear(self, scale: f64, offset: f64) -> Self {
@@ -91,14 +112,17 @@ impl Facts {
             }
             slope => lipschitz(steepness(slope).map(|bound| bound * scale.abs())),
         };
-        let bounds = match self.slope {
-            _ if scale <= 0.0 => None,
+        if scale <= 0.0 {
+            return Self::new(None, slope);
+        }
+        let fall = scale * self.fall;
+        let bounds = match self.bounds {
             _ if offset <= 0.0 => self.bounds,
-            // F ≥ −offset/scale lies within that distance of the solid where |F| is the distance outside.
-            Slope::Exact { outside: true, .. } => self.bounds.map(|bounds| bounds.grown(offset / scale)),
+            // F ≥ −offset/scale lies within that over the fall.
+            Some(bounds) if fall > 0.0 => Some(bounds.grown(offset / fall)),
             _ => None,
         };
-        Self { bounds, slope }
+        Self { bounds, slope, fall }
     }
 
     pub fn binary(operation: Binary, a: Self, b: Self) -> Self {
@@ -122,7 +146,14 @@ impl Facts {
             Binary::Min | Binary::Intersection | Binary::Corner => intersection(a.bounds, b.bounds),
             _ => None,
         };
-        Self { bounds, slope }
+        let fall = match operation {
+            Binary::Max => a.fall.min(b.fall),
+            // Outside of both it is greatest where they are equal.
+            Binary::Union => KEPT * a.fall.min(b.fall),
+            Binary::Min | Binary::Intersection | Binary::Corner => a.fall_in_both(b),
+            _ => 0.0,
+        };
+        Self { bounds, slope, fall }
     }
 
     /// The facts of F∘map⁻¹, for a map that stretches no direction by less than `least`.
@@ -131,7 +162,10 @@ impl Facts {
             slope @ Slope::Exact { .. } if (least - 1.0).abs() < 1e-12 => slope,
             slope => lipschitz(steepness(slope).map(|bound| bound / least)),
         };
-        Self { bounds: self.bounds.map(|bounds| moved_box(&bounds, map)), slope }
+        let columns = [map.matrix3.x_axis, map.matrix3.y_axis, map.matrix3.z_axis].map(DVec3::length);
+        let uniform = columns.into_iter().all(|length| (length / least - 1.0).abs() < 1e-12);
+        let most = if uniform { least } else { DVec3::from(columns).length() };
+        Self { bounds: self.bounds.map(|bounds| moved_box(&bounds, map)), slope, fall: self.fall / most }
     }
 }
 

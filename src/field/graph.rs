@@ -157,7 +157,7 @@ impl Graph {
 
     /// Another field as an operand: a mesh, a distance object, an expression of another graph.
     pub fn field(&mut self, field: Arc<dyn Field>) -> Node {
-        let facts = Facts { bounds: field.bounding_box(), slope: field.slope() };
+        let facts = Facts::new(field.bounding_box(), field.slope());
         let same = |known: &Arc<dyn Field>| std::ptr::addr_eq(Arc::as_ptr(known), Arc::as_ptr(&field));
         let leaf = self.externals.iter().position(same).unwrap_or_else(|| {
             self.externals.push(field);
@@ -258,7 +258,7 @@ impl Graph {
             return Some(self.unary(Unary::Abs, form));
         }
         let radicand = self.quadric_leaf(quadric);
-        Some(self.intern(Op::Unary(Unary::Sqrt, radicand.0), Facts { bounds: None, slope: Slope::Lipschitz(slope) }))
+        Some(self.intern(Op::Unary(Unary::Sqrt, radicand.0), Facts::new(None, Slope::Lipschitz(slope))))
     }
 
     pub(super) fn binary(&mut self, operation: Binary, a: Node, b: Node) -> Node {

@@ -102,7 +102,7 @@ impl Graph {
         self.declare(moved, facts.moved(map, least));
         let node = self.linear(moved, least, 0.0);
         let slope = if uniform { facts.slope } else { Slope::Unknown };
-        Ok(self.declare(node, Facts { bounds: None, slope }))
+        Ok(self.declare(node, Facts::new(None, slope)))
     }
 
     /// The solid moved along a vector.
@@ -141,7 +141,7 @@ impl Graph {
             Slope::Exact { .. } => Slope::Lipschitz(1.0),
             slope => slope,
         };
-        self.declare(node, Facts { bounds, slope })
+        self.declare(node, Facts { bounds, slope, fall: facts.fall })
     }
 
     /// The node read at other coordinates: every x, y, z replaced by the given nodes.

@@ -79,7 +79,7 @@ impl Graph {
         let length = self.length(&scaled);
         let least = radii.min_element();
         let node = self.unary(Unary::Linear { scale: -least, offset: least }, length);
-        self.declare(node, Facts { bounds: centred(radii), slope: Slope::Lipschitz(1.0 + 1e-9) })
+        self.declare(node, Facts::new(centred(radii), Slope::Lipschitz(1.0 + 1e-9)))
     }
 
     /// A cylinder about z: the exact distance.
@@ -101,7 +101,7 @@ impl Graph {
         let node = self.less(minor, distance);
         let slope = Slope::Exact { outside: true, inside: minor <= major };
         let reach = major + minor;
-        self.declare(node, Facts { bounds: centred(DVec3::new(reach, reach, minor)), slope })
+        self.declare(node, Facts::new(centred(DVec3::new(reach, reach, minor)), slope))
     }
 
     /// A capsule along z: all within `radius` of a segment of the given length. The exact distance.
@@ -152,6 +152,6 @@ impl Graph {
         let heart = self.sub(lobes, ball);
         let node = self.unary(Unary::Linear { scale: scale / STEEPNESS, offset: 0.0 }, heart);
         let half = DVec3::new(REACH[0], REACH[1], (ENDS[1] - ENDS[0]) / 2.0) * scale;
-        self.declare(node, Facts { bounds: centred(half * (1.0 + 1e-12)), slope: Slope::Unknown })
+        self.declare(node, Facts::new(centred(half * (1.0 + 1e-12)), Slope::Unknown))
     }
 }

@@ -54,7 +54,8 @@ impl Displacement {
 
     /// Whether a field of this slope is the distance on all sides that the surface is moved to.
     pub fn is_distance(&self, slope: Slope) -> bool {
-        (self.range.hi <= 0.0 || slope.is_exact(Side::Outside)) && (self.range.lo >= 0.0 || slope.is_exact(Side::Inside))
+        (self.range.hi <= 0.0 || slope.is_exact(Side::Outside))
+            && (self.range.lo >= 0.0 || slope.is_exact(Side::Inside))
     }
 
     /// The distances, positive inside, between the surface and where it may be moved to.

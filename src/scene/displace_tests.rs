@@ -24,7 +24,7 @@ fn measured(scene: &Prepared, frame: i64) -> Result<Band, band::Error> {
     measure(&*content.field, &settings, || |_: &band::MeasuredBlock| ()).map(|measured| measured.band)
 }
 
-fn band_of(scene: &Prepared, frame: i64) -> Band {
+pub(super) fn band_of(scene: &Prepared, frame: i64) -> Band {
     measured(scene, frame).unwrap_or_else(|error| panic!("{error}"))
 }
 
@@ -37,13 +37,13 @@ fn assert_exact(scene: &Prepared, frame: i64, exact: impl Fn(DVec3) -> f64 + Syn
 
 /// The same from a distance that was measured first: sides too are right but for a part of a voxel.
 #[track_caller]
-fn assert_near(scene: &Prepared, frame: i64, exact: impl Fn(DVec3) -> f64 + Sync) -> Accuracy {
+pub(super) fn assert_near(scene: &Prepared, frame: i64, exact: impl Fn(DVec3) -> f64 + Sync) -> Accuracy {
     let accuracy = compare(&band_of(scene, frame), exact);
     assert!(accuracy.max <= 0.05 && accuracy.mean <= 0.005 && accuracy.voxels > 1000, "{accuracy:?}");
     accuracy
 }
 
-fn distance_to_box(at: DVec3, half: f64) -> f64 {
+pub(super) fn distance_to_box(at: DVec3, half: f64) -> f64 {
     let beyond = at.abs() - half;
     -(beyond.max(DVec3::ZERO).length() + beyond.max_element().min(0.0))
 }
@@ -261,10 +261,10 @@ fn a_batch_is_its_points() {
 fn measuring_a_shape_stops_when_it_is_told() {
     let solid = "ellipsoid = [1, 0.7, 0.5]";
     let displaced = format!("[shape.a]\n{solid}\ndisplace = 'bump'\nattribute.bump = 0.05\n");
-    let banded = format!("[shape.a]\n{solid}\ncolor = {{ bands = [[0, 'red'], [0.2, 'blue']] }}\n");
+    let walled = format!("[shape.a]\n{solid}\nshell = 0.05\n");
     let moving = displaced.replace(solid, "ellipsoid = [1, 0.7, 'mix(0.5, 0.6, t)']");
     let moving = format!("frames = '1-9'\n{moving}");
-    for text in [displaced, banded, moving] {
+    for text in [displaced, walled, moving] {
         let cancel = Arc::<AtomicBool>::default();
         let heard = Arc::clone(&cancel);
         let stopper = std::thread::spawn(move || {

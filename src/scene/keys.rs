@@ -450,8 +450,13 @@ pub const SHAPE: &[Key] = &[
         Nothing,
         "The half on the positive side of the plane through the origin, and its mirror image.",
     ),
-    Key::new("offset", Kind::Number, Number(0.0), "Grows the shape on all sides; a negative number shrinks it.")
-        .unit("units"),
+    Key::new(
+        "offset",
+        Kind::Number,
+        Number(0.0),
+        "Grows the shape by this distance on all sides: its edges become round. A negative number shrinks it: its hollows do.",
+    )
+    .unit("units"),
     Key::new("shell", Kind::Number, Nothing, "Only a wall of this thickness stays, its middle on the surface.")
         .limit(Limit::Positive)
         .unit("units"),

@@ -30,6 +30,9 @@ const TOLERANCE: f64 = 0.02;
 /// than the whole.
 const MOST_PARTS: usize = 4;
 
+/// Levels on both sides of the surface, as near to it as can be.
+pub(super) const BESIDE_SURFACE: Interval = Interval::new(-f64::MIN_POSITIVE, f64::MIN_POSITIVE);
+
 /// The distance of a solid in a box, as good as a band wherever it is one of `levels`, positive inside. `voxel` is a
 /// voxel's edge.
 pub(super) fn measured(
@@ -92,11 +95,15 @@ impl Purpose<'_> {
         match error {
             extent::Error::Unbounded => Problem::new(
                 self.span,
-                format!("`{key}` needs the distance to `{name}`, which may reach to infinity and whose F is not a distance"),
+                format!(
+                    "`{key}` needs the distance to `{name}`, which may reach to infinity and whose F is not a distance"
+                ),
             )
             .help("give it `bounds` that reach a little beyond all of it that is used"),
-            extent::Error::Empty => Problem::new(self.span, format!("nothing is inside `{name}` that `{key}` could move"))
-                .help("F is negative everywhere: check the signs (positive is inside), the sizes and the bounds"),
+            extent::Error::Empty => {
+                Problem::new(self.span, format!("nothing is inside `{name}` that `{key}` could move"))
+                    .help("F is negative everywhere: check the signs (positive is inside), the sizes and the bounds")
+            }
         }
     }
 }
@@ -179,8 +186,9 @@ impl Distances {
         let aabb = box_of(&field).map_err(|error| purpose.without_box(error))?;
         // No solid has more voxels than the whole that is baked, but where it is scaled.
         let voxel = reach(aabb, levels).size().max_element() / self.resolution;
-        let measured =
-            measured(&field, aabb, levels, voxel, &self.cancel).map_err(|error| purpose.failed(&error))?;
-        Ok(graph.field(Arc::new(measured)))
+        let measured = measured(&field, aabb, levels, voxel, &self.cancel).map_err(|error| purpose.failed(&error))?;
+        let node = graph.field(Arc::new(measured));
+        let node = graph.bounded(node, aabb);
+        Ok(graph.falling(node, 1.0 / SLACK))
     }
 }

@@ -45,6 +45,10 @@ mod delay_tests;
 #[cfg(test)]
 mod displace_tests;
 #[cfg(test)]
+mod distance_tests;
+#[cfg(test)]
+mod distance_trees;
+#[cfg(test)]
 mod frame_tests;
 #[cfg(test)]
 mod level_set_tests;

@@ -162,6 +162,16 @@ pub struct Modifiers {
     pub translate: [Number; 3],
 }
 
+impl Shape {
+    /// Whether its parts' attributes go over into one another.
+    pub fn has_seam(&self) -> bool {
+        let soft = |seam: f64| seam > 0.0;
+        matches!(self.maker, Maker::Union { seam, .. } if soft(seam))
+            || matches!(self.colour, Some(AttributeSource::Parts { seam, .. }) if soft(seam))
+            || self.scalars.values().any(|source| matches!(source, AttributeSource::Parts { seam, .. } if soft(*seam)))
+    }
+}
+
 impl Modifiers {
     /// Whether any of them moves the surface by a distance.
     pub fn need_distance(&self) -> bool {

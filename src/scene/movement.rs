@@ -130,7 +130,7 @@ impl Both<'_> {
         let mut parts: Vec<Part<3>> = Vec::with_capacity(operands.len());
         for (id, way) in operands.iter().zip(ways) {
             let rest = || Arc::new(Constant::new([0.0; 3])) as Arc<dyn Attribute<3>>;
-            parts.push((self.now.decider(*id)?, way.unwrap_or_else(rest)));
+            parts.push((self.now.decider(*id, rule)?, way.unwrap_or_else(rest)));
         }
         let tolerance = TOLERANCE_VOXELS * self.prepared.lattice.voxel_size.get();
         Ok(Parts::new(parts, rule, tolerance).map(|parts| Arc::new(parts) as Arc<dyn Attribute<3>>))

@@ -18,9 +18,10 @@ use super::assets::Assets;
 use super::colour::{GREY, css};
 use super::depth::Depth;
 use super::error::Problem;
+use super::measured::Purpose;
 use super::model::{AttributeSource, Component, Maker, Model, Pieces, Shape, ShapeColour, ShapeId, ShapeScalar};
 use super::placed::{Placed, Way};
-use super::prepare::solid_box;
+use super::prepare::{box_of, solid_box};
 use super::solid::{Solids, Stage};
 
 /// How far outside of a part a surface point may be, in voxels, and still count as inside it: feet lie on the
@@ -265,14 +266,25 @@ impl Solids {
         }
         let mut parts: Vec<Part<N>> = Vec::with_capacity(operands.len());
         for (id, paint) in operands.iter().zip(paints) {
-            parts.push((self.decider(*id)?, paint.attribute));
+            parts.push((self.decider(*id, rule)?, paint.attribute));
         }
         Ok(Parts::new(parts, rule, TOLERANCE_VOXELS * voxel).map(Paint::of))
     }
 
-    /// The field whose values tell where a part is.
-    pub fn decider(&mut self, id: ShapeId) -> Result<Arc<dyn Field>, Problem> {
-        let field = self.values(id)?.for_values_alone();
+    /// The field whose values tell where a part is, and how far away it is where they go over a seam.
+    pub fn decider(&mut self, id: ShapeId, rule: Rule) -> Result<Arc<dyn Field>, Problem> {
+        let plain = self.values(id)?;
+        // What is endless can colour a seam, but nothing can measure it.
+        let field = match rule {
+            Rule::Union { seam } if seam > 0.0 && box_of(&plain).is_ok() => {
+                let model = self.model();
+                let shape = model.shape(id);
+                let purpose = Purpose { shape, key: "seam", span: shape.span };
+                self.distance_values(id, Interval::new(-seam / 2.0, seam / 2.0), &purpose)?
+            }
+            _ => plain,
+        };
+        let field = field.for_values_alone();
         Ok(match BallsByTree::of(&field) {
             Some(balls) => Arc::new(balls),
             None => Arc::new(field),

@@ -161,7 +161,12 @@ fn ready_shape(
     if variation.placed(id) || variation.painted(id) {
         solids.build_still(&model.with_parts(&[id]), variation);
         let extent = box_over_shot(model, solids, variation, id, options)?;
-        return Ok((Ready::Changing(id), extent, lattice(model, options, extent)?));
+        let lattice = lattice(model, options, extent)?;
+        if model.with_parts(&[id]).into_iter().any(|part| model.shape(part).has_seam()) {
+            // What parts that stand still are measured for is kept; what cannot be is said when a frame needs it.
+            let _ = scenery(solids, id, &lattice);
+        }
+        return Ok((Ready::Changing(id), extent, lattice));
     }
     let extent = solid_box(model, id, solids.field(id, Stage::Placed)?.as_ref())?;
     let lattice = lattice(model, options, extent)?;

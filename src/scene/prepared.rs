@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use crate::attribute::{Colour, Scalar};
 use crate::distance::Distance;
 use crate::distance::without::Keep;
-use crate::field::{Aabb, Field};
+use crate::field::{Aabb, Field, Interval};
 use crate::grid::Lattice;
 use crate::morph::{FrameReport, Movement, Stage};
 
@@ -237,7 +237,7 @@ impl Prepared {
         }
         let voxel = self.lattice.voxel_size.get();
         let problem = |error: String| Problem::new(by.span, format!("frame {}: {error}", plain(frame)));
-        let distance = measured(whole.as_ref(), solid, displacement.levels(), voxel, &self.cancel)
+        let distance = measured(whole.as_ref(), solid, Interval::ZERO, voxel, &self.cancel)
             .map_err(|error| Stop::of_measuring(&error, problem))?;
         Ok(displacement.of_field(Arc::new(distance)))
     }

@@ -51,6 +51,12 @@ the ends hold.
 **Order.** Whatever the order of the text: the maker, then `bounds`, copies (`at`), `mirror`, `offset`, `shell`,
 `displace`, `scale`, `rotate`, `move`. Another order is another shape: `union = [\"first\"]` with its own modifiers.
 
+**Distances.** `offset`, `shell`, `displace`, `bands`, `blend_radius` and `seam` are distances. Where a shape's F is not
+the distance on the side that they use, the distance is measured first, which takes from a tenth of a second to some
+seconds, for a shape that changes in every frame: it is that of balls, boxes, cylinders, capsules, half-spaces, slabs and
+closed meshes, outside of unions of them, and inside what is cut from them. What has no end cannot be measured: give it
+`bounds`. Of a blend of three, what the first two make counts by its F.
+
 **Output.** Baked is the `[morph]`, else the one shape that no other uses, else `output.shape`.
 
 **Errors** name file, line and column, mark the text and propose the nearest name; all of a scene come together.

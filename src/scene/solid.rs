@@ -1,8 +1,8 @@
 //! Shapes as fields at one moment.
 
 use std::collections::BTreeMap;
-use std::sync::{Arc, OnceLock};
 use std::sync::atomic::AtomicBool;
+use std::sync::{Arc, OnceLock};
 
 use glam::{DAffine3, DVec3};
 
@@ -17,7 +17,7 @@ use super::assets::Assets;
 use super::diagnostic::Diagnostic;
 use super::displace::{self, Displacement};
 use super::error::Problem;
-use super::measured::{Distances, Purpose, SLACK, told};
+use super::measured::{BESIDE_SURFACE, Distances, Purpose, SLACK, told};
 use super::model::{CellsId, Copies, Fill, Maker, Model, Modifiers, ScalarName, Shape, ShapeId};
 use super::number::{Moment, Number};
 use super::paint::TheScalar;
@@ -120,6 +120,10 @@ impl Solids {
     pub fn build_still(&mut self, shapes: &[ShapeId], variation: &Variation) {
         let model = self.model();
         for &id in shapes {
+            // Operands of a blend that move without changing are measured once.
+            if variation.whole(id) && matches!(model.shape(id).maker, Maker::Blend { .. }) {
+                let _ = self.made_by(id, model.shape(id));
+            }
             // The distance of what changes by its offset or its wall alone is kept.
             if variation.bare(id) && !variation.grown(id) {
                 let _ = self.bare(id, model.shape(id));
@@ -222,6 +226,17 @@ impl Solids {
         Ok(Expression::new(&self.graph, node).keeping_values())
     }
 
+    /// A shape's distance where it stands, wherever that is one of `levels`, as a field whose values hold everywhere.
+    pub fn distance_values(
+        &mut self,
+        id: ShapeId,
+        levels: Interval,
+        purpose: &Purpose<'_>,
+    ) -> Result<Expression, Problem> {
+        let node = self.placed_distance(id, levels, purpose)?;
+        Ok(Expression::new(&self.graph, node).keeping_values())
+    }
+
     /// The scene.
     pub fn model(&self) -> Arc<Model> {
         Arc::clone(&self.model)
@@ -310,9 +325,10 @@ impl Solids {
     fn bare(&mut self, id: ShapeId, shape: &Shape) -> Result<Node, Problem> {
         let grown = self.grown(id, shape)?;
         let Some(shell) = &shape.modifiers.shell else { return Ok(grown) };
-        let (thickness, half) = (self.number(shell)?, self.over_shot(shell)?.hi / 2.0);
+        let (thickness, ever) = (self.number(shell)?, self.over_shot(shell)?);
         let purpose = Purpose { shape, key: "shell", span: shell.span };
-        let [outside, inside] = [-half, half].map(|level| Interval::new(level, level));
+        let (least, most) = (ever.lo / 2.0, ever.hi / 2.0);
+        let (outside, inside) = (Interval::new(-most, -least), Interval::new(least, most));
         let outside = self.distances.of(&mut self.graph, grown, outside, &purpose)?;
         let inside = self.distances.of(&mut self.graph, grown, inside, &purpose)?;
         let wall = self.graph.wall(outside, inside, thickness);
@@ -352,8 +368,14 @@ impl Solids {
         let Some(paint) = self.paint(TheScalar(&by.name), id, Stage::Own, voxel)? else { return Ok(bare) };
         let displacement = Displacement::new(paint.attribute, solid)
             .ok_or_else(|| displace::no_greatest(by.span, &by.name, &shape.name))?;
-        let purpose = Purpose { shape, key: "displace", span: by.span };
-        let distance = self.distances.of(&mut self.graph, bare, displacement.levels(), &purpose)?;
+        let distance = match told(&mut self.graph, bare, displacement.levels()) {
+            Some(distance) => distance,
+            // The same in every frame, wherever the scalar moves the surface in each.
+            None => {
+                let purpose = Purpose { shape, key: "displace", span: by.span };
+                self.distances.of(&mut self.graph, bare, BESIDE_SURFACE, &purpose)?
+            }
+        };
         Ok(displacement.apply(&mut self.graph, distance))
     }
 
@@ -434,7 +456,7 @@ impl Solids {
                 let nodes = self.nodes(operands)?;
                 self.graph.difference(SetSystem::R0, nodes[0], &nodes[1..])
             }
-            Maker::Blend { operands, radius, within } => self.blend(operands, radius, *within)?,
+            Maker::Blend { operands, radius, within } => self.blend(operands, radius, *within, shape)?,
         })
     }
 
@@ -491,15 +513,48 @@ impl Solids {
     }
 
     /// One after another: the first with the second, that with the third.
-    fn blend(&mut self, operands: &[ShapeId], radius: &Number, within: Option<ShapeId>) -> Result<Node, Problem> {
-        let nodes = self.nodes(operands)?;
-        let radius = self.number(radius)?;
+    fn blend(
+        &mut self,
+        operands: &[ShapeId],
+        radius: &Number,
+        within: Option<ShapeId>,
+        shape: &Shape,
+    ) -> Result<Node, Problem> {
+        let (amount, most) = (self.number(radius)?, self.over_shot(radius)?.hi);
+        let purpose = Purpose { shape, key: "blend_radius", span: radius.span };
+        // The blend lies outside of both, and within its bounds.
+        let outside = Interval::new(-most, 0.0);
+        let nodes: Result<Vec<Node>, Problem> =
+            operands.iter().map(|id| self.placed_distance(*id, outside, &purpose)).collect();
         let bounds = match within {
-            Some(id) => Some(BlendBounds { solid: self.node(id, Stage::Placed)?, weight: radius }),
+            Some(id) => {
+                let solid = self.placed_distance(id, Interval::new(0.0, most), &purpose)?;
+                Some(BlendBounds { solid, weight: amount })
+            }
             None => None,
         };
-        let blend = Blend { amount: radius, reach: [radius; 2], bounds };
-        let rest = nodes[1..].iter();
-        Ok(rest.fold(nodes[0], |joined, next| self.graph.blend_union(joined, *next, &blend)))
+        let blend = Blend { amount, reach: [amount; 2], bounds };
+        let joined = nodes?.into_iter().reduce(|joined, next| self.graph.blend_union(joined, next, &blend));
+        Ok(joined.unwrap_or_else(|| unreachable!("a blend has two operands")))
+    }
+
+    /// The distance of a shape where it stands wherever that is one of `levels`, positive inside. What moves without
+    /// changing its shape is measured once.
+    fn placed_distance(&mut self, id: ShapeId, levels: Interval, purpose: &Purpose<'_>) -> Result<Node, Problem> {
+        let placed = self.node(id, Stage::Placed)?;
+        if let Some(distance) = told(&mut self.graph, placed, levels) {
+            return Ok(distance);
+        }
+        let model = self.model();
+        let shape = model.shape(id);
+        let scale = self.vector(&shape.modifiers.scale)?;
+        if scale != DVec3::splat(scale.x) {
+            return self.distances.of(&mut self.graph, placed, levels, purpose);
+        }
+        let own = self.node(id, Stage::Own)?;
+        let levels = Interval::new(levels.lo / scale.x, levels.hi / scale.x);
+        let distance = self.distances.of(&mut self.graph, own, levels, purpose)?;
+        let map = self.placement(&shape.modifiers, Stage::Placed)?;
+        self.transformed(distance, &map, shape)
     }
 }

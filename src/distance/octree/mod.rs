@@ -299,7 +299,10 @@ impl DistanceObject {
         object.bricks = Bricks::new(&object.nodes, object.root_size());
         object.bound(&places);
         object.report.bytes = object.bytes();
-        if object.bounds[0].value().lo > 0.0 || object.bounds[0].value().hi < 0.0 {
+        if !settings.levels.contains(0.0) {
+            // Nothing is known of the surface itself: cells there are large.
+            object.bounding_box = None;
+        } else if object.bounds[0].value().lo > 0.0 || object.bounds[0].value().hi < 0.0 {
             return Err(BuildError::NoSurface);
         }
         (watch.progress)(1.0);

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use glam::DVec3;
 
 use super::Samples;
-use crate::field::{Aabb, Blend, Expression, Field, Graph, Node};
+use crate::field::{Aabb, Blend, Expression, Field, Graph, Node, SetSystem};
 
 const BLEND: Blend = Blend { amount: 0.25, reach: [0.25; 2], bounds: None };
 
@@ -51,4 +51,28 @@ fn a_blend_of_distances_from_elsewhere_has_a_box() {
     let blend = graph.blend_union(one, other, &BLEND);
     // Nothing draws it in: 0.25 / (2 − √2) around, of which some 0.05 are needed.
     assert_fits("a blend of distances from elsewhere", &graph, blend, 0.45);
+}
+
+/// What comes from elsewhere is asked for no bounds: construction alone tells.
+#[test]
+fn blends_of_blends_and_offsets_of_unions_have_boxes() {
+    let ball = |radius: f64| {
+        let mut inner = Graph::new();
+        let ball = inner.sphere(radius);
+        Arc::new(Expression::new(&inner, ball)) as Arc<dyn Field>
+    };
+    let mut graph = Graph::new();
+    let [one, two, three] = [0.8, 0.5, 0.3].map(|radius| graph.field(ball(radius)));
+    let two = graph.translate(two, DVec3::new(0.9, 0.2, 0.0)).expect("it moves");
+    let pair = graph.blend_union(one, two, &BLEND);
+    let turned = graph.rotate(pair, DVec3::new(0.0, 30.0, 45.0)).expect("it turns");
+    let three = graph.translate(three, DVec3::new(0.0, 1.0, 0.0)).expect("it moves");
+    let all = graph.blend_union(turned, three, &BLEND);
+    assert_fits("a blend of a turned blend", &graph, all, 1.8);
+    let union = graph.union(SetSystem::R0, &[one, two]);
+    let grown = graph.offset(union, 0.1);
+    assert_fits("an offset R₀ union", &graph, grown, 0.3);
+    let stretched = graph.scale(union, DVec3::new(1.0, 2.0, 1.0)).expect("it is scaled");
+    let grown = graph.offset(stretched, 0.1);
+    assert_fits("an offset of what is stretched", &graph, grown, 1.0);
 }
