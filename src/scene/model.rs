@@ -173,9 +173,10 @@ impl Shape {
 }
 
 impl Modifiers {
-    /// Whether any of them moves the surface by a distance.
-    pub fn need_distance(&self) -> bool {
-        !matches!(self.offset.value, NumberValue::Constant(0.0)) || self.shell.is_some() || self.displace.is_some()
+    /// Whether any of them moves the surface outward by a distance.
+    pub fn may_grow(&self) -> bool {
+        let shrinks = matches!(self.offset.value, NumberValue::Constant(by) if by <= 0.0);
+        !shrinks || self.shell.is_some() || self.displace.is_some()
     }
 }
 

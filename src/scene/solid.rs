@@ -424,8 +424,8 @@ impl Solids {
             Maker::Mesh { .. } => {
                 let mesh = Arc::clone(self.assets.mesh(id));
                 // An operand is asked for its sign and its creases far more often than for its exact distance.
-                // A wall or an offset needs the distance.
-                let asked_for_sign = !self.model.content.shows(id) && !shape.modifiers.need_distance();
+                // What grows needs the distance: planes are none beside edges.
+                let asked_for_sign = !self.model.content.shows(id) && !shape.modifiers.may_grow();
                 match mesh.half_spaces().filter(|_| asked_for_sign) {
                     Some(planes) => {
                         let faces: Vec<Node> =

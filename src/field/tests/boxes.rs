@@ -68,7 +68,7 @@ fn blends_of_blends_and_offsets_of_unions_have_boxes() {
     let turned = graph.rotate(pair, DVec3::new(0.0, 30.0, 45.0)).expect("it turns");
     let three = graph.translate(three, DVec3::new(0.0, 1.0, 0.0)).expect("it moves");
     let all = graph.blend_union(turned, three, &BLEND);
-    assert_fits("a blend of a turned blend", &graph, all, 1.8);
+    assert_fits("a blend of a turned blend", &graph, all, 2.5);
     let union = graph.union(SetSystem::R0, &[one, two]);
     let grown = graph.offset(union, 0.1);
     assert_fits("an offset R₀ union", &graph, grown, 0.3);
