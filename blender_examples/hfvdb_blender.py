@@ -1,4 +1,4 @@
-"""What the examples share: sequences of .vdb files in Blender, and the nodes that show them. Tried with Blender 5.0.1.
+"""What the examples share: sequences of .vdb files in Blender, and the nodes that show them.
 
 Each of these has a trap in it that shows wrong without a word; the comments name them.
 """
@@ -28,9 +28,6 @@ def arguments(description):
 
 def parse(parser, given=None):
     """What stands after `--` under `blender --python`, all of it under `python`."""
-    if bpy.app.version < (5, 0, 0):
-        # Meshes and volumes stand half a voxel off there, along x, y and z; and the nodes' sockets differ.
-        sys.exit("this needs Blender 5.0 or newer; this is %s" % bpy.app.version_string)
     if given is None:
         given = sys.argv[sys.argv.index("--") + 1:] if "--" in sys.argv else sys.argv[1:]
     return parser.parse_args(given)
@@ -149,11 +146,24 @@ def set_rate(path):
         render.fps_base = render.fps / rate
 
 
-def need(types, name, kind, what):
+def need(types, name, kind, what, help=""):
     """Ends the program where a grid is not there: a wrong name is no error in Blender, only nothing, or black."""
     if types.get(name) != kind:
         there = ", ".join("%s (%s)" % item for item in types.items()) or "none"
-        sys.exit("there is no %s grid '%s' for the %s; the file has %s" % (kind, name, what, there))
+        sys.exit("there is no %s grid '%s' for the %s; the file has %s%s" % (kind, name, what, there, help))
+
+
+def need_nodes(*kinds):
+    """Ends the program where this Blender lacks nodes."""
+    missing = [kind for kind in kinds if not hasattr(bpy.types, kind)]
+    if missing:
+        sys.exit("Blender %s has no node %s" % (bpy.app.version_string, ", ".join(missing)))
+
+
+def voxel_size(volume, name):
+    """The edge of a grid's voxels in its object's space, the same in every frame."""
+    volume.data.grids.load()  # another frame drops them
+    return volume.data.grids[name].matrix_object.to_scale()[0]
 
 
 def new_material(name):
@@ -171,16 +181,23 @@ def clear_startup():
         bpy.data.objects.remove(bpy.data.objects["Cube"])
 
 
-def finish(options, item, blur):
-    """Camera, renderer, and what was asked to be written."""
+def show_frame(options):
+    """Goes to the frame that was asked for."""
     scene = bpy.context.scene
     scene.frame_set(scene.frame_start if options.frame is None else options.frame)
+
+
+def finish(options, item, blur):
+    """Camera, light, renderer, and what was asked to be written."""
+    scene = bpy.context.scene
+    show_frame(options)
     scene.view_settings.view_transform = "Standard"  # AgX, the default, changes colours
     scene.render.engine = "CYCLES"
     # 5.0's own way turns smoke with a colour channel of 0 blotchy and nearly black.
     scene.cycles.volume_biased = True
     scene.render.use_motion_blur = blur
     aim_camera(item)
+    add_light()
     if options.save:
         bpy.ops.wm.save_as_mainfile(filepath=os.path.abspath(options.save))
     if options.render:
@@ -191,21 +208,40 @@ def finish(options, item, blur):
         bpy.ops.render.render(write_still=True)
 
 
-def aim_camera(item):
-    """Looks at an object's box in this frame, from the front and above."""
-    scene = bpy.context.scene
-    if scene.camera is None:
-        scene.camera = new_object("Camera", bpy.data.cameras.new("Camera"))
+def world_box(item):
+    """The least and the greatest corner of an object's box in this frame."""
     evaluated = item.evaluated_get(bpy.context.evaluated_depsgraph_get())
     if item.type == "VOLUME":
         evaluated.data.grids.load()  # a volume has no box before
     corners = [item.matrix_world @ Vector(corner) for corner in evaluated.bound_box]
     low = Vector([min(corner[axis] for corner in corners) for axis in range(3)])
     high = Vector([max(corner[axis] for corner in corners) for axis in range(3)])
+    return low, high
+
+
+def aim_camera(item):
+    """Looks at an object's box in this frame, from the front and above."""
+    scene = bpy.context.scene
+    if scene.camera is None:
+        scene.camera = new_object("Camera", bpy.data.cameras.new("Camera"))
+    low, high = world_box(item)
     towards = Vector((0.5, -1.0, 0.5)).normalized()
     lens = scene.camera.data
     slope = 0.5 * lens.sensor_width / lens.lens
     distance = 0.5 * (high - low).length / slope * 1.2
-    lens.clip_end = max(lens.clip_end, 4 * distance)
+    lens.clip_start, lens.clip_end = min(lens.clip_start, distance / 100), max(lens.clip_end, 4 * distance)
     scene.camera.rotation_euler = towards.to_track_quat("Z", "Y").to_euler()
-    scene.camera.location = (low + high) / 2 + towards * max(distance, 1e-3)
+    scene.camera.location = (low + high) / 2 + towards * distance
+
+
+def add_light():
+    """A sun from over the camera's shoulder, in place of the lamp of Blender's own startup scene: that one stands a few
+    units off and fades with the distance, so what is 100 units large, as in centimetres, would be nearly black."""
+    lights = [item for item in bpy.data.objects if item.type == "LIGHT"]
+    if bpy.data.filepath or [item.name for item in lights] not in ([], ["Light"]):
+        return  # a scene of the user's own
+    for item in lights:
+        bpy.data.objects.remove(item)
+    sun = new_object("Light", bpy.data.lights.new("Light", "SUN"))
+    sun.data.energy = 4.0
+    sun.rotation_euler = Vector((0.9, -0.6, 1.1)).to_track_quat("Z", "Y").to_euler()

@@ -4,6 +4,8 @@
     blender --background --python mesh.py -- out/cubism.*.vdb --frame 24 --render cubism.png --save cubism.blend
     python mesh.py out/cubism.*.vdb --render cubism.png              with Blender as a module: pip install bpy==5.0.1
 
+Tried with Blender 5.0.1, 4.5.15 LTS and 4.2.23 LTS.
+
 Makes two objects: the volume, which is not rendered, and the mesh, which follows it over the frames. Apply the
 modifier to get a real mesh with the colour attribute `Cd`.
 """
@@ -30,6 +32,7 @@ def paint(colour):
 
 def coloured_mesh(volume, surface, colour, velocity):
     """The node tree: the level set's mesh, with colour and velocity sampled at its vertices. Either may be None."""
+    hfvdb.need_nodes("GeometryNodeGetNamedGrid", "GeometryNodeGridToMesh", "GeometryNodeSampleGrid")
     graph = hfvdb.Graph("coloured mesh")
     source = graph.add("GeometryNodeObjectInfo", "Geometry", {"transform_space": "RELATIVE"}, Object=volume)
 
@@ -40,6 +43,10 @@ def coloured_mesh(volume, surface, colour, velocity):
     # Not the node Volume to Mesh, which meshes every grid of numbers. Blender's threshold is 0.1, a distance: it would
     # make the object grow by that.
     mesh = graph.add("GeometryNodeGridToMesh", "Mesh", Grid=grid(surface, "FLOAT"), Threshold=0.0)
+    if bpy.app.version < (5, 0, 0):
+        # There a mesh stands half a voxel off along x, y and z, and what is sampled at its vertices does not.
+        half = -0.5 * hfvdb.voxel_size(volume, surface)
+        mesh = graph.add("GeometryNodeSetPosition", "Geometry", Geometry=mesh, Offset=(half, half, half))
     position = graph.add("GeometryNodeInputPosition")
     # The renderer knows a velocity by the name `velocity`, and by no other.
     for name, stored, kind in ((colour, colour, "FLOAT_COLOR"), (velocity, "velocity", "FLOAT_VECTOR")):
@@ -61,6 +68,7 @@ def main(given=None):
     options = hfvdb.parse(parser, given)
     hfvdb.clear_startup()
     volume, types = hfvdb.open_volume(options.files, options.velocity, options.up)
+    hfvdb.show_frame(options)
     hfvdb.need(types, options.surface, "FLOAT", "surface")
     there = [name if types.get(name) == "VECTOR_FLOAT" else None for name in (options.colour, options.velocity)]
     if there[0] is None:

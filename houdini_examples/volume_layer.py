@@ -5,6 +5,7 @@ Knows USD (`pxr`) alone: tried with usd-core 26.11, without Houdini.
 from __future__ import annotations
 
 import os
+import struct
 
 from pxr import Gf, Sdf, Usd, UsdGeom, UsdVol
 
@@ -12,6 +13,26 @@ Box = tuple[tuple[float, float, float], tuple[float, float, float]]
 # Classes and types as OpenVDB spells them, and as USD does. A wrong token draws no message.
 CLASSES = {"level set": "levelSet", "fog volume": "fogVolume", "staggered": "staggered"}
 TYPES = {"float": "float", "vec3s": "float3", "double": "double", "vec3d": "double3"}
+METRES = {"m": 1.0, "cm": 0.01, "mm": 0.001, "km": 1000.0, "in": 0.0254, "ft": 0.3048}
+
+
+def metres_per_unit(path: str) -> float:
+    """What the metadata of a .vdb file, `hfvdb_unit`, say that 1 stands for; 1 metre where they say nothing."""
+    # Read here: neither USD nor Houdini gives the metadata of the file itself, but those of its grids alone.
+    with open(path, "rb") as file:
+        magic, version = struct.unpack("<qI", file.read(12))
+        if magic != 0x56444220 or version < 222:
+            return 1.0
+        file.seek(9 + 36, os.SEEK_CUR)  # the library's version, whether grids have offsets, the file's identifier
+
+        def text() -> bytes:
+            return file.read(struct.unpack("<I", file.read(4))[0])
+
+        for _ in range(struct.unpack("<I", file.read(4))[0]):
+            name, _kind, value = text(), text(), text()
+            if name == b"hfvdb_unit":
+                return METRES.get(value.decode("utf-8", "replace"), 1.0)
+    return 1.0
 
 
 def write(
@@ -26,7 +47,7 @@ def write(
     name. Paths in it are relative to it."""
     stage = Usd.Stage.CreateNew(layer)
     UsdGeom.SetStageUpAxis(stage, up)
-    UsdGeom.SetStageMetersPerUnit(stage, 1.0)
+    UsdGeom.SetStageMetersPerUnit(stage, metres_per_unit(files[min(files)]))
     stage.SetTimeCodesPerSecond(rate)
     stage.SetFramesPerSecond(rate)
     stage.SetStartTimeCode(min(files))

@@ -149,6 +149,51 @@ fn meshes_and_smoke_are_green_and_blurred_by_their_motion() {
     assert!(place.path("scene.blend").exists());
 }
 
+/// Files of hfvdb in centimetres: 160 units large, and lit; smoke is made of the level set where there is no density.
+#[test]
+fn what_is_large_is_lit_and_what_has_no_density_is_smoke_all_the_same() {
+    let Some((python, place)) = blender() else { return };
+    let scene = "hfvdb = 1\nframes = \"1-2\"\nunit = \"cm\"\n[shape.a]\nsphere = 80\ncolor = \"#208040\"\n";
+    place.write("ball.toml", scene);
+    place.hfvdb("bake ball.toml --resolution 32 -o m.####.vdb").ok();
+    for script in ["mesh", "fog"] {
+        let out = format!("{script}.png");
+        let options = ["m.0001.vdb", "m.0002.vdb", "--size", "96", "--samples", "8", "--render", &out];
+        let run = example(&python, &place, script, &options).ok();
+        assert_eq!(run.stderr.contains("'surface' is filled with smoke"), script == "fog", "{}", run.stderr);
+        let (pixels, edge) = picture(&place, &out);
+        let [red, green, blue] = [0, 1, 2].map(|i| pixels[(edge / 2 * edge + edge / 2) * 4 + i]);
+        assert!(green > 60 && green > red + 20 && green > blue + 10, "{out}: {red} {green} {blue}");
+        let across = widest(&pixels, edge) as f64 / edge as f64;
+        assert!((0.4..0.9).contains(&across), "{out}: {across} of the picture");
+    }
+}
+
+/// What Solaris takes says what a unit is, as the files do. USD's own module is not asked: only what it is told.
+#[test]
+fn the_layer_of_usd_has_the_unit_of_the_files() {
+    const LAYER: &str = "
+import sys, unittest.mock
+pxr = sys.modules['pxr'] = unittest.mock.MagicMock()
+sys.path.insert(0, sys.argv[1])
+import volume_layer
+volume_layer.write('m.usda', {1: sys.argv[2]}, {}, {})
+print(pxr.UsdGeom.SetStageMetersPerUnit.call_args.args[1])
+";
+    let place = Workplace::new();
+    let houdini = concat!(env!("CARGO_MANIFEST_DIR"), "/houdini_examples");
+    let unit = |path: &str| place.run(Command::new("/usr/bin/python3").args(["-c", LAYER, houdini, path])).ok().stdout;
+    for (name, metres) in [("m", "1.0"), ("cm", "0.01"), ("in", "0.0254")] {
+        place.write("ball.toml", format!("hfvdb = 1\nunit = \"{name}\"\n[shape.a]\nsphere = 80\n"));
+        place.hfvdb(&format!("bake ball.toml --resolution 16 -o {name}.vdb")).ok();
+        assert_eq!(unit(&format!("{name}.vdb")).trim(), metres);
+    }
+    // One of another maker.
+    let maker = "import pyopenvdb as vdb; vdb.write('other.vdb', grids=[vdb.FloatGrid()])";
+    place.run(Command::new("/usr/bin/python3").args(["-c", maker])).ok();
+    assert_eq!(unit("other.vdb").trim(), "1.0");
+}
+
 #[test]
 fn what_blender_would_show_wrong_without_a_word_is_refused() {
     let Some((python, place)) = blender() else { return };
@@ -157,7 +202,7 @@ fn what_blender_would_show_wrong_without_a_word_is_refused() {
         assert!(run.code != 0 && run.stderr.contains(part), "{arguments:?}: {} {}", run.code, run.stderr);
     };
     refused("mesh", &["in/still.0007.vdb", "--surface", "sdf"], "no FLOAT grid 'sdf'");
-    refused("fog", &["in/still.0007.vdb", "--density", "smoke"], "no FLOAT grid 'smoke'");
+    refused("fog", &["in/still.0007.vdb", "--density", "smoke", "--surface", "sdf"], "no FLOAT grid 'sdf' for the smoke");
     refused("mesh", &["in/none.0007.vdb"], "no such file");
     fs::copy(place.path("in/still.0007.vdb"), place.path("in/still.0010.vdb")).expect("a copy");
     refused("mesh", &["in/still.0007.vdb", "in/still.0008.vdb", "in/still.0010.vdb"], "frames are missing");
