@@ -35,6 +35,12 @@ impl CoarseGrid {
         Self { least: (aabb.centre() - half).to_array(), edge, blocks: blocks.as_ivec3().to_array() }
     }
 
+    /// All of it.
+    pub(super) fn aabb(&self) -> Aabb {
+        let least = DVec3::from_array(self.least);
+        Aabb::new(least, least + self.size().as_dvec3() * self.edge)
+    }
+
     /// A cell's edge, world units.
     pub fn edge(&self) -> f64 {
         self.edge

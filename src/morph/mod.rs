@@ -6,6 +6,7 @@
 
 mod both;
 mod coarse;
+mod common;
 mod course;
 mod curves;
 mod delay;

@@ -48,6 +48,29 @@ impl Similarity {
         self.rotation.transpose() * (position - self.translation) / self.scale
     }
 
+    /// How it turns.
+    pub(super) fn rotation(&self) -> DMat3 {
+        self.rotation
+    }
+
+    /// The same as seen from a frame that stands elsewhere.
+    pub(super) fn seen_from(&self, frame: &Self) -> Self {
+        if *frame == Self::IDENTITY {
+            return *self;
+        }
+        let back = frame.rotation.transpose();
+        Self {
+            scale: self.scale / frame.scale,
+            rotation: back * self.rotation,
+            translation: back * (self.translation - frame.translation) / frame.scale,
+        }
+    }
+
+    /// Turned about a place of the world, which then stands at another.
+    pub(super) fn carried(&self, turn: DMat3, place: DVec3, to: DVec3) -> Self {
+        Self { scale: self.scale, rotation: turn * self.rotation, translation: turn * (self.translation - place) + to }
+    }
+
     /// The box around a moved box.
     pub fn box_to_world(&self, aabb: Aabb) -> Aabb {
         around(self.to_world(aabb.centre()), absolute(self.rotation) * (aabb.size() * 0.5) * self.scale)

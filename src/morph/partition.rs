@@ -6,7 +6,7 @@ impl Morph {
     /// The morph of a part of the first object into a part of the second: with the settings, the unit D and the t of the
     /// whole at every time. Its volume and the way round between hues are its own.
     pub fn of_parts(&self, from: MorphObject, to: MorphObject) -> Self {
-        let mut pair = Self::planned(from, to, self.settings.clone(), self.plan.clone());
+        let mut pair = Self::planned([from, to], self.settings.clone(), self.plan.clone(), self.common.clone());
         pair.measure_still();
         pair.delay.clone_from(&self.delay);
         pair.plan.turn = match &pair.still {

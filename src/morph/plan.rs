@@ -7,10 +7,11 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use super::coarse::{CoarseGrid, Measured};
+use super::common::common_motion;
 use super::course::{Course, LEAST_TIME, Timed};
 use super::delay::DelayGrid;
 use super::delayed::DelayedStb;
-use super::motion::{Motion, Moved};
+use super::motion::{Motion, Moved, Similarity};
 use super::pace::{Curve, Even, even};
 use super::plain;
 use super::recent::Recent;
@@ -29,7 +30,7 @@ use crate::field::{Aabb, BATCH, Field, Interval, Points};
 
 /// Steps of t's curve. Fewer miss short bursts of change; each costs a solve on the coarse grid in each pass.
 const STEPS: usize = 40;
-/// Steps at which a moving object's box is taken.
+/// Steps at which a moving object's box is taken, and the coarse grid's where it moves.
 const BOX_STEPS: usize = 160;
 /// The coarse grid's margin around both objects, in units of D: first tried, and the most tried before giving up.
 const MARGINS: [f64; 2] = [0.15, 2.5];
@@ -50,9 +51,10 @@ pub struct MorphObject {
 /// What is worked out once for a morph: the same for every frame, resolution and number of threads.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Plan {
-    /// D, world units: half the diagonal of the box around both objects while the shape changes.
+    /// D, world units: half the diagonal of the box around both objects while the shape changes, in the frame that moves
+    /// with them.
     pub unit: f64,
-    /// Where volume and change are measured.
+    /// Where volume and change are measured, in that frame.
     pub grid: CoarseGrid,
     /// STB's time t over the morph's eased progress, both in \[0, 1\].
     pub pace: Curve,
@@ -99,6 +101,8 @@ pub struct Morph {
     pub(super) to: MorphObject,
     pub(super) settings: Settings,
     pub(super) plan: Plan,
+    /// Where the frame that moves with both objects stands in the world, and the coarse grid with it.
+    pub(super) common: Motion,
     /// The coarse grid's distances, where no object moves.
     pub(super) still: Option<Arc<Measured>>,
     /// Where the shape waits.
@@ -121,7 +125,13 @@ impl Morph {
     /// Checks the settings and plans the morph: the one slow step, a second or two.
     pub fn new(from: MorphObject, to: MorphObject, settings: Settings) -> Result<Self, Error> {
         settings.check()?;
-        let boxes = [object_box(&from, &settings, Side::From)?, object_box(&to, &settings, Side::To)?];
+        let common = common_motion(&from, &to, &settings);
+        let over = |object: &MorphObject, side: Side| {
+            let own = object.distance.bounding_box().filter(|aabb| aabb.min.is_finite() && aabb.max.is_finite());
+            let placement = |time: f64| object.motion.at(time).seen_from(&common.at(time));
+            Ok(box_over(own.ok_or(Error::Unbounded(side))?, &settings, common.is_still(), placement))
+        };
+        let boxes = [over(&from, Side::From)?, over(&to, Side::To)?];
         let both = boxes[0].union(boxes[1]);
         let unit = both.size().length() * 0.5;
         let (mut margin, mut spreads) = (MARGINS[0], [0.0; 2]);
@@ -129,7 +139,7 @@ impl Morph {
             let grid = CoarseGrid::over(both.grown(margin * unit));
             let plan =
                 Plan { unit, grid, pace: Curve::line(), changes: Vec::new(), extent: [[0.0; 3]; 2], turn: Turn::Up };
-            let mut morph = Self::planned(from.clone(), to.clone(), settings.clone(), plan);
+            let mut morph = Self::planned([from.clone(), to.clone()], settings.clone(), plan, common.clone());
             let Some(at) = morph.make_plan()? else { return Ok(morph) };
             spreads = at;
             margin *= 2.0;
@@ -141,16 +151,17 @@ impl Morph {
     /// A morph whose plan was made before, from the same objects and settings.
     pub fn with_plan(from: MorphObject, to: MorphObject, settings: Settings, plan: Plan) -> Result<Self, Error> {
         settings.check()?;
-        let mut morph = Self::planned(from, to, settings, plan);
+        let common = common_motion(&from, &to, &settings);
+        let mut morph = Self::planned([from, to], settings, plan, common);
         morph.measure_still();
         morph.measure_delay()?;
         Ok(morph)
     }
 
     /// Of these parts, with nothing measured yet.
-    pub(super) fn planned(from: MorphObject, to: MorphObject, settings: Settings, plan: Plan) -> Self {
+    pub(super) fn planned([from, to]: [MorphObject; 2], settings: Settings, plan: Plan, common: Motion) -> Self {
         let (courses, solved, surfels) = (Recent::new(), Recent::new(), Recent::new());
-        Self { from, to, settings, plan, still: None, delay: None, courses, solved, surfels }
+        Self { from, to, settings, plan, common, still: None, delay: None, courses, solved, surfels }
     }
 
     /// What was planned.
@@ -319,7 +330,8 @@ impl Morph {
         };
         let (grid, eased) = (&self.plan.grid, self.settings.eased(time));
         let course = self.course(flow, delay, time, || Arc::clone(measured));
-        let place = |cell: usize| course.place(delay.progress(grid.centre(cell), eased));
+        let common = self.common.at(time);
+        let place = |cell: usize| course.place(delay.progress(common.to_world(grid.centre(cell)), eased));
         let fractions = place_fractions(grid, measured, self.plan.unit, place);
         Some(Enclosing { a0: course.a0(eased), fractions })
     }
@@ -357,17 +369,26 @@ impl Morph {
         })
     }
 
-    /// Takes the delay onto the coarse grid.
+    /// Takes the delay, which stands in the world, onto the coarse grid, or onto one over all that it moves through.
     fn measure_delay(&mut self) -> Result<(), Error> {
-        if let Mode::Flow(Flow { delay: Some(delay), .. }) = &self.settings.mode {
-            self.delay = Some(Arc::new(DelayGrid::new(&self.plan.grid, delay)?));
-        }
+        let Mode::Flow(Flow { delay: Some(delay), .. }) = &self.settings.mode else { return Ok(()) };
+        let grid = if self.common.is_still() {
+            self.plan.grid.clone()
+        } else {
+            CoarseGrid::over(box_over(self.plan.grid.aabb(), &self.settings, false, |time| self.common.at(time)))
+        };
+        self.delay = Some(Arc::new(DelayGrid::new(&grid, delay)?));
         Ok(())
     }
 
+    /// Where an object stands in the frame that moves with both.
+    fn seen(&self, object: &MorphObject, time: f64) -> Similarity {
+        object.motion.at(time).seen_from(&self.common.at(time))
+    }
+
     pub(super) fn measure(&self, time: f64) -> Measured {
-        let first = Moved::new(self.from.distance.clone(), self.from.motion.at(time));
-        let second = Moved::new(self.to.distance.clone(), self.to.motion.at(time));
+        let first = Moved::new(self.from.distance.clone(), self.seen(&self.from, time));
+        let second = Moved::new(self.to.distance.clone(), self.seen(&self.to, time));
         Measured::new(&self.plan.grid, &first, &second, self.plan.unit)
     }
 
@@ -396,7 +417,7 @@ impl Morph {
         let on_surface: Vec<usize> = (0..distances.len()).filter(|&i| distances[i].abs() < near).collect();
         let cells = if on_surface.is_empty() { (0..distances.len()).collect() } else { on_surface };
         let stride = cells.len().div_ceil(BATCH);
-        let colour = Moved::new(object.colour.clone(), object.motion.at(time));
+        let colour = Moved::new(object.colour.clone(), self.seen(object, time));
         let mut points = Points::new(self.plan.grid.centre(cells[0]));
         for &cell in cells.iter().step_by(stride) {
             points.push((self.plan.grid.centre(cell) - points.origin).as_vec3());
@@ -456,7 +477,11 @@ impl Morph {
             );
         }
         let cell = self.plan.grid.cell_volume();
-        let extent = extent(&self.plan.grid, &fractions);
+        let extent = if self.common.is_still() {
+            extent(&self.plan.grid, &fractions)
+        } else {
+            self.moving_extent(&progress, &scene, &fractions)
+        };
         let spreads = fractions.par_iter().position_first(|one| touches_a_face(&self.plan.grid, one));
         let spreads = spreads.map(|step| {
             let time = scene.get(step).copied().unwrap_or_else(|| self.settings.time_of(progress[step - STEPS - 1]));
@@ -466,19 +491,38 @@ impl Morph {
         self.plan.extent = [extent.min.to_array(), extent.max.to_array()];
         Ok(spreads)
     }
+
+    /// The box in the world around all that is inside at any step, where the coarse grid moves: what is inside at two
+    /// neighbouring steps is carried along between them.
+    fn moving_extent(&self, progress: &[f64], scene: &[f64], fractions: &[Vec<f32>]) -> Aabb {
+        const BETWEEN: usize = 8;
+        let again = progress.iter().map(|share| self.settings.time_of(*share));
+        let times: Vec<f64> = scene.iter().copied().chain(again).take(fractions.len()).collect();
+        let own: Vec<Aabb> =
+            fractions.par_iter().map(|one| extent(&self.plan.grid, std::slice::from_ref(one))).collect();
+        let mut all = Aabb::new(DVec3::INFINITY, DVec3::NEG_INFINITY);
+        for step in 0..times.len() {
+            // The second list of times, where there is one, starts anew.
+            let next = if step + 1 < times.len() && step != STEPS { step + 1 } else { step };
+            let here = own[step].union(own[next]);
+            if here.min.cmpgt(here.max).any() {
+                continue;
+            }
+            for part in 0..=BETWEEN {
+                let share = part as f64 / BETWEEN as f64;
+                let common = self.common.at(times[step] + (times[next] - times[step]) * share);
+                all = all.union(common.box_to_world(here));
+            }
+        }
+        all
+    }
 }
 
-/// The box around an object wherever it stands while the shape changes.
-fn object_box(object: &MorphObject, settings: &Settings, side: Side) -> Result<Aabb, Error> {
-    let own = object.distance.bounding_box().filter(|aabb| aabb.min.is_finite() && aabb.max.is_finite());
-    let own = own.ok_or(Error::Unbounded(side))?;
-    let [start, end] = settings.over;
-    let steps = if object.motion.is_still() { 0 } else { BOX_STEPS };
-    let boxes = (0..=steps).map(|step| {
-        let share = step as f64 / BOX_STEPS as f64;
-        object.motion.at(start + share * (end - start)).box_to_world(own)
-    });
-    boxes.reduce(Aabb::union).ok_or(Error::Unbounded(side))
+/// The box around a box wherever it is placed while the shape changes.
+fn box_over(own: Aabb, settings: &Settings, still: bool, placement: impl Fn(f64) -> Similarity) -> Aabb {
+    let steps = if still { 0 } else { BOX_STEPS };
+    let at = |step: usize| placement(settings.time_of(step as f64 / BOX_STEPS as f64)).box_to_world(own);
+    (1..=steps).map(at).fold(at(0), Aabb::union)
 }
 
 fn touches_a_face(grid: &CoarseGrid, fractions: &[f32]) -> bool {

@@ -5,11 +5,13 @@ use std::sync::Arc;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
+use super::motion::{Moved, Similarity};
 use super::plan::{Morph, Solved};
 use super::settings::Mode;
 use super::surfels::Surfels;
 use super::volume::{Enclosing, difference, object_fractions, total};
 use crate::distance::Distance;
+use crate::grid::measure::median_of_moving;
 
 /// Numbers on one frame, volumes in cubic world units, measured on the coarse grid.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -24,7 +26,8 @@ pub struct FrameReport {
     pub target: Option<f64>,
     /// The volume that it has.
     pub volume: f64,
-    /// What lies in this frame or in the one before, but not in both; 0 in the first.
+    /// What lies in this frame or in the one before, but not in both, as the frame sees it that moves with both objects; 0
+    /// in the first.
     pub change: f64,
     /// Connected pieces.
     pub pieces: usize,
@@ -35,7 +38,7 @@ pub struct FrameReport {
 pub struct Report {
     /// One entry a frame, in order.
     pub frames: Vec<FrameReport>,
-    /// The median of the changes.
+    /// The median of the changes of frames that change at all.
     pub median_change: f64,
     /// The largest change over the median; a morph without pops stays under 2.
     pub largest_over_median: f64,
@@ -57,10 +60,9 @@ impl Morph {
         for (frame, change) in frames.iter_mut().skip(1).zip(&changes) {
             frame.change = *change;
         }
-        let mut sorted = changes;
-        sorted.sort_by(f64::total_cmp);
-        let median_change = sorted.get(sorted.len() / 2).copied().unwrap_or(0.0);
-        let largest = sorted.last().copied().unwrap_or(0.0);
+        let volume = frames.iter().map(|frame| frame.volume).fold(0.0, f64::max);
+        let median_change = median_of_moving(&changes, volume).unwrap_or(0.0);
+        let largest = changes.iter().copied().fold(0.0, f64::max);
         let largest_over_median = if median_change > 0.0 { largest / median_change } else { 0.0 };
         Report { frames, median_change, largest_over_median }
     }
@@ -68,9 +70,19 @@ impl Morph {
     /// The farthest that the surface goes from one scene time to another, world units, to a part of a cell of the coarse
     /// grid; what appears or vanishes counts by how far it is from the rest.
     pub fn displacement(&self, from: f64, to: f64) -> f64 {
-        let of = |time| self.surfels.at(time, || Surfels::new(&self.plan().grid, self.field(time).as_ref()));
+        let of = |time| self.surfels.at(time, || self.surfels_at(time));
         let [from, to] = [from, to].map(of);
         from.farthest(&to)
+    }
+
+    /// The surface at scene time τ, in the world.
+    fn surfels_at(&self, time: f64) -> Surfels {
+        let (grid, field, common) = (&self.plan().grid, self.field(time), self.common.at(time));
+        if self.common.is_still() {
+            return Surfels::new(grid, field.as_ref());
+        }
+        let seen = Similarity::IDENTITY.seen_from(&common);
+        Surfels::new(grid, &Moved::new(field, seen)).carried(&common)
     }
 
     /// Numbers on a frame that was made elsewhere, at scene time τ, from its distance and that of the frame before, `None`

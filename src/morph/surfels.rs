@@ -9,6 +9,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use super::coarse::CoarseGrid;
+use super::motion::Similarity;
 use crate::field::{BATCH, Field, Gradients};
 
 /// Newton steps from a cell's middle to the surface.
@@ -72,6 +73,16 @@ impl Surfels {
         let mut discs = found.concat();
         discs.sort_by(|a, b| a.point.x.total_cmp(&b.point.x));
         Self { radius: 0.5 * edge, discs }
+    }
+
+    /// The same, placed.
+    pub(super) fn carried(mut self, placement: &Similarity) -> Self {
+        for disc in &mut self.discs {
+            disc.point = placement.to_world(disc.point);
+            disc.normal = placement.rotation() * disc.normal;
+        }
+        self.discs.sort_by(|a, b| a.point.x.total_cmp(&b.point.x));
+        self
     }
 
     /// The greatest distance from a point of either surface to the other, world units; 0 where one has none.

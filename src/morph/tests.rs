@@ -352,6 +352,53 @@ fn moving_objects_change_evenly_too() {
     assert!(morph.field(0.0).reference(start).abs() < 1e-12);
 }
 
+/// Moved, turned, or both, from where it is at rest: the pair has the same D, t and change at every frame as at rest.
+#[test]
+fn what_carries_both_objects_changes_no_pace() {
+    let bend: fn(f64) -> f64 = |time| time * time * (3.0 - 2.0 * time);
+    let carry = |turn: f64, way: f64| {
+        move |time: f64| {
+            let time = time - 0.1;
+            Similarity::new(1.0, DVec3::Z * turn * bend(time), DVec3::new(way * time, 0.3 * way * bend(time), 0.0))
+                .expect("sound")
+        }
+    };
+    let settings = || Settings { over: [0.1, 0.8], ..Settings::default() };
+    let pair = |motion: &dyn Fn() -> Motion| {
+        let from = object(Exact::cube(-0.9, 0.5), YELLOW, motion());
+        Morph::new(from, object(Exact::ball(0.9, 0.4), PINK, motion()), settings()).expect("a morph")
+    };
+    let rest = pair(&Motion::default);
+    let expected = rest.report(&frames(48));
+    for (turn, way) in [(0.0, 6.0), (400.0, 0.0), (-90.0, 3.0)] {
+        let moved = pair(&|| Motion::moving(carry(turn, way)));
+        assert!((moved.plan().unit / rest.plan().unit - 1.0).abs() < 1e-9);
+        let report = moved.report(&frames(48));
+        for (own, expected) in report.frames.iter().zip(&expected.frames) {
+            let at = format!("turned by {turn}, moved by {way}, at {}", own.time);
+            assert!((own.t - expected.t).abs() < 1e-3, "{at}: t = {} for {}", own.t, expected.t);
+            assert!((own.change - expected.change).abs() < 2e-3 * expected.volume, "{at}: {} changes", own.change);
+            // The frame is the one at rest, carried.
+            let place = carry(turn, way)(own.time);
+            let (here, there) = (moved.field(own.time), rest.field(own.time));
+            for position in [DVec3::ZERO, DVec3::new(-0.7, 0.3, 0.2), DVec3::new(0.6, -0.2, 0.1)] {
+                let off = here.reference(place.to_world(position)) - there.reference(position);
+                assert!(off.abs() < 5e-3, "{at}: F is off by {off}");
+            }
+        }
+        assert!(report.largest_over_median < 2.0, "{}", report.largest_over_median);
+    }
+}
+
+/// Held for most of the shot: frames that rest are none of those that the others are measured by.
+#[test]
+fn frames_that_rest_make_no_pops_of_others() {
+    let settings = Settings { over: [0.4, 0.7], ..Settings::default() };
+    let report = morph_with(Exact::cube(-0.9, 0.5), Exact::ball(0.9, 0.5), settings).report(&frames(48));
+    assert!(report.median_change > 0.0);
+    assert!(report.largest_over_median < 2.0, "{}", report.largest_over_median);
+}
+
 #[test]
 fn a_span_and_an_ease_of_ones_own() {
     let (from, to) = (Exact::cube(-1.2, 0.5), Exact::ball(1.2, 0.5));

@@ -48,6 +48,34 @@ pub fn change(first: &Band, second: &Band) -> Option<f64> {
     Some((voxels + tiles) * cubed(first))
 }
 
+/// Less deep inside than this share of a voxel is not inside: rounding makes as much of a skin without thickness.
+const NO_DEPTH: f64 = 0.05;
+
+/// How deep inside the deepest voxel lies, in world units; negative where all are outside.
+pub fn deepest(band: &Band) -> f64 {
+    let voxels = band.distances.par_iter().map(|block| block.iter().copied().fold(f32::NEG_INFINITY, f32::max));
+    let in_blocks = voxels.reduce(|| f32::NEG_INFINITY, f32::max);
+    let half_width = band.half_width * band.lattice.voxel_size.get() as f32;
+    f64::from(if band.inside_tiles.is_empty() { in_blocks } else { in_blocks.max(half_width) })
+}
+
+/// Whether the solid holds anything that can be meshed.
+pub fn has_inside(band: &Band) -> bool {
+    deepest(band) > NO_DEPTH * band.lattice.voxel_size.get()
+}
+
+/// A change of less than this share of the volume is none: rounding.
+const NO_CHANGE: f64 = 1e-6;
+
+/// The median of the changes from frame to frame, of those that change anything: a morph may rest for most of its shot.
+/// `volume` is the greatest of any frame. `None` where nothing changes.
+pub fn median_of_moving(changes: &[f64], volume: f64) -> Option<f64> {
+    let mut moving: Vec<f64> =
+        changes.iter().copied().filter(|change| change.is_finite() && *change > NO_CHANGE * volume).collect();
+    moving.sort_by(f64::total_cmp);
+    moving.get(moving.len() / 2).copied()
+}
+
 /// The least box around the centres of all voxels inside, in world units: its least and greatest corner. `None`
 /// where the solid holds no voxel.
 pub fn solid_extent(band: &Band) -> Option<(DVec3, DVec3)> {

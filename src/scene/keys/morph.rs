@@ -43,7 +43,7 @@ pub const MORPH: &[Key] = &[
         "pace",
         Kind::Choice(&["even", "t"]),
         Text("even"),
-        "`even`: every frame changes as much as the others. `t`: the papers' way.",
+        "`even`: every frame changes the shape as much as the others; what carries both objects along is no change. `t`: the papers' way.",
     ),
     Key::new("color_space", Kind::Choice(COLOUR_SPACES), Text("oklab"), "The space that colours are mixed in.")
         .also(&["colour_space"]),

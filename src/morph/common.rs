@@ -1,0 +1,82 @@
+//! The frame that moves with both objects of a morph: seen from it, what a morph changes is shape, not place.
+//!
+//! It moves rigidly. From each instant to the next it moves as the first object does, as the second does, or in between,
+//! by how far the morph's progress is; what both do, it does. The coarse grid goes with it: a pair that is carried across
+//! the shot is measured on the cells that it would be measured on at rest, and so has the same D, the same pace, the same
+//! a₀.
+
+use glam::{DMat3, DQuat, DVec3};
+
+use super::motion::{Motion, Similarity};
+use super::plan::MorphObject;
+use super::settings::Settings;
+
+/// Steps over the morph's span. Fewer: objects that spin turn by more than half in a step, and the mean of two such turns
+/// is the wrong one.
+const STEPS: usize = 160;
+
+/// Where the frame stands over scene time, from its own space to the world; at the start of the span they are one.
+pub(super) fn common_motion(from: &MorphObject, to: &MorphObject, settings: &Settings) -> Motion {
+    if from.motion.is_still() && to.motion.is_still() {
+        return Motion::default();
+    }
+    let pair = Pair { objects: [from, to].map(Carried::new), settings: settings.clone() };
+    let mut placements = vec![Similarity::IDENTITY];
+    for step in 0..STEPS {
+        let next = pair.moved(placements[step], pair.time(step), pair.time(step + 1));
+        placements.push(next);
+    }
+    Motion::moving(move |time| {
+        let step = (pair.settings.share(time) * STEPS as f64).floor() as usize;
+        pair.moved(placements[step.min(STEPS)], pair.time(step), time)
+    })
+}
+
+/// What carries the frame along.
+struct Carried {
+    motion: Motion,
+    /// The middle of its box, in its own space.
+    centre: DVec3,
+}
+
+impl Carried {
+    fn new(object: &MorphObject) -> Self {
+        let centre = object.distance.bounding_box().map_or(DVec3::ZERO, |aabb| aabb.centre());
+        let centre = if centre.is_finite() { centre } else { DVec3::ZERO };
+        Self { motion: object.motion.clone(), centre }
+    }
+}
+
+struct Pair {
+    objects: [Carried; 2],
+    settings: Settings,
+}
+
+impl Pair {
+    fn time(&self, step: usize) -> f64 {
+        self.settings.time_of(step.min(STEPS) as f64 / STEPS as f64)
+    }
+
+    /// The frame `later`, from where it is at a scene time.
+    fn moved(&self, frame: Similarity, time: f64, later: f64) -> Similarity {
+        let second = self.settings.eased(0.5 * (time + later));
+        let weights = [1.0 - second, second];
+        let before = self.objects.each_ref().map(|object| object.motion.at(time));
+        let after = self.objects.each_ref().map(|object| object.motion.at(later));
+        let middle = |placed: &[Similarity; 2]| -> DVec3 {
+            (0..2).map(|i| placed[i].to_world(self.objects[i].centre) * weights[i]).sum()
+        };
+        let turns = [0, 1].map(|i| after[i].rotation() * before[i].rotation().transpose());
+        frame.carried(mean_turn(turns, weights), middle(&before), middle(&after))
+    }
+}
+
+/// The mean of two turns of less than half a turn.
+fn mean_turn(turns: [DMat3; 2], weights: [f64; 2]) -> DMat3 {
+    if turns[0] == turns[1] {
+        return turns[0];
+    }
+    let [first, second] = turns.map(|turn| DQuat::from_mat3(&turn));
+    let second = if first.dot(second) < 0.0 { -second } else { second };
+    DMat3::from_quat((first * weights[0] + second * weights[1]).normalize())
+}
