@@ -125,3 +125,71 @@ fn damaged_records_and_manifests_are_named() {
     assert!(run.stderr.contains(".m.0002.hfvdb-record.json") && run.stderr.contains("2 of 4 frames"), "{}", run.stderr);
     place.hfvdb("verify out").ok();
 }
+
+/// Some frames finer than all others: those are the ones that verify names and that the first bake, resumed, bakes again.
+#[test]
+fn the_fewer_frames_are_of_another_bake_to_verify_and_to_resume() {
+    let place = workplace();
+    place.hfvdb(&format!("{BAKE} --frames 1-24")).ok();
+    let finer = BAKE.replace("16", "20");
+    place.hfvdb(&format!("{finer} --frames 12-20 --overwrite")).ok();
+    let run = place.hfvdb("verify out");
+    run.fails(
+        1,
+        &["frames 12-20 (", "of another bake than most", "resolution 20 there, resolution 16 here", "9 files"],
+    );
+    assert!(run.stdout.contains("24 frames, 9 problems"), "{}", run.stdout);
+    let dry = place.hfvdb(&format!("{BAKE} --resume --dry-run")).ok();
+    assert!(dry.stdout.contains("9 frames to bake, 15 to keep"), "{}", dry.stdout);
+    place.hfvdb(&format!("{BAKE} --resume")).ok();
+    place.hfvdb("verify out").ok();
+    // As many of one as of another: the last bake's are those that are meant.
+    place.hfvdb(&format!("{finer} --frames 13-24 --overwrite")).ok();
+    place.hfvdb("verify out").fails(1, &["frames 1-12 (", "resolution 16 there, resolution 20 here"]);
+}
+
+/// What --resume cannot mend, it is not advised for.
+#[test]
+fn a_foreign_file_that_no_bake_asks_for_is_to_be_taken_away() {
+    let place = workplace();
+    place.hfvdb(&format!("{BAKE} --frames 1-3")).ok();
+    fs::copy(place.path("out/m.0001.vdb"), place.path("out/m.0009.vdb")).unwrap();
+    let run = place.hfvdb("verify out");
+    run.fails(1, &["m.0009.vdb: foreign", "take it away"]);
+    assert!(!run.stderr.contains("--resume"), "{}", run.stderr);
+    place.hfvdb(&format!("{BAKE} --frames 1-3 --resume")).ok();
+    place.hfvdb("verify out").fails(1, &["m.0009.vdb: foreign"]);
+    fs::remove_file(place.path("out/m.0009.vdb")).unwrap();
+    place.hfvdb("verify out").ok();
+
+    // One that a bake was asked for is baked again.
+    fs::remove_file(place.path("out/.m.0002.hfvdb-record.json")).unwrap();
+    fs::remove_file(place.path("out/m.manifest.json")).unwrap();
+    place.hfvdb(&format!("{BAKE} --frames 5 --resume")).ok();
+    place.hfvdb("verify out").fails(1, &["m.0002.vdb: foreign", "take it away"]);
+    place.hfvdb(&format!("{BAKE} --frames 1-5 --resume")).ok();
+    place.hfvdb("verify out").ok();
+}
+
+/// The commands of the page that a new user reads first, in their order, on a scene that takes no time.
+#[test]
+fn the_readmes_commands_run_in_order() {
+    let place = workplace();
+    let page = include_str!("../README.md");
+    let section =
+        |title: &str| page.split_once(title).and_then(|(_, rest)| rest.split("\n##").next()).expect("a section");
+    let mut count = 0;
+    for line in [section("### Bake\n"), section("### Bake on a farm\n")].iter().flat_map(|section| section.lines()) {
+        let Some(command) = line.strip_prefix("$ hfvdb ") else { continue };
+        let command = command.split(" # ").next().unwrap_or(command).replace('\'', "");
+        let words: Vec<&str> =
+            command.split_whitespace().map(|word| if word == "cubism" { "ball.toml" } else { word }).collect();
+        let command = words.join(" ").replace("--resolution 512", "--resolution 40");
+        let makes_frames = command.starts_with("bake") || command.starts_with("preview");
+        let small = if makes_frames && !command.contains("--resolution") { " --resolution 24" } else { "" };
+        place.hfvdb(&format!("{command}{small}")).ok();
+        count += 1;
+    }
+    assert!(count >= 10, "{count} commands");
+    place.hfvdb("verify out farm").ok();
+}

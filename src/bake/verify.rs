@@ -23,6 +23,9 @@ pub struct Finding {
     pub path: PathBuf,
     /// What is wrong, and what to do about it.
     pub problem: String,
+    /// Whether `bake` with `--resume` makes it as it should be.
+    #[serde(skip)]
+    pub resumes: bool,
 }
 
 /// What a sequence is like.
@@ -69,7 +72,7 @@ pub fn sequences(folder: &Path) -> Result<(Vec<Sequence>, Vec<Finding>), SealedE
             }
             // Other programs have manifests, too.
             Err(_) if !std::fs::read(&path).is_ok_and(|bytes| holds(&bytes, b"hfvdb")) => {}
-            Err(error) => damaged.push((name, Finding { frame: None, path, problem: advised(&error) })),
+            Err(error) => damaged.push((name, Finding { path, ..self::damaged(&error) })),
         }
     }
     let sequences: Vec<Sequence> = patterns.into_values().collect();
@@ -110,7 +113,7 @@ pub fn verify(sequence: &Sequence, interrupt: &Interrupt) -> Result<Option<Verdi
     let mut findings = Vec::new();
     let known = match Known::read(sequence) {
         Err(error @ SealedError::Damaged(..)) => {
-            findings.push(Finding { frame: None, path: sequence.manifest(), problem: advised(&error) });
+            findings.push(Finding { path: sequence.manifest(), ..damaged(&error) });
             Known::with_manifest(sequence, None)?
         }
         known => known?,
@@ -124,27 +127,43 @@ pub fn verify(sequence: &Sequence, interrupt: &Interrupt) -> Result<Option<Verdi
         findings.extend(known.damaged.iter().map(damaged));
         return Ok(Some(Verdict { sequence: sequence.display(), frames: 0, bytes: 0, findings }));
     };
-    let Some(frames) = frames(sequence, &known, &head.identity, interrupt) else { return Ok(None) };
+    let most = most(&known, &head.identity);
+    let Some(frames) = frames(sequence, &known, most, interrupt) else { return Ok(None) };
     let bytes = frames.iter().map(|(whole, _)| whole).sum();
     let mut count = frames.len();
     findings.extend(frames.into_iter().filter_map(|(_, finding)| finding));
     findings.extend(known.damaged.iter().map(damaged));
-    for frame in head.asked_frames() {
+    let asked = head.asked_frames();
+    for &frame in &asked {
         let name = sequence.file_name(frame);
         if !known.frames.contains_key(&name) {
             count += 1;
             let path = sequence.pattern.file(frame);
             if path.symlink_metadata().is_err() {
-                findings.push(Finding { frame: Some(frame), path, problem: "missing: it was never finished".into() });
+                let problem = "missing: it was never finished".into();
+                findings.push(Finding { frame: Some(frame), path, problem, resumes: true });
             }
         }
     }
-    findings.extend(foreign(sequence, &known)?);
+    findings.extend(foreign(sequence, &known, &asked)?);
     findings.sort_by_key(|finding| finding.frame);
     if known.manifest.is_some() || !sequence.manifest().exists() {
         renew(sequence);
     }
     Ok(Some(Verdict { sequence: sequence.display(), frames: count, bytes, findings }))
+}
+
+/// What most frames were baked from: those of another bake are the fewer. As many of one as of another: the last bake's.
+fn most<'a>(known: &'a Known, last: &'a Identity) -> &'a Identity {
+    let mut counts: Vec<(&Identity, usize)> = vec![(last, 0)];
+    for (identity, _) in known.frames.values() {
+        match counts.iter_mut().find(|(counted, _)| *counted == identity) {
+            Some((_, count)) => *count += 1,
+            None => counts.push((identity, 1)),
+        }
+    }
+    // The first of the greatest.
+    counts.iter().rev().max_by_key(|(_, count)| *count).map_or(last, |(identity, _)| *identity)
 }
 
 /// The frames that are known: how many bytes of each are whole, and what is wrong.
@@ -158,12 +177,15 @@ fn frames(
         let path = sequence.folder().join(&record.file);
         let wrong = |problem: String| {
             let path = sequence.pattern.folder().join(&record.file);
-            (0, Some(Finding { frame: Some(record.frame), path, problem }))
+            (0, Some(Finding { frame: Some(record.frame), path, problem, resumes: true }))
         };
         Some(match compare(&path, record, interrupt)? {
             Some(Difference::Missing) => wrong("missing".into()),
             Some(Difference::Changed(how)) => wrong(format!("changed: {how}")),
-            None if theirs != identity => wrong(format!("of another bake: {}", theirs.differences(identity))),
+            None if theirs != identity => wrong(format!(
+                "of another bake than most: {}; bake it with --resume as those were, or all as this one was",
+                theirs.differences(identity)
+            )),
             None => (record.bytes, None),
         })
     };
@@ -172,17 +194,25 @@ fn frames(
 
 fn damaged(error: &SealedError) -> Finding {
     let (SealedError::System(path, _) | SealedError::Damaged(path, _)) = error;
-    Finding { frame: None, path: path.clone(), problem: advised(error) }
+    let of_record = is_any_record(&path.file_name().unwrap_or_default().to_string_lossy());
+    let resumes = of_record && matches!(error, SealedError::Damaged(..));
+    Finding { frame: None, path: path.clone(), problem: advised(error), resumes }
 }
 
 /// Files that fit the pattern and that nothing is known of.
-fn foreign(sequence: &Sequence, known: &Known) -> Result<Vec<Finding>, SealedError> {
+fn foreign(sequence: &Sequence, known: &Known, asked: &[i64]) -> Result<Vec<Finding>, SealedError> {
     let names = sequence.names()?;
     let foreign = names.iter().filter(|name| !known.frames.contains_key(*name)).filter_map(|name| {
         let frame = sequence.pattern.frame_of(name)?;
         let path = sequence.pattern.folder().join(name);
-        let problem = "foreign: a frame of this name that has no record; take it away, or bake it with --resume";
-        Some(Finding { frame: Some(frame), path, problem: problem.into() })
+        // A bake replaces none but the frames that it is asked for.
+        let resumes = asked.contains(&frame);
+        let problem = if resumes {
+            "foreign: a frame of this name that has no record; bake it with --resume"
+        } else {
+            "foreign: a frame that no bake was asked for and that has no record; take it away"
+        };
+        Some(Finding { frame: Some(frame), path, problem: problem.into(), resumes })
     });
     Ok(foreign.collect())
 }

@@ -20,7 +20,7 @@ Examples:
   hfvdb verify out/cubism.manifest.json   the same, by its manifest
   hfvdb verify out --json                 one document for a farm
 
-Frames that are missing, changed by as little as a bit, of another bake than the rest, or foreign to the sequence make
+Frames that are missing, changed by as little as a bit, of another bake than most, or foreign to the sequence make
 exit code 1, each with what is wrong. Other files in the folder are left alone.")]
 pub struct Arguments {
     /// Folders, frame patterns or manifests
@@ -58,8 +58,9 @@ pub fn run(arguments: &Arguments, global: &Global) -> Result<(), Failure> {
         super::say(&line);
     }
     let files = if problems == 1 { "1 file is".into() } else { format!("{problems} files are") };
-    Err(Failure::work(format!("{files} not as they should be; `hfvdb bake` with --resume bakes frames again"))
-        .with_results())
+    let way_out =
+        if all.iter().any(|finding| finding.resumes) { "; `hfvdb bake` with --resume bakes frames again" } else { "" };
+    Err(Failure::work(format!("{files} not as they should be{way_out}")).with_results())
 }
 
 /// The sequences that an argument means, and what is wrong with files that tell of none.
