@@ -155,6 +155,7 @@ fn on_event(event: &Event<'_>, shown: bool, count: usize, progress: &Progress, s
     match event {
         Event::Started { place, frame } => {
             progress.stage(&format!("frame {frame} ({} of {count})", place + 1));
+            progress.at(*place, 0.0);
             events::tell("frame-started", &json!({ "frame": frame, "place": place + 1, "of": count }));
         }
         Event::Progress { place, frame, share } => progress.of_frame(*frame, *place, *share),
