@@ -212,6 +212,39 @@ fn interrupted() {
     }
 }
 
+/// Files by folder, by pattern and by name: one summary, what is the same of many said once, and exit code 1 where any is
+/// not sound.
+#[test]
+fn many_files_are_checked_at_once() {
+    let place = support::workplace();
+    place.hfvdb("bake ball.toml --resolution 16 -o out/m.####.vdb --frames 1-4 --half-width 2").ok();
+    for what in ["out", "out/", "out/m.####.vdb", "out/m.0001.vdb out/m.0002.vdb out/m.0003.vdb out/m.0004.vdb out"] {
+        let run = place.hfvdb(&format!("check {what}")).ok();
+        assert_eq!(run.stdout, "4 files: 4 sound, 0 not; 0 errors, 4 warnings\n", "{what}");
+        assert!(
+            run.stderr.starts_with("warning: out/m.0001.vdb and 3 more: grid 'surface': its band"),
+            "{}",
+            run.stderr
+        );
+    }
+    let whole = fs::read(place.path("out/m.0003.vdb")).unwrap();
+    place.write("out/m.0003.vdb", &whole[..whole.len() / 2]);
+    place.hfvdb("check out").fails(1, &["error: out/m.0003.vdb: ", "1 of 4 files are not sound"]);
+    let run = place.hfvdb("check out/m.%04d.vdb --json");
+    run.fails(1, &[]);
+    let told = support::json(&run.stdout);
+    assert_eq!((&told["unsound"], told["files"].as_array().map(Vec::len)), (&serde_json::json!(1), Some(4)));
+    assert_eq!(told["files"][2]["findings"][0]["severity"], "error");
+    place.hfvdb("check out ball.toml").fails(2, &["one scene, or any number of .vdb files"]);
+    fs::create_dir(place.path("bare")).unwrap();
+    place.hfvdb("check bare").fails(1, &["bare: there is no .vdb file in this folder"]);
+    place.hfvdb("check bare/m.####.vdb").fails(1, &["no frame with such a name"]);
+    // A folder may be called as a built-in scene is.
+    fs::create_dir(place.path("heart")).unwrap();
+    place.hfvdb("check heart --resolution 16").ok();
+    place.hfvdb("check heart/").fails(1, &["heart/: there is no .vdb file"]);
+}
+
 #[test]
 fn files_of_any_maker_are_checked() {
     let place = Workplace::new();

@@ -4,6 +4,7 @@ mod support;
 
 use std::fs::File;
 use std::io::BufReader;
+use std::process::Command;
 
 use exr::prelude::{FlatSamples, ReadChannels, ReadLayers, read};
 use support::{Workplace, json, workplace};
@@ -164,6 +165,34 @@ fn an_empty_frame_is_a_blank_tile_where_that_is_allowed() {
     // An empty file is one on purpose.
     place.hfvdb("bake gone.toml --resolution 16 --allow-empty --frames 3 -o gone.vdb").ok();
     place.hfvdb("preview gone.vdb --slice z=0 --size 64 -o file.png").ok();
+}
+
+/// Debian's Python OpenVDB makes a level set whose deepest voxel lies 0.02 voxels inside: `check` and `preview` say so.
+#[test]
+fn a_level_set_without_inside_is_told() {
+    const MAKER: &str = "
+import numpy as np, pyopenvdb as vdb
+size = 0.1
+distance = np.abs(np.indices((17,) * 3)[2] - 8.0) * size - 0.02 * size
+grid = vdb.FloatGrid(3 * size)
+grid.copyFromArray(np.clip(distance, -3 * size, 3 * size).astype(np.float32), ijk=(-8,) * 3)
+grid.gridClass, grid.name, grid.transform = vdb.GridClass.LEVEL_SET, 'surface', vdb.createLinearTransform(size)
+for frame in (1, 2):
+    vdb.write('skin.%04d.vdb' % frame, grids=[grid])
+";
+    let place = workplace();
+    place.run(Command::new("/usr/bin/python3").args(["-c", MAKER])).ok();
+    place.hfvdb("check skin.0001.vdb").fails(1, &["nothing is inside", "0.02 voxels below the surface"]);
+    place
+        .hfvdb("preview skin.0001.vdb -o skin.png --size 64")
+        .fails(1, &["skin.0001 has nothing inside", "nothing is inside in any frame", "--allow-empty"]);
+    assert!(!place.path("skin.png").exists());
+    place.hfvdb("preview skin.####.vdb -o skin.png --size 64").fails(1, &["frame 1 has nothing inside", "frame 2 has"]);
+    place.hfvdb("preview skin.0001.vdb -o skin.png --size 64 --allow-empty").ok();
+    // Beside frames that show something it is a frame without.
+    place.hfvdb("bake ball.toml --resolution 16 -o skin.####.vdb --frames 2 --overwrite").ok();
+    let run = place.hfvdb("preview skin.####.vdb -o skin.png --size 64").ok();
+    assert!(run.stderr.contains("frame 1 has nothing inside") && !run.stderr.contains("frame 2"), "{}", run.stderr);
 }
 
 #[test]

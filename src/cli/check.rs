@@ -7,12 +7,12 @@ use clap::Args;
 use serde_json::json;
 
 use super::failure::Failure;
-use super::job;
 use super::options::{Global, Sampling, SceneArguments, SceneChanges};
 use super::progress::Progress;
+use super::{files, job};
 use crate::bake;
 use crate::scene::{self, Model, MorphReport, Origin};
-use crate::vdb::{self, Client, Lint, Severity};
+use crate::vdb::{self, Client, Finding, Lint, Severity};
 
 /// Arguments of `hfvdb check`.
 #[derive(Args)]
@@ -22,13 +22,16 @@ Examples:
   hfvdb check cubism -v                           each value, and whether the scene gave it
   hfvdb check any.0001.vdb                        a file: what all programs would show wrong
   hfvdb check any.0001.vdb --for blender,houdini  and what these two ask for
+  hfvdb check out                                 all .vdb files of a folder, with one summary
+  hfvdb check 'out/cubism.####.vdb'               all frames of a sequence
 
 Errors, which programs show wrong or not at all, make exit code 1; warnings do not: they may be as
 you want it. Each says what to do.")]
 pub struct Arguments {
-    /// A scene file (.toml or .json), the name of a built-in scene, or a .vdb file of any maker
-    #[arg(value_name = "SCENE or FILE.vdb")]
-    input: String,
+    /// A scene file (.toml or .json), the name of a built-in scene, or .vdb files of any maker: by name, by frame
+    /// pattern, or all of a folder
+    #[arg(value_name = "SCENE, FILE.vdb or FOLDER", required = true)]
+    inputs: Vec<String>,
 
     /// Programs that a .vdb file has to serve: blender, houdini, unreal, usd
     #[arg(long = "for", value_name = "PROGRAMS", value_delimiter = ',')]
@@ -42,9 +45,19 @@ pub struct Arguments {
 
 /// Runs the command.
 pub fn run(arguments: &Arguments, global: &Global) -> Result<(), Failure> {
-    let path = Path::new(&arguments.input);
-    if path.extension().is_some_and(|end| end.eq_ignore_ascii_case("vdb")) {
-        return of_file(path, &arguments.clients, global);
+    let is_files = |input: &String| {
+        // A folder may have the name of a built-in scene: with a slash behind it is the folder.
+        files::is_vdb(input) || (Path::new(input).is_dir() && !scene::builtin_names().any(|name| name == input))
+    };
+    if arguments.inputs.iter().all(is_files) {
+        let paths = files::of_all(&arguments.inputs)?;
+        return match (paths.as_slice(), arguments.inputs.as_slice()) {
+            ([path], [input]) if path == input => of_file(Path::new(path), &arguments.clients, global),
+            _ => of_files(&paths, &arguments.clients, global),
+        };
+    }
+    if arguments.inputs.len() > 1 {
+        return Err(Failure::usage("check takes one scene, or any number of .vdb files and folders, not both"));
     }
     if !arguments.clients.is_empty() {
         return Err(Failure::usage("--for is about .vdb files; bake the scene, and check what came out"));
@@ -52,11 +65,63 @@ pub fn run(arguments: &Arguments, global: &Global) -> Result<(), Failure> {
     of_scene(arguments, global)
 }
 
+/// Errors and warnings.
+fn counted(findings: &[Finding]) -> [usize; 2] {
+    let errors = findings.iter().filter(|finding| finding.severity == Severity::Error).count();
+    [errors, findings.len() - errors]
+}
+
+/// What is wrong with files of any maker: one after the other, what cannot be read among them, and all together.
+fn of_files(paths: &[String], clients: &[Client], global: &Global) -> Result<(), Failure> {
+    // The same of many files is said once.
+    let mut said: Vec<(Finding, Vec<&str>)> = Vec::new();
+    let (mut documents, mut unsound, mut all) = (Vec::new(), 0, [0; 2]);
+    for path in paths {
+        let Lint { grids, findings } = vdb::lint(path, clients).unwrap_or_else(|error| {
+            let text = error.to_string();
+            let problem = text.strip_prefix(&format!("{path}: ")).unwrap_or(&text).to_owned();
+            let finding = Finding { severity: Severity::Error, client: None, grid: None, problem };
+            Lint { grids: Vec::new(), findings: vec![finding] }
+        });
+        let [errors, warnings] = counted(&findings);
+        all = [all[0] + errors, all[1] + warnings];
+        unsound += usize::from(errors > 0);
+        documents.push(json!({ "path": path, "grids": grids, "findings": findings }));
+        for finding in findings {
+            match said.iter_mut().find(|(other, _)| *other == finding) {
+                Some((_, paths)) => paths.push(path),
+                None => said.push((finding, vec![path])),
+            }
+        }
+    }
+    for (finding, paths) in &said {
+        let more = if paths.len() > 1 { format!(" and {} more", paths.len() - 1) } else { String::new() };
+        let text = format!("{}{more}: {finding}", paths[0]);
+        match finding.severity {
+            Severity::Error => super::say(&format!("error: {text}")),
+            Severity::Warning => global.warn(&text),
+        }
+    }
+    let [errors, warnings] = all;
+    if global.json {
+        super::print_json(&json!({ "files": documents, "errors": errors, "warnings": warnings, "unsound": unsound }))?;
+    } else {
+        super::print(&format!(
+            "{} files: {} sound, {unsound} not; {errors} errors, {warnings} warnings\n",
+            paths.len(),
+            paths.len() - unsound
+        ))?;
+    }
+    if unsound > 0 {
+        return Err(Failure::work(format!("{unsound} of {} files are not sound", paths.len())).with_results());
+    }
+    Ok(())
+}
+
 /// What is wrong with a file of any maker.
 fn of_file(path: &Path, clients: &[Client], global: &Global) -> Result<(), Failure> {
     let Lint { grids, findings } = vdb::lint(path, clients)?;
-    let errors = findings.iter().filter(|finding| finding.severity == Severity::Error).count();
-    let warnings = findings.len() - errors;
+    let [errors, warnings] = counted(&findings);
     for finding in &findings {
         match finding.severity {
             Severity::Error => super::say(&format!("error: {}: {finding}", path.display())),
@@ -77,7 +142,7 @@ fn of_file(path: &Path, clients: &[Client], global: &Global) -> Result<(), Failu
 
 /// Whether a scene is right, and what it would take.
 fn of_scene(arguments: &Arguments, global: &Global) -> Result<(), Failure> {
-    let scene = SceneArguments { scene: arguments.input.clone(), changes: arguments.changes.clone() };
+    let scene = SceneArguments { scene: arguments.inputs[0].clone(), changes: arguments.changes.clone() };
     let model = job::load(&scene, global)?;
     let interrupt = job::interrupt()?;
     let progress = Progress::new(1, global);

@@ -2,12 +2,39 @@
 
 use std::path::Path;
 
+use super::failure::Failure;
 use crate::bake::{FramePattern, Frames, Sequence};
-use crate::cli::failure::Failure;
 
 /// Whether an input is a file of voxels, or a pattern of such files.
 pub fn is_vdb(input: &str) -> bool {
     Path::new(input).extension().is_some_and(|end| end.eq_ignore_ascii_case("vdb"))
+}
+
+/// The `.vdb` files of inputs of which some may be folders, each once: those of a folder by name.
+pub fn of_all(inputs: &[String]) -> Result<Vec<String>, Failure> {
+    let mut files: Vec<String> = Vec::new();
+    for input in inputs {
+        let found =
+            if Path::new(input).is_dir() { of_folder(input)? } else { named(std::slice::from_ref(input), None)? };
+        files.extend(found.into_iter().filter(|file| !files.contains(file)).collect::<Vec<_>>());
+    }
+    Ok(files)
+}
+
+fn of_folder(folder: &str) -> Result<Vec<String>, Failure> {
+    let unreadable = |error: std::io::Error| Failure::work(format!("{folder}: cannot list this folder: {error}"));
+    let mut files = Vec::new();
+    for entry in std::fs::read_dir(folder).map_err(unreadable)? {
+        let path = entry.map_err(unreadable)?.path();
+        if let Some(text) = path.to_str().filter(|text| is_vdb(text)) {
+            files.push(text.to_owned());
+        }
+    }
+    files.sort();
+    if files.is_empty() {
+        return Err(Failure::work(format!("{folder}: there is no .vdb file in this folder")));
+    }
+    Ok(files)
 }
 
 /// The files of all inputs. A frame pattern stands for its frames that are in the folder, by number, or for `frames`.

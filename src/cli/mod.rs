@@ -9,6 +9,7 @@ mod check;
 mod dry_run;
 mod events;
 mod failure;
+mod files;
 mod info;
 mod job;
 mod morph;

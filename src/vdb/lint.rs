@@ -225,6 +225,13 @@ fn check_level_set(grid: &GridLayout, blocks: &SparseBlocks<f32>, notes: &mut No
         return notes
             .error(format!("the slope of its values is {:.2} away from 1 in the mean: they are {why}", slope.mean));
     }
+    if !measure::has_inside(&band) {
+        let deepest = measure::deepest(&band) / voxel_size.get();
+        return notes.error(format!(
+            "nothing is inside: of all voxels the deepest lies {deepest:.2} voxels below the surface (below 0 is outside); \
+             its mesh is nothing, or crumbs; make it thicker, or the voxels smaller"
+        ));
+    }
     let torn = measure::tears(&band);
     if let Some(first) = torn.first {
         notes.error(format!(

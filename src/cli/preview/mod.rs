@@ -1,6 +1,5 @@
 //! `hfvdb preview`: pictures of a scene, a `.vdb` file or a sequence, without any DCC.
 
-mod files;
 mod picture;
 mod source;
 mod target;
@@ -11,9 +10,9 @@ use clap::Args;
 use serde_json::json;
 
 use super::failure::Failure;
-use super::job;
 use super::options::{Global, Sampling, SceneChanges};
 use super::progress::Progress;
+use super::{files, job};
 use crate::bake::{Frames, Interrupt};
 use crate::grid::{Band, measure};
 use crate::render::{ContactSheet, Plane, SheetFrame, View};
@@ -77,7 +76,7 @@ pub struct Arguments {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     pictures: Option<u32>,
 
-    /// Show nothing where a frame of the scene has no surface, instead of failing
+    /// Show nothing where a frame of the scene has no surface, or all files have no inside, instead of failing
     #[arg(long)]
     allow_empty: bool,
 
@@ -128,6 +127,7 @@ fn show(
         columns: arguments.columns.map(|columns| columns as usize),
     };
     let mut last: Option<Band> = None;
+    let mut hollow = Vec::new();
     for place in 0..count {
         progress.stage(&format!("frame {} of {count}", place + 1));
         progress.at(place, 0.0);
@@ -140,7 +140,11 @@ fn show(
             return Err(Failure::interrupted(interrupt.exit_code()));
         }
         if shown.band.origins.is_empty() && shown.band.inside_tiles.is_empty() {
-            global.warn(&format!("frame {} is empty", source.numbers[place]));
+            global.warn(&format!("{} is empty", source.named(place)));
+            hollow.push(place);
+        } else if !measure::has_inside(&shown.band) {
+            global.warn(&format!("{} has nothing inside: a picture shows nothing", source.named(place)));
+            hollow.push(place);
         }
         let mut image = None;
         if with_picture {
@@ -160,6 +164,12 @@ fn show(
     }
     if let Some(caption) = painter.caption() {
         sheet.title = format!("{}: {caption}", sheet.title);
+    }
+    // A picture of nothing is no answer; a slice shows the distances all the same.
+    if hollow.len() == count && arguments.slice.is_none() && !arguments.allow_empty {
+        let problem = "nothing is inside in any frame, so there is nothing to show; `hfvdb check` says more, and \
+                       --allow-empty makes the picture all the same";
+        return Err(Failure::work(format!("{}: {problem}", source.name)));
     }
     let paths = writer.finish(&sheet)?;
     report(&paths, &sheet, global)

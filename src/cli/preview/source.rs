@@ -6,10 +6,11 @@ use std::sync::Arc;
 
 use glam::{DVec3, IVec3};
 
-use super::{Arguments, files};
+use super::Arguments;
 use crate::attribute::{Colour, LinearRgb};
 use crate::bake::{self, Interrupt};
 use crate::cli::failure::Failure;
+use crate::cli::files;
 use crate::cli::job;
 use crate::cli::options::{Global, Sampling, SceneArguments};
 use crate::cli::progress::Progress;
@@ -37,6 +38,13 @@ pub struct Source<'a> {
     pub bounds: Aabb,
     /// Gives the frame at a place in the list.
     pub compute: &'a dyn Fn(usize) -> Result<Shown, Failure>,
+}
+
+impl Source<'_> {
+    /// What the frame at a place in the list is called.
+    pub fn named(&self, place: usize) -> String {
+        self.labels.as_ref().map_or_else(|| format!("frame {}", self.numbers[place]), |labels| labels[place].clone())
+    }
 }
 
 /// One frame of whatever is shown.

@@ -77,6 +77,14 @@ fn distances_that_are_none() {
         band.inside_tiles.clear();
     });
     level_set(&empty, "warning surface: it is empty");
+    // A skin that rounding has made: hardly anything of it is inside.
+    let skin = with(&|band| {
+        band.inside_tiles.clear();
+        for value in band.distances.iter_mut().flatten() {
+            *value = 0.02 * VOXEL_SIZE as f32 - value.abs();
+        }
+    });
+    level_set(&skin, "error surface: nothing is inside: of all voxels the deepest lies ");
 }
 
 #[test]
