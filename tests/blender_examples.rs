@@ -202,7 +202,11 @@ fn what_blender_would_show_wrong_without_a_word_is_refused() {
         assert!(run.code != 0 && run.stderr.contains(part), "{arguments:?}: {} {}", run.code, run.stderr);
     };
     refused("mesh", &["in/still.0007.vdb", "--surface", "sdf"], "no FLOAT grid 'sdf'");
-    refused("fog", &["in/still.0007.vdb", "--density", "smoke", "--surface", "sdf"], "no FLOAT grid 'sdf' for the smoke");
+    refused(
+        "fog",
+        &["in/still.0007.vdb", "--density", "smoke", "--surface", "sdf"],
+        "no FLOAT grid 'sdf' for the smoke",
+    );
     refused("mesh", &["in/none.0007.vdb"], "no such file");
     fs::copy(place.path("in/still.0007.vdb"), place.path("in/still.0010.vdb")).expect("a copy");
     refused("mesh", &["in/still.0007.vdb", "in/still.0008.vdb", "in/still.0010.vdb"], "frames are missing");

@@ -180,7 +180,7 @@ mod tests {
         let components = texts.map(|text| -> Arc<dyn Field> {
             let mut graph = Graph::new();
             let names = Names::space(&mut graph);
-            let node = Formula::parse(text).and_then(|formula| formula.compile(&mut graph, &names)).expect("a formula");
+            let node = Formula::parse(text).compile(&mut graph, &names).expect("a formula");
             Arc::new(Expression::new(&graph, node))
         });
         let mut points = Points::new(DVec3::ZERO);

@@ -133,7 +133,7 @@ mod tests {
     fn by_formula(text: &str, most: f64) -> ScalarField {
         let mut graph = Graph::new();
         let names = Names::space(&mut graph);
-        let node = Formula::parse(text).and_then(|formula| formula.compile(&mut graph, &names)).expect("a formula");
+        let node = Formula::parse(text).compile(&mut graph, &names).expect("a formula");
         let field = Expression::new(&graph, node).keeping_values();
         ScalarField { scalar: Arc::new(FieldValue(Arc::new(field))), most, step: 1e-4 }
     }

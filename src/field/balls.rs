@@ -57,7 +57,7 @@ mod tests {
     fn found(text: &str) -> Option<EqualBalls> {
         let mut graph = Graph::new();
         let names = Names::space(&mut graph);
-        let root = Formula::parse(text).and_then(|formula| formula.compile(&mut graph, &names)).expect(text);
+        let root = Formula::parse(text).compile(&mut graph, &names).expect(text);
         Expression::new(&graph, root).for_values_alone().equal_balls()
     }
 

@@ -1,6 +1,6 @@
 //! Formulas: `"0.01 - x^2 - y^2 - z^2"`, `"-1.3 + 0.2*sin(2*pi*t)"`.
 //!
-//! `+ − * / ^`, parentheses, numbers, names and [functions](FUNCTIONS); `^` binds tightest and to the right, so
+//! `+ − * / ^`, parentheses, numbers, names and [functions]; `^` binds tightest and to the right, so
 //! `-x^2` is `-(x^2)`. A formula is parsed once and compiled with the [`Names`] known where it stands: to a node of
 //! a graph, or, where all names are numbers, to a number. Both are the same operations, so they mean the same.
 
@@ -13,8 +13,8 @@ use std::ops::Range;
 
 use super::graph::{Graph, Node};
 use super::op::Binary;
-pub use functions::FUNCTIONS;
 use functions::Function;
+pub use functions::functions;
 
 /// What is wrong with a formula, and where.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -46,6 +46,11 @@ fn nearest<'a>(word: &str, candidates: impl Iterator<Item = &'a str>) -> Option<
         .filter(|(distance, candidate)| *distance <= 1 + candidate.len() / 4 && *distance < word.len())
         .min()
         .map(|(_, candidate)| candidate.to_owned())
+}
+
+/// Names in a row.
+fn quoted<'a>(names: impl Iterator<Item = &'a str>) -> String {
+    names.map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ")
 }
 
 /// What names mean where a formula stands. `pi` is always known.
@@ -95,6 +100,8 @@ impl Names {
 pub struct Formula {
     /// Arguments come before what they are arguments of; the last is the whole.
     terms: Vec<Term>,
+    /// What is wrong whatever names mean.
+    errors: Vec<FormulaError>,
     length: usize,
 }
 
@@ -114,9 +121,10 @@ enum What {
 }
 
 impl Formula {
-    /// Parses a formula; names are looked up only when it is compiled.
-    pub fn parse(text: &str) -> Result<Self, FormulaError> {
-        Ok(Self { terms: parser::parse(text)?, length: text.len() })
+    /// Parses a formula. What is wrong with it is said, together with names that mean nothing, when it is compiled.
+    pub fn parse(text: &str) -> Self {
+        let (terms, errors) = parser::parse(text);
+        Self { terms, errors, length: text.len() }
     }
 
     /// The names it uses, functions not among them.
@@ -130,8 +138,9 @@ impl Formula {
             .collect()
     }
 
-    /// The formula as a node of a graph.
-    pub fn compile(&self, graph: &mut Graph, names: &Names) -> Result<Node, FormulaError> {
+    /// The formula as a node of a graph; else all that is wrong with it, in the order of the text.
+    pub fn compile(&self, graph: &mut Graph, names: &Names) -> Result<Node, Vec<FormulaError>> {
+        self.check(|name| names.meaning(name).is_none().then(|| unknown(name, names)))?;
         let mut nodes: Vec<Node> = Vec::with_capacity(self.terms.len());
         for term in &self.terms {
             let node = match &term.what {
@@ -139,7 +148,7 @@ impl Formula {
                 What::Name(name) => match names.meaning(name) {
                     Some(Meaning::Number(value)) => graph.constant(value),
                     Some(Meaning::Node(node)) => node,
-                    None => return Err(unknown(name, names, term.span.clone())),
+                    None => graph.constant(f64::NAN),
                 },
                 What::Negated(a) => graph.neg(nodes[*a]),
                 What::Binary(operation, a, b) => graph.binary(*operation, nodes[*a], nodes[*b]),
@@ -150,48 +159,57 @@ impl Formula {
             };
             nodes.push(node);
         }
-        nodes.last().copied().ok_or_else(|| FormulaError {
-            span: 0..self.length,
-            message: "the formula is empty".to_owned(),
-            suggestion: None,
-        })
+        Ok(nodes.last().copied().unwrap_or_else(|| graph.constant(f64::NAN)))
+    }
+
+    /// Fails where anything is wrong, also with a name that `wrong` has something to say about.
+    fn check(&self, wrong: impl Fn(&str) -> Option<(String, Option<String>)>) -> Result<(), Vec<FormulaError>> {
+        let mut errors = self.errors.clone();
+        errors.extend(self.terms.iter().filter_map(|term| {
+            let What::Name(name) = &term.what else { return None };
+            let (message, suggestion) = wrong(name)?;
+            Some(FormulaError { span: term.span.clone(), message, suggestion })
+        }));
+        errors.sort_by_key(|error| error.span.start);
+        if errors.is_empty() { Ok(()) } else { Err(errors) }
     }
 
     /// The formula as a number. A name for a node, a name that is not known, and a result that is no finite
     /// number are errors.
-    pub fn evaluate(&self, names: &Names) -> Result<f64, FormulaError> {
-        for term in &self.terms {
-            if let What::Name(name) = &term.what
-                && let Some(Meaning::Node(_)) = names.meaning(name)
-            {
-                let message = format!("`{name}` differs from point to point, but one number is needed here");
-                return Err(FormulaError { span: term.span.clone(), message, suggestion: None });
+    pub fn evaluate(&self, names: &Names) -> Result<f64, Vec<FormulaError>> {
+        self.check(|name| match names.meaning(name) {
+            Some(Meaning::Node(_)) => {
+                Some((format!("`{name}` differs from point to point, but one number is needed here"), None))
             }
-        }
+            Some(Meaning::Number(_)) => None,
+            None => Some(unknown(name, names)),
+        })?;
         let mut graph = Graph::new();
         let node = self.compile(&mut graph, names)?;
-        graph.as_constant(node).filter(|value| value.is_finite()).ok_or_else(|| FormulaError {
-            span: 0..self.length,
-            message: "the formula has no finite value here: look for a division by zero, or a root or logarithm of \
-                      a negative number"
-                .to_owned(),
-            suggestion: None,
+        graph.as_constant(node).filter(|value| value.is_finite()).ok_or_else(|| {
+            vec![FormulaError {
+                span: 0..self.length,
+                message: "the formula has no finite value here: look for a division by zero, or a root or logarithm \
+                          of a negative number"
+                    .to_owned(),
+                suggestion: None,
+            }]
         })
     }
 }
 
-fn unknown(name: &str, names: &Names, span: Range<usize>) -> FormulaError {
-    if FUNCTIONS.contains(&name) {
-        let message = format!("`{name}` is a function: write `{name}(…)`");
-        return FormulaError { span, message, suggestion: None };
+/// What is to be said about a name that means nothing, and the nearest that means something.
+fn unknown(name: &str, names: &Names) -> (String, Option<String>) {
+    if let Some((_, usage, _)) = functions().find(|(function, ..)| *function == name) {
+        return (format!("`{name}` is a function: write `{usage}`"), None);
     }
     let known = names.values.keys().map(String::as_str).chain(["pi"]);
     let suggestion = nearest(name, known.clone());
     let mut message = format!("nothing here is called `{name}`");
     if suggestion.is_none() {
-        message += &format!("; known are {}", known.map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", "));
+        message += &format!("; known are {}", quoted(known));
     }
-    FormulaError { span, message, suggestion }
+    (message, suggestion)
 }
 
 #[cfg(test)]
@@ -200,8 +218,8 @@ mod tests {
     use crate::field::{Expression, Field};
     use glam::DVec3;
 
-    fn number(text: &str) -> Result<f64, FormulaError> {
-        Formula::parse(text)?.evaluate(&Names::new().number("t", 0.25).number("size", 3.0))
+    fn number(text: &str) -> Result<f64, Vec<FormulaError>> {
+        Formula::parse(text).evaluate(&Names::new().number("t", 0.25).number("size", 3.0))
     }
 
     #[test]
@@ -249,24 +267,82 @@ mod tests {
             ("x", 0..1, None),
         ];
         for (text, span, suggestion) in cases {
-            let error = number(text).expect_err(text);
+            let errors = number(text).expect_err(text);
+            let [error] = errors.as_slice() else { panic!("{text}: {errors:?}") };
             assert_eq!((error.span.clone(), error.suggestion.as_deref()), (span, suggestion), "{text}: {error}");
+        }
+    }
+
+    #[test]
+    fn all_errors_of_a_formula_come_together() {
+        let errors = number("sni(foo) + clamp(1, bar) * wobble(t) - sizw +").expect_err("wrong");
+        let found: Vec<(usize, String)> = errors.iter().map(|error| (error.span.start, error.to_string())).collect();
+        for (i, (start, part)) in [
+            (0, "no function `sni`; did you mean `sin`?"),
+            (4, "nothing here is called `foo`; known are `size`, `t`, `pi`"),
+            (11, "`clamp` takes 3 arguments, `clamp(x, least, greatest)`, not 2"),
+            (20, "nothing here is called `bar`"),
+            (27, "no function `wobble`; there are `abs`, `atan`,"),
+            (39, "did you mean `size`?"),
+            (45, "the formula ends where"),
+        ]
+        .into_iter()
+        .enumerate()
+        {
+            assert!(found[i].0 == start && found[i].1.contains(part), "{part}: {found:#?}");
+        }
+        assert_eq!(found.len(), 7, "{found:#?}");
+    }
+
+    /// The page lists what formulas know; every usage is one that formulas take.
+    #[test]
+    fn usages_are_right() {
+        for (name, usage, text) in functions() {
+            assert!(usage.starts_with(&format!("{name}(")) && !text.is_empty(), "{name}");
+            let numbers = usage.replace(['…', ' '], "");
+            let (_, arguments) = numbers.split_once('(').expect("arguments");
+            let count = arguments.trim_end_matches(')').split(',').filter(|name| !name.is_empty()).count();
+            let call = format!("{name}({})", vec!["0.5"; count].join(", "));
+            assert!(number(&call).is_ok() || name == "smoothstep", "{call}: {:?}", number(&call));
+        }
+    }
+
+    /// What the page says of places without a value.
+    #[test]
+    fn what_has_no_value_is_not_a_number() {
+        let value = |text: &str| {
+            let mut graph = Graph::new();
+            let node = Formula::parse(text).compile(&mut graph, &Names::new()).expect(text);
+            graph.as_constant(node).expect("a number")
+        };
+        for text in
+            ["sqrt(-1)", "ln(-1)", "log(-2)", "0/0", "pow(-8, 1/3)", "(-8)^0.5", "mod(1, 0)", "smoothstep(1, 1, 1)"]
+        {
+            assert!(value(text).is_nan(), "{text} = {}", value(text));
+        }
+        for (text, wanted) in
+            [("1/0", f64::INFINITY), ("ln(0)", f64::NEG_INFINITY), ("cbrt(-8)", -2.0), ("(-2)^3", -8.0)]
+        {
+            assert_eq!(value(text), wanted, "{text}");
+        }
+        for (text, wanted) in [("round(-2.5)", -2.0), ("sign(0)", 0.0), ("step(1, 1)", 1.0), ("mod(-1, 3)", 2.0)] {
+            assert_eq!(value(text), wanted, "{text}");
         }
     }
 
     #[test]
     fn depth_and_length_are_no_danger() {
         let deep = "(".repeat(100_000);
-        assert!(Formula::parse(&deep).is_err());
-        assert!(Formula::parse(&"-".repeat(100_000)).is_err());
-        assert!(Formula::parse(&"2^".repeat(100_000)).is_err());
+        for text in [deep, "-".repeat(100_000), "2^".repeat(100_000)] {
+            assert!(number(&text).is_err());
+        }
         let long = vec!["t"; 20_000].join("+");
         assert_eq!(number(&long), Ok(5000.0));
     }
 
     #[test]
     fn a_shape_is_its_formula_anywhere() {
-        let formula = Formula::parse("0.01 - (x - 100000)^2 - y^2 - z^2").expect("it parses");
+        let formula = Formula::parse("0.01 - (x - 100000)^2 - y^2 - z^2");
         let mut graph = Graph::new();
         let names = Names::space(&mut graph);
         let node = formula.compile(&mut graph, &names).expect("it compiles");

@@ -40,7 +40,7 @@ pub use batch::{BATCH, Gradients, Points};
 pub use combine::{Blend, BlendBounds, SetSystem};
 pub use distances::Side;
 pub use expression::{Expression, ExpressionEvaluator};
-pub use formula::{FUNCTIONS, Formula, FormulaError, Names};
+pub use formula::{Formula, FormulaError, Names, functions};
 pub use graph::{Graph, Node};
 pub use interval::{Aabb, Interval};
 pub use place::{NotInvertible, rotation};

@@ -220,7 +220,7 @@ mod tests {
         for (text, chooses) in cases {
             let mut graph = Graph::new();
             let names = Names::space(&mut graph);
-            let root = Formula::parse(text).and_then(|formula| formula.compile(&mut graph, &names)).expect(text);
+            let root = Formula::parse(text).compile(&mut graph, &names).expect(text);
             let program = Program::new(&graph, root);
             assert_eq!(has_choices(&program.ops), chooses, "{text}");
             // Among them such that begin or end where coordinates are zero.
@@ -296,7 +296,7 @@ mod tests {
             (0..64).map(|i| format!("(x - {})^2 + y^2 + z^2", i * 37 % 64)).reduce(|a, b| format!("min({a}, {b})"));
         let mut graph = Graph::new();
         let names = Names::space(&mut graph);
-        let root = Formula::parse(&text.expect("balls")).and_then(|formula| formula.compile(&mut graph, &names));
+        let root = Formula::parse(&text.expect("balls")).compile(&mut graph, &names);
         let program = Program::new(&graph, root.expect("a sound formula"));
         let region = Aabb::new(DVec3::new(20.1, 5.0, 5.0), DVec3::new(20.3, 5.1, 5.1));
         let mut bounds = Intervals::default();

@@ -91,7 +91,7 @@ mod tests {
     fn rewritten(text: &str) -> (Expression, Program) {
         let mut graph = Graph::new();
         let names = Names::space(&mut graph);
-        let root = Formula::parse(text).and_then(|formula| formula.compile(&mut graph, &names)).expect(text);
+        let root = Formula::parse(text).compile(&mut graph, &names).expect(text);
         (Expression::new(&graph, root), chosen_first(&Program::new(&graph, root)))
     }
 

@@ -17,7 +17,7 @@ const BLUE: [f32; 3] = [0.0, 0.0, 1.0];
 fn formula(text: &str) -> Arc<Scalar> {
     let mut graph = Graph::new();
     let names = Names::space(&mut graph);
-    let node = Formula::parse(text).expect("a formula").compile(&mut graph, &names).expect("known names");
+    let node = Formula::parse(text).compile(&mut graph, &names).expect("known names");
     Arc::new(FieldValue(Arc::new(Expression::new(&graph, node).keeping_values())))
 }
 

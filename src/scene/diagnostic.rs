@@ -12,6 +12,9 @@ const MOST_SHOWN: usize = 10;
 /// The most bytes of one report. Past it, messages lose their marked text, then are only counted.
 const MOST_BYTES: usize = 2048;
 
+/// The most names that are listed where none is near.
+const MOST_LISTED: usize = 40;
+
 /// Whether the scene can be used all the same.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Severity {
@@ -72,14 +75,14 @@ impl Diagnostic {
         self
     }
 
-    /// With the nearest of the names, or else all of them where they are few.
+    /// With the nearest of the names, or else all of them, of very many the first.
     pub fn suggest<'n>(self, wrong: &str, names: impl IntoIterator<Item = &'n str>) -> Self {
         let names: Vec<&str> = names.into_iter().collect();
         let help = match nearest(wrong, names.iter().copied()) {
             Some(name) => format!("did you mean `{name}`?"),
             None if names.is_empty() => return self,
-            None if names.len() <= 12 => format!("there is {}", listed(&names)),
-            None => return self,
+            None if names.len() <= MOST_LISTED => format!("there is {}", listed(&names)),
+            None => format!("there is {} and {} more", listed(&names[..MOST_LISTED]), names.len() - MOST_LISTED),
         };
         self.help(help)
     }

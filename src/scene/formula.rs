@@ -22,24 +22,25 @@ pub struct Formula {
 
 impl Formula {
     /// A formula of t, frame, time and parameters.
-    pub fn of_time(text: &str, names: Names) -> Result<Self, FormulaProblem> {
-        let formula = Self::parse(text, names)?;
+    pub fn of_time(text: &str, names: Names) -> Result<Self, Vec<FormulaProblem>> {
+        let formula = Self::parse(text, names);
         let mut graph = Graph::new();
-        formula.parsed.compile(&mut graph, &formula.known(field::Names::new(), &Moment::any(&formula.names)))?;
+        let known = formula.known(field::Names::new(), &Moment::any(&formula.names));
+        formula.parsed.compile(&mut graph, &known).map_err(problems)?;
         Ok(formula)
     }
 
     /// A formula of x, y, z, t, frame, time and parameters.
-    pub fn of_space(text: &str, names: Names) -> Result<Self, FormulaProblem> {
-        let formula = Self::parse(text, names)?;
+    pub fn of_space(text: &str, names: Names) -> Result<Self, Vec<FormulaProblem>> {
+        let formula = Self::parse(text, names);
         let mut graph = Graph::new();
-        let space = field::Names::space(&mut graph);
-        formula.parsed.compile(&mut graph, &formula.known(space, &Moment::any(&formula.names)))?;
+        let known = formula.known(field::Names::space(&mut graph), &Moment::any(&formula.names));
+        formula.parsed.compile(&mut graph, &known).map_err(problems)?;
         Ok(formula)
     }
 
-    fn parse(text: &str, names: Names) -> Result<Self, FormulaProblem> {
-        Ok(Self { parsed: Arc::new(field::Formula::parse(text)?), names })
+    fn parse(text: &str, names: Names) -> Self {
+        Self { parsed: Arc::new(field::Formula::parse(text)), names }
     }
 
     /// What names mean at a moment.
@@ -66,6 +67,10 @@ impl Formula {
         // All names were looked up when the scene was read.
         self.parsed.compile(graph, &known).unwrap_or_else(|_| graph.constant(f64::NAN))
     }
+}
+
+fn problems(errors: Vec<FormulaError>) -> Vec<FormulaProblem> {
+    errors.into_iter().map(FormulaProblem::from).collect()
 }
 
 impl From<FormulaError> for FormulaProblem {

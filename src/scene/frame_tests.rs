@@ -113,6 +113,11 @@ fn set_operations_and_modifiers() {
     let cut = prepared("[shape.a]\nformula = '1 - x^2 - y^2 - z^2'\nbounds = [[-2, -2, -2], [0.5, 2, 2]]\n");
     let warnings = cut.warnings.to_string();
     assert!(warnings.starts_with("warning: `bounds` cut `a` off at +x\n --> scene.toml:3:10\n"), "{warnings}");
+    assert!(warnings.contains("cut = true"), "{warnings}");
+    let meant = "bounds = { box = [[-2, -2, -2], [0.5, 2, 2]], cut = true }\n";
+    let meant = prepared(&format!("[shape.a]\nformula = '1 - x^2 - y^2 - z^2'\n{meant}"));
+    assert!(meant.warnings.is_empty(), "{}", meant.warnings);
+    assert_eq!(meant.extent.max.x, cut.extent.max.x);
     let mirrored = prepared("[shape.m]\nunion = ['a']\nmirror = 'x'\n[shape.a]\nsphere = 0.5\nmove = [2, 0, 0]\n");
     let frame = mirrored.frame(1).unwrap();
     assert!(value(&frame, 2.0, 0.0, 0.0) > 0.0 && value(&frame, -2.0, 0.0, 0.0) > 0.0);

@@ -473,7 +473,7 @@ pub const SHAPE: &[Key] = &[
         "bounds",
         Kind::Box,
         Nothing,
-        "Cut off outside of this box, in the shape's own space. A shape without end needs it.",
+        "Cut off outside of this box, in the shape's own space. A shape without end needs it. Where it cuts a warning says so; `{ box = …, cut = true }` says that it is meant.",
     ),
     Key::new("color", Kind::Colour, Words("`#cccccc` where another shape has a colour"), "Its colour.")
         .also(&["colour"]),
@@ -509,6 +509,12 @@ pub const COPIES: &[Key] = &[
     ),
     Key::new("pick", Kind::Constant, Number(1.0), "The share of cells that get one.").limit(Limit::Within(0.0, 1.0)),
     seed("The number that the choice starts from."),
+];
+
+/// `bounds` written as a table.
+pub const BOUNDS: &[Key] = &[
+    Key::new("box", Kind::Box, Required, "The box."),
+    Key::new("cut", Kind::Flag, Text("false"), "Whether the box is meant to cut the shape; then no warning says so."),
 ];
 
 /// A parameter written as a table.

@@ -205,6 +205,8 @@ pub struct Copies {
 pub struct Bounds {
     /// The box.
     pub aabb: crate::field::Aabb,
+    /// Whether it is meant to cut the shape.
+    pub cut: bool,
     /// Where the scene gives it.
     pub span: Span,
 }

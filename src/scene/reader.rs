@@ -42,6 +42,11 @@ impl<'a> Reader<'a> {
         self.diagnostics.borrow_mut().push(diagnostic);
     }
 
+    /// Notes what is wrong with a formula that stands in a string.
+    pub fn say_all(&self, problems: Vec<FormulaProblem>, string: Span, text: &str) {
+        problems.into_iter().for_each(|problem| self.say(problem.into_diagnostic(self.sources, string, text)));
+    }
+
     /// Everything that was noted.
     pub fn into_parts(self) -> (Vec<Diagnostic>, Vec<Setting>) {
         (self.diagnostics.into_inner(), self.settings.into_inner())
@@ -72,8 +77,8 @@ impl<'a> Reader<'a> {
             }
             Data::Text(text) => match Formula::of_time(text, self.names.clone()) {
                 Ok(formula) => number(NumberValue::Formula(formula)),
-                Err(problem) => {
-                    self.say(problem.into_diagnostic(self.sources, value.span, text));
+                Err(problems) => {
+                    self.say_all(problems, value.span, text);
                     fallback()
                 }
             },

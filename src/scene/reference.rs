@@ -4,6 +4,7 @@ use std::fmt::Write;
 
 use super::builtin::{builtin_line, builtin_names};
 use super::keys::{self, Absent, Key, Limit, MAKERS, Maker};
+use crate::field::functions;
 
 const BEGINNING: &str = "\
 # The scene format
@@ -35,7 +36,7 @@ to = \"heart\"
 |---|---|
 | number | `2`, `0.5`; a formula of time, `\"0.2*sin(2*pi*t)\"`; keys, `{ 1 = 0, 48 = 90, ease = \"smooth\" }`. frames rise; `ease` is `linear` (when left out), `smooth`, `in`, `out`, `hold` or `bezier`; before the first key and after the last one theirs holds |
 | three numbers | `[x, y, z]`, each a number as above |
-| formula | text with `x y z t frame time pi`, `[param]` names, `+ - * / ^`, and functions; `time` is seconds since the first frame |
+| formula | text with `x y z t frame time pi`, `[param]` names, `+ - * / ^`, and [functions](#formulas); `time` is seconds since the first frame |
 | frames | `\"1-48\"`, or one frame, `7` |
 | colour | `\"#rrggbb\"`, a CSS name, or `[r, g, b]` from 0 to 1: sRGB. `{ linear = [r, g, b] }`: scene-linear Rec.709. A name of `[color]`. For a shape also formulas, `[\"x\", 0.2, \"t\"]`, and tables as below |
 | shape | its name, `\"ball\"`; or one written in place, `{ sphere = 1 }`, which names others but holds no further one in place |
@@ -59,7 +60,26 @@ closed meshes, outside of unions of them, and inside what is cut from them. What
 
 **Output.** Baked is the `[morph]`, else the one shape that no other uses, else `output.shape`.
 
-**Errors** name file, line and column, mark the text and propose the nearest name; all of a scene come together.
+**Errors** name file, line and column, mark the text and propose the nearest name, or list what there is; all of a scene
+come together.
+";
+
+const FORMULAS: &str = "
+## Formulas
+
+`-1.3 + 0.2*sin(2*pi*t)`: numbers (`2`, `.5`, `1e-3`), names, `+ - * /`, `^` for powers, parentheses, and the functions
+below. `^` binds tightest and to the right: `-x^2` is −(x²). There is no product without `*`. Names are `x y z` (places, in
+formulas of space alone), `t`, `frame`, `time` (seconds since the first frame), `pi`, and those of `[param]`, which are
+never functions. Angles in formulas are in **radians**, unlike `rotate`: degrees times `pi/180`.
+
+Division by 0 is infinite, and 0/0, roots and logarithms of negative numbers and powers of negative numbers that are not
+whole are not a number. A number over time must be finite in every frame, and a colour or attribute a number where the
+surface is: else an error names frame and place. Of a shape's formula what is not a number is not inside, and no surface
+beside it can be relied on: keep arguments in range, as in `sqrt(max(x, 0))`. Functions that jump make a surface where they
+do, also one without thickness.
+
+| function | what it gives |
+|---|---|
 ";
 
 const COLOURS: &str = "
@@ -127,10 +147,15 @@ const PICTURES: &str = "
 /// The text of `docs/scene.md`.
 pub fn reference() -> String {
     let mut out = String::from(BEGINNING);
+    out.push_str(FORMULAS);
+    for (_, usage, text) in functions() {
+        let _ = writeln!(out, "| `{usage}` | {text} |");
+    }
     section(&mut out, "The top of a scene", "", keys::SCENE);
     out.push_str("\n## `[shape.NAME]`: makers\n\nA shape has exactly one of these keys.\n\n");
     makers(&mut out, MAKERS, "F");
     section(&mut out, "Every shape", "Beside its maker and the maker's parameters.", keys::SHAPE);
+    section(&mut out, "`bounds` as a table", "", keys::BOUNDS);
     section(&mut out, "`at`: copies", "", keys::COPIES);
     section(&mut out, "`[cells.NAME]`", "", keys::CELLS);
     out.push_str(COLOURS);

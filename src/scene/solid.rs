@@ -100,7 +100,7 @@ impl Solids {
         let mut warnings = Vec::new();
         for &id in shapes {
             let shape = model.shape(id);
-            let Some(bounds) = shape.bounds else { continue };
+            let Some(bounds) = shape.bounds.filter(|bounds| !bounds.cut) else { continue };
             let node = self.made_by(id, shape)?;
             // Nothing inside at all is an error of the whole, said elsewhere.
             let Ok(found) = extent(&Expression::new(&self.graph, node), Some(bounds.aabb)) else { continue };
@@ -109,7 +109,10 @@ impl Solids {
                 sides.into_iter().zip(found.reaches_bounds).filter(|(_, cut)| *cut).map(|(side, _)| side).collect();
             if !cut.is_empty() {
                 let problem = format!("`bounds` cut `{}` off at {}", shape.name, cut.join(", "));
-                warnings.push(Diagnostic::warning(bounds.span, problem).help("widen them where that is not meant"));
+                warnings.push(
+                    Diagnostic::warning(bounds.span, problem)
+                        .help("widen them, or write `bounds = { box = …, cut = true }` where that is meant"),
+                );
             }
         }
         Ok(warnings)

@@ -87,6 +87,45 @@ fn a_shape_has_one_maker() {
     assert!(none[0].starts_with("1:8 nothing says what `shape.a` is; give it one of `sphere`, `box`"), "{none:?}");
 }
 
+/// An unknown maker, or two of them, hide nothing else of their table.
+#[test]
+fn all_errors_of_a_shape_come_together() {
+    let rest = "move = [1, 2]\nbounds = 'wide'\ncolor = '#d72'\ncolour_ = 1\nattribute.rough = 'sni(x)'\n";
+    for (maker, first) in [
+        ("blobs = 3", "2:1 unknown key `blobs` in `shape.a`; there is `sphere`, `box`, "),
+        ("sphere = 1\nbox = 2", "3:1 `sphere` and `box` both say what `shape.a` is"),
+    ] {
+        let found = problems(&format!("[shape.a]\n{maker}\n{rest}"));
+        let parts = [
+            first,
+            "`shape.a.move` must be three numbers",
+            "`shape.a.bounds` must be a box",
+            "unknown key `colour_` in `shape.a`; did you mean `color`?",
+            "there is no function `sni`; did you mean `sin`?",
+        ];
+        assert_eq!(found.len(), parts.len(), "{found:#?}");
+        for (found, part) in found.iter().zip(parts) {
+            assert!(found.contains(part), "{part}: {found}");
+        }
+    }
+}
+
+/// Where no name is near, all that there are are listed; all errors of a formula are told.
+#[test]
+fn what_there_is_is_listed() {
+    let found = problems("[shape.a]\nformula = 'foo(x) + bar - wobble'\n");
+    assert_eq!(found.len(), 3, "{found:#?}");
+    assert!(found[0].starts_with("2:12 there is no function `foo`; there are `abs`, `atan`, "), "{found:#?}");
+    assert!(found[1].starts_with("2:21 nothing here is called `bar`; known are "), "{found:#?}");
+    assert!(found[2].starts_with("2:27 nothing here is called `wobble`"), "{found:#?}");
+    let names: String = (0..15).map(|i| format!("[shape.part{i}]\nsphere = 1\n")).collect();
+    let found = problems(&format!("{names}[shape.z]\nunion = ['wheel']\n[output]\nshape = 'z'\n"));
+    assert!(found[0].contains("there is no `shape.wheel`; there is `part0`, `part1`, "), "{found:#?}");
+    assert!(found[0].contains("`part9` and `z`"), "{found:#?}");
+    let found = problems("[shape.a]\nsphere = 1\n[output]\nshape = 'a'\nqqq = 1\n");
+    assert!(found[0].contains("unknown key `qqq` in `output`; there is `shape`, `voxel_size`"), "{found:#?}");
+}
+
 #[test]
 fn wrong_types_and_ranges() {
     only("[shape.a]\nsphere = true\n", "2:10 `shape.a.sphere` must be a number, a formula or keys");

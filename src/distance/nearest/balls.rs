@@ -149,7 +149,7 @@ mod tests {
             let ball = format!("0.14 - sqrt((x - {x})^2 + (y - {y})^2 + (z - {z})^2)");
             text = if i == 0 { ball } else { format!("max({text}, {ball})") };
         }
-        let root = crate::field::Formula::parse(&text).and_then(|formula| formula.compile(&mut graph, &names));
+        let root = crate::field::Formula::parse(&text).compile(&mut graph, &names);
         Expression::new(&graph, root.expect("a sound formula")).for_values_alone()
     }
 

@@ -2,8 +2,8 @@
 
 use std::ops::Range;
 
-use super::functions::{FUNCTIONS, Function};
-use super::{FormulaError, Term, What, nearest};
+use super::functions::{Function, functions};
+use super::{FormulaError, Term, What, nearest, quoted};
 use crate::field::op::Binary;
 
 /// Deeper nesting is refused, so that no text overflows the stack.
@@ -17,16 +17,17 @@ struct Parser<'a> {
     at: usize,
     depth: usize,
     terms: Vec<Term>,
+    /// What is wrong so far, where the rest can be read all the same.
+    errors: Vec<FormulaError>,
 }
 
-pub(super) fn parse(text: &str) -> Result<Vec<Term>, FormulaError> {
-    let mut parser = Parser { text, at: 0, depth: 0, terms: Vec::new() };
-    parser.expression(0)?;
-    match parser.peek() {
-        None => Ok(parser.terms),
-        Some(')') => Err(parser.error_here("this `)` closes nothing")),
-        Some(_) => Err(parser.error_here("an operator is missing before this")),
+/// The terms as far as they can be read, and what is wrong with them.
+pub(super) fn parse(text: &str) -> (Vec<Term>, Vec<FormulaError>) {
+    let mut parser = Parser { text, at: 0, depth: 0, terms: Vec::new(), errors: Vec::new() };
+    if let Err(error) = parser.whole() {
+        parser.errors.push(error);
     }
+    (parser.terms, parser.errors)
 }
 
 /// An operator's meaning and how tightly it binds on its left and right.
@@ -42,6 +43,15 @@ fn operator(symbol: char) -> Option<(Binary, u8, u8)> {
 }
 
 impl Parser<'_> {
+    fn whole(&mut self) -> Result<(), FormulaError> {
+        self.expression(0)?;
+        match self.peek() {
+            None => Ok(()),
+            Some(')') => Err(self.error_here("this `)` closes nothing")),
+            Some(_) => Err(self.error_here("an operator is missing before this")),
+        }
+    }
+
     /// The next character that is not space.
     fn peek(&mut self) -> Option<char> {
         let rest = self.text[self.at..].trim_start();
@@ -158,10 +168,15 @@ impl Parser<'_> {
         if self.peek() != Some('(') {
             return Ok(self.push(What::Name(name.to_owned()), span));
         }
-        let Some(function) = Function::named(name) else {
-            let suggestion = nearest(name, FUNCTIONS.into_iter());
-            return Err(FormulaError { span, message: format!("there is no function `{name}`"), suggestion });
-        };
+        let function = Function::named(name);
+        if function.is_none() {
+            let suggestion = nearest(name, functions().map(|(name, ..)| name));
+            let mut message = format!("there is no function `{name}`");
+            if suggestion.is_none() {
+                message += &format!("; there are {}", quoted(functions().map(|(name, ..)| name)));
+            }
+            self.errors.push(FormulaError { span: span.clone(), message, suggestion });
+        }
         let open = self.at;
         self.at += 1;
         let mut arguments = Vec::new();
@@ -173,10 +188,20 @@ impl Parser<'_> {
             }
         }
         self.close(open)?;
-        if !(function.least..=function.most).contains(&arguments.len()) {
-            let message = format!("`{name}` takes {}, not {}", function.arity(), arguments.len());
-            return Err(self.error(start..self.at, message));
+        let whole = start..self.at;
+        match function {
+            Some(function) if (function.least..=function.most).contains(&arguments.len()) => {
+                Ok(self.push(What::Call(function, arguments), whole))
+            }
+            Some(function) => {
+                let message =
+                    format!("`{name}` takes {}, `{}`, not {}", function.arity(), function.usage, arguments.len());
+                let error = self.error(whole.clone(), message);
+                self.errors.push(error);
+                Ok(self.push(What::Number(1.0), whole))
+            }
+            // Some number stands for it: the formula is refused anyway.
+            None => Ok(self.push(What::Number(1.0), whole)),
         }
-        Ok(self.push(What::Call(function, arguments), start..self.at))
     }
 }

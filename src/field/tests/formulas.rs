@@ -11,7 +11,7 @@ const WORLD: Aabb = Aabb::new(DVec3::splat(-2.0), DVec3::splat(2.0));
 fn field(text: &str) -> Expression {
     let mut graph = Graph::new();
     let names = Names::space(&mut graph).number("t", 0.3);
-    let node = Formula::parse(text).and_then(|formula| formula.compile(&mut graph, &names)).expect(text);
+    let node = Formula::parse(text).compile(&mut graph, &names).expect(text);
     Expression::new(&graph, node)
 }
 
@@ -114,7 +114,7 @@ fn surfaces_far_from_the_origin_are_right_to_a_thousandth_of_a_voxel() {
     let mut graph = Graph::new();
     let solids = [graph.sphere(1.0), graph.cuboid(DVec3::splat(1.5)), graph.torus(1.0, 0.3), graph.heart(2.0)];
     let names = Names::space(&mut graph);
-    let formula = Formula::parse("1 - sqrt((x - 100000)^2 + (y + 100000)^2 + (z - 100000)^2)").expect("it parses");
+    let formula = Formula::parse("1 - sqrt((x - 100000)^2 + (y + 100000)^2 + (z - 100000)^2)");
     let mut far_ones = solids.map(|solid| graph.translate(solid, far).expect("a motion")).to_vec();
     far_ones.push(formula.compile(&mut graph, &names).expect("it compiles"));
     let voxel = 1.0 / 256.0;

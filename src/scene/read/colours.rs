@@ -185,8 +185,8 @@ impl<'r, 'a> Building<'r, 'a> {
             None => Some(Component::Number(self.reader.number(&format!("{path}[{i}]"), limits[i], &three[i]))),
             Some(text) => match Formula::of_space(text, self.reader.names.clone()) {
                 Ok(formula) => Some(Component::Formula(formula)),
-                Err(problem) => {
-                    self.reader.say(problem.into_diagnostic(self.reader.sources, three[i].span, text));
+                Err(problems) => {
+                    self.reader.say_all(problems, three[i].span, text);
                     None
                 }
             },

@@ -170,8 +170,8 @@ impl<'r, 'a> Building<'r, 'a> {
             }
             Some(text) => match Formula::of_space(text, self.reader.names.clone()) {
                 Ok(formula) => Component::Formula(formula),
-                Err(problem) => {
-                    self.reader.say(problem.into_diagnostic(self.reader.sources, span, text));
+                Err(problems) => {
+                    self.reader.say_all(problems, span, text);
                     return None;
                 }
             },

@@ -68,8 +68,8 @@ impl<'r, 'a> Building<'r, 'a> {
         if let Some(text) = value.text() {
             return match Formula::of_space(text, self.reader.names.clone()) {
                 Ok(of_space) => Some(formula(Component::Formula(of_space))),
-                Err(problem) => {
-                    self.reader.say(problem.into_diagnostic(self.reader.sources, value.span, text));
+                Err(problems) => {
+                    self.reader.say_all(problems, value.span, text);
                     None
                 }
             };

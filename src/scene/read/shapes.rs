@@ -26,7 +26,7 @@ impl<'r, 'a> Building<'r, 'a> {
         }
     }
 
-    /// The one maker of a table, or the error that names them all.
+    /// The one maker of a table. Says so where there are two of them, or none and no unknown key that stands for one.
     fn maker_of(&self, path: &str, span: Span, table: &'r Table) -> Option<&'static keys::Maker> {
         let mut found = table
             .0
@@ -45,7 +45,6 @@ impl<'r, 'a> Building<'r, 'a> {
             _ => {
                 let known = any_shape_keys();
                 let unknown = table.0.iter().any(|entry| !known.iter().any(|key| key.is_called(&entry.key)));
-                Fields::new(self.reader, path, "shape", span, table, known);
                 if !unknown {
                     let makers: Vec<&str> = MAKERS.iter().map(|maker| maker.key.name).collect();
                     let problem = format!("nothing says what `{}` is", clip(path));
@@ -59,12 +58,14 @@ impl<'r, 'a> Building<'r, 'a> {
 
     /// One shape. `may_nest`: whether a shape written in place may stand for one of its operands.
     fn read_shape(&mut self, path: &str, span: Span, table: &'r Table, id: ShapeId, may_nest: bool) -> Option<Shape> {
-        let spec = self.maker_of(path, span, table)?;
-        let fields = Fields::new(self.reader, path, "shape", span, table, shape_keys(spec));
-        let maker = self.maker(spec.key.name, &fields, id, may_nest);
+        let spec = self.maker_of(path, span, table);
+        let keys = spec.map_or_else(any_shape_keys, shape_keys);
+        let fields = Fields::new(self.reader, path, "shape", span, table, keys);
+        let maker = spec.and_then(|spec| self.maker(spec.key.name, &fields, id, may_nest));
+        // Without a maker all else is read, so that all errors come together.
         let modifiers = self.modifiers(&fields, id);
         let bounds = fields.value("bounds").and_then(|value| self.bounds(&fields.full("bounds"), value));
-        let has_cells = spec.key.name == "facet" || modifiers.at.is_some();
+        let has_cells = spec.is_none_or(|spec| spec.key.name == "facet") || modifiers.at.is_some();
         let colour = fields
             .value("color")
             .and_then(|value| self.shape_colour(&fields.full("color"), value, id, has_cells, may_nest));
@@ -122,8 +123,8 @@ impl<'r, 'a> Building<'r, 'a> {
         };
         match Formula::of_space(text, self.reader.names.clone()) {
             Ok(formula) => Some(Maker::Formula { formula, span: value.span }),
-            Err(problem) => {
-                self.reader.say(problem.into_diagnostic(self.reader.sources, value.span, text));
+            Err(problems) => {
+                self.reader.say_all(problems, value.span, text);
                 None
             }
         }
@@ -224,8 +225,19 @@ impl<'r, 'a> Building<'r, 'a> {
         Some(Copies { cells: cells?, pick, seed })
     }
 
+    /// A box, or a table with one that says whether it is meant to cut.
+    fn bounds(&self, path: &str, value: &'r Value) -> Option<Bounds> {
+        if value.table().is_none() {
+            return self.box_of(path, value).map(|aabb| Bounds { aabb, cut: false, span: value.span });
+        }
+        let fields = Fields::of_value(self.reader, path, "bounds", value.span, value, keys::BOUNDS.iter().collect())?;
+        let aabb = fields.value("box").and_then(|value| self.box_of(&fields.full("box"), value));
+        let cut = fields.flag("cut");
+        Some(Bounds { aabb: aabb?, cut, span: value.span })
+    }
+
     /// An edge length, three edge lengths, or two corners.
-    fn bounds(&self, path: &str, value: &Value) -> Option<Bounds> {
+    fn box_of(&self, path: &str, value: &Value) -> Option<Aabb> {
         let vector = |value: &Value| {
             let numbers: Vec<f64> = value.list()?.iter().filter_map(Value::number).collect();
             let three: [f64; 3] = numbers.try_into().ok()?;
@@ -237,7 +249,7 @@ impl<'r, 'a> Building<'r, 'a> {
             Some(_) => vector(value).map(|edges| (-edges / 2.0, edges / 2.0)),
         };
         match corners.filter(|(min, max)| min.cmplt(*max).all() && min.is_finite() && max.is_finite()) {
-            Some((min, max)) => Some(Bounds { aabb: Aabb::new(min, max), span: value.span }),
+            Some((min, max)) => Some(Aabb::new(min, max)),
             None => {
                 let problem = format!("`{}` must be a box", clip(path));
                 self.reader.say(
