@@ -153,7 +153,7 @@ fn meshes_and_smoke_are_green_and_blurred_by_their_motion() {
 #[test]
 fn what_is_large_is_lit_and_what_has_no_density_is_smoke_all_the_same() {
     let Some((python, place)) = blender() else { return };
-    let scene = "hfvdb = 1\nframes = \"1-2\"\nunit = \"cm\"\n[shape.a]\nsphere = 80\ncolor = \"#208040\"\n";
+    let scene = "hfvdb = 1\nframes = \"1-2\"\nunit = \"cm\"\n[shape.a]\nsphere = 80\ncolor = \"#40c080\"\n";
     place.write("ball.toml", scene);
     place.hfvdb("bake ball.toml --resolution 32 -o m.####.vdb").ok();
     for script in ["mesh", "fog"] {
@@ -165,7 +165,7 @@ fn what_is_large_is_lit_and_what_has_no_density_is_smoke_all_the_same() {
         let [red, green, blue] = [0, 1, 2].map(|i| pixels[(edge / 2 * edge + edge / 2) * 4 + i]);
         assert!(green > 60 && green > red + 20 && green > blue + 10, "{out}: {red} {green} {blue}");
         let across = widest(&pixels, edge) as f64 / edge as f64;
-        assert!((0.4..0.9).contains(&across), "{out}: {across} of the picture");
+        assert!((0.3..0.9).contains(&across), "{out}: {across} of the picture");
     }
 }
 

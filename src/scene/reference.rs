@@ -69,14 +69,13 @@ const FORMULAS: &str = "
 
 `-1.3 + 0.2*sin(2*pi*t)`: numbers (`2`, `.5`, `1e-3`), names, `+ - * /`, `^` for powers, parentheses, and the functions
 below. `^` binds tightest and to the right: `-x^2` is −(x²). There is no product without `*`. Names are `x y z` (places, in
-formulas of space alone), `t`, `frame`, `time` (seconds since the first frame), `pi`, and those of `[param]`, which are
-never functions. Angles in formulas are in **radians**, unlike `rotate`: degrees times `pi/180`.
+formulas of space alone), `t`, `frame`, `time` (seconds since the first frame), `pi`, and those of `[param]`. Angles in
+formulas are in **radians**, unlike those of `rotate`: degrees times `pi/180`.
 
 Division by 0 is infinite, and 0/0, roots and logarithms of negative numbers and powers of negative numbers that are not
-whole are not a number. A number over time must be finite in every frame, and a colour or attribute a number where the
-surface is: else an error names frame and place. Of a shape's formula what is not a number is not inside, and no surface
-beside it can be relied on: keep arguments in range, as in `sqrt(max(x, 0))`. Functions that jump make a surface where they
-do, also one without thickness.
+whole are not a number. A number over time must be finite in every frame, a colour or attribute a number where the surface is, and
+a shape's formula wherever the shape is looked for, in its `bounds` and around them: else an error names frame and place.
+Keep arguments in range, as in `sqrt(max(x, 0))`. Functions that jump make a surface where they do.
 
 | function | what it gives |
 |---|---|
