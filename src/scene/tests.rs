@@ -113,11 +113,11 @@ fn all_errors_of_a_shape_come_together() {
 /// Where no name is near, all that there are are listed; all errors of a formula are told.
 #[test]
 fn what_there_is_is_listed() {
-    let found = problems("[shape.a]\nformula = 'foo(x) + bar - wobble'\n");
+    let found = problems("[shape.a]\nformula = 'wibble(x) + bar - wobble'\n");
     assert_eq!(found.len(), 3, "{found:#?}");
-    assert!(found[0].starts_with("2:12 there is no function `foo`; there are `abs`, `atan`, "), "{found:#?}");
-    assert!(found[1].starts_with("2:21 nothing here is called `bar`; known are "), "{found:#?}");
-    assert!(found[2].starts_with("2:27 nothing here is called `wobble`"), "{found:#?}");
+    assert!(found[0].starts_with("2:12 there is no function `wibble`; there are `abs`, `atan`, "), "{found:#?}");
+    assert!(found[1].starts_with("2:24 nothing here is called `bar`; known are "), "{found:#?}");
+    assert!(found[2].starts_with("2:30 nothing here is called `wobble`"), "{found:#?}");
     let names: String = (0..15).map(|i| format!("[shape.part{i}]\nsphere = 1\n")).collect();
     let found = problems(&format!("{names}[shape.z]\nunion = ['wheel']\n[output]\nshape = 'z'\n"));
     assert!(found[0].contains("there is no `shape.wheel`; there is `part0`, `part1`, "), "{found:#?}");

@@ -8,7 +8,7 @@ use super::super::diagnostic::{Diagnostic, clip, listed};
 use super::super::formula::Formula;
 use super::super::keys::{self, MAKERS};
 use super::super::model::{Bounds, Copies, Maker, Modifiers, Shape, ShapeId};
-use super::super::reader::Fields;
+use super::super::reader::{Fields, is_later};
 use super::super::source::Span;
 use super::super::value::{Table, Value};
 use super::links::{Link, Node};
@@ -61,6 +61,10 @@ impl<'r, 'a> Building<'r, 'a> {
         let spec = self.maker_of(path, span, table);
         let keys = spec.map_or_else(any_shape_keys, shape_keys);
         let fields = Fields::new(self.reader, path, "shape", span, table, keys);
+        // What goes with a maker of a later version is not known yet.
+        if spec.is_none() && table.0.iter().any(|entry| is_later("shape", &entry.key)) {
+            return None;
+        }
         let maker = spec.and_then(|spec| self.maker(spec.key.name, &fields, id, may_nest));
         // Without a maker all else is read, so that all errors come together.
         let modifiers = self.modifiers(&fields, id);
