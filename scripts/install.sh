@@ -1,9 +1,9 @@
 #!/usr/bin/env bash
 # Installs what building hfvdb needs, and nothing that is there already. Safe to run again.
 #
-#   scripts/install.sh           OpenVDB and its headers, a C++ compiler, Python's OpenVDB
-#   scripts/install.sh --tests   also Blender as a Python module (.venv), Houdini's type stubs (.venv-houdini),
-#                                Rust's formatter and linter
+#   scripts/install.sh           OpenVDB and its headers, a C++ compiler
+#   scripts/install.sh --tests   also OpenVDB's own tools and its Python module, Blender as a Python module (.venv),
+#                                Houdini's type stubs (.venv-houdini), Rust's formatter and linter
 #
 # Debian 12 or newer, or another system with apt. Packages are installed as root, by sudo where needed.
 # HFVDB_BLENDER_PYTHON names a Python 3.11 that has bpy already; then .venv is not made.

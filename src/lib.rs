@@ -12,8 +12,8 @@
 //!
 //! # Layers
 //!
-//! `cli → bake, render → scene → morph, attribute → distance, mesh → field, grid`; `vdb → grid, disk`;
-//! `bake → disk`. An arrow never points the other way.
+//! `cli → bake, render → scene → morph, attribute → distance, mesh → field, grid`; `vdb → grid`. An arrow never points
+//! the other way. Whatever reads or writes files uses `disk`, whatever prints text of others `terminal`.
 
 pub mod attribute;
 pub mod bake;
@@ -26,4 +26,5 @@ pub mod mesh;
 pub mod morph;
 pub mod render;
 pub mod scene;
+pub mod terminal;
 pub mod vdb;

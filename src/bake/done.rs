@@ -1,6 +1,5 @@
 //! Whether a frame is done: judged by the content of its file, never by a name alone.
 
-use std::fs::File;
 use std::io::{self, Read};
 use std::path::Path;
 
@@ -13,6 +12,7 @@ use super::manifest::Known;
 use super::record::Record;
 use super::sealed::hexadecimal;
 use super::sequence::Sequence;
+use crate::disk;
 
 /// What stands under the name of a frame.
 #[derive(Clone, Debug, PartialEq)]
@@ -84,7 +84,7 @@ pub fn compare(path: &Path, record: &Record, interrupt: &Interrupt) -> Option<Op
 
 /// SHA-256 of a file, in hexadecimal; `None` after an interruption.
 fn sha256(path: &Path, interrupt: &Interrupt) -> io::Result<Option<String>> {
-    let mut file = File::open(path)?;
+    let mut file = disk::open(path)?;
     let mut digest = Sha256::new();
     let mut buffer = vec![0; 1 << 20];
     loop {

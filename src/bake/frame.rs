@@ -207,5 +207,6 @@ fn metadata(prepared: &Prepared, frame: i64, output: &Output) -> vdb::Metadata {
     metadata.insert("hfvdb_frame".into(), i32::try_from(frame).unwrap_or(i32::MAX).into());
     metadata.insert("hfvdb_fps".into(), model.shot.fps.into());
     metadata.insert("hfvdb_unit".into(), model.unit.into());
+    metadata.insert("hfvdb_up".into(), model.up.into());
     metadata
 }

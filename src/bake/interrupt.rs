@@ -1,5 +1,5 @@
-//! SIGINT and SIGTERM: an orderly end where the work allows it, an end within two seconds in any case, and
-//! nothing half-written either way.
+//! SIGINT, SIGTERM, SIGHUP and SIGXCPU: an orderly end where the work allows it, an end within two seconds in any case,
+//! and nothing half-written either way. SIGXFSZ: an error of the write that passed the limit.
 
 use std::io;
 use std::sync::Arc;
@@ -7,7 +7,7 @@ use std::sync::atomic::{AtomicBool, AtomicI32, Ordering};
 use std::thread;
 use std::time::Duration;
 
-use signal_hook::consts::{SIGINT, SIGTERM};
+use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM, SIGXCPU, SIGXFSZ};
 use signal_hook::iterator::Signals;
 
 /// How long the work may take to notice the flag; past it the process ends by force. Shorter would cut frames off
@@ -22,15 +22,23 @@ pub struct Interrupt {
 }
 
 impl Interrupt {
-    /// Starts to listen for SIGINT and SIGTERM, once in a process. `last_words` is called with the exit code before an
+    /// Starts to listen for signals, once in a process. `last_words` is called with the exit code before an
     /// end by force.
     pub fn listen(last_words: fn(u8)) -> io::Result<Self> {
         let interrupt = Self::default();
-        let mut signals = Signals::new([SIGINT, SIGTERM])?;
+        let mut signals = Signals::new([SIGINT, SIGTERM, SIGXCPU])?;
+        // Under nohup the work is to go on without its terminal.
+        if !is_ignored(SIGHUP) {
+            signals.add_signal(SIGHUP)?;
+        }
         let shared = interrupt.clone();
         thread::Builder::new().name("signals".into()).spawn(move || {
             for signal in signals.forever() {
                 if shared.flag.swap(true, Ordering::SeqCst) {
+                    // The system repeats that one with each second of the processor: it is no second wish.
+                    if signal == SIGXCPU {
+                        continue;
+                    }
                     end_now(signal, last_words);
                 }
                 shared.signal.store(signal, Ordering::SeqCst);
@@ -53,14 +61,29 @@ impl Interrupt {
         self.flag.load(Ordering::Relaxed)
     }
 
-    /// The exit code that goes with the signal that came: 130 or 143.
+    /// The exit code that goes with the signal that came: 128 and its number.
     pub fn exit_code(&self) -> u8 {
         exit_code(self.signal.load(Ordering::SeqCst))
     }
 }
 
 fn exit_code(signal: i32) -> u8 {
-    if signal == SIGTERM { 143 } else { 130 }
+    u8::try_from(signal).map_or(128, |number| 128 + number)
+}
+
+/// Lets writes past the limit on the size of files fail, as on a full disk: SIGXFSZ would end the process in the midst of
+/// them. For the whole process, before it writes anything.
+pub fn survive_file_size_limit() {
+    // A handler is all that is needed, whatever it does. Without one the signal kills, as it did.
+    let _ = signal_hook::flag::register(SIGXFSZ, Arc::default());
+}
+
+/// Whether whoever started the process let it ignore a signal.
+fn is_ignored(signal: i32) -> bool {
+    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let mask = status.lines().find_map(|line| line.strip_prefix("SigIgn:"));
+    let mask = mask.and_then(|digits| u64::from_str_radix(digits.trim(), 16).ok());
+    mask.is_some_and(|mask| mask >> (signal - 1) & 1 == 1)
 }
 
 /// Removes what is half-written and ends the process without running destructors: other threads are at work still.

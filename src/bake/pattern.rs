@@ -1,5 +1,6 @@
 //! The name of a frame's file: a path with at most one frame token, `####`, `%04d` or `$F4`.
 
+use crate::terminal;
 use std::fmt;
 use std::path::{Path, PathBuf};
 
@@ -32,23 +33,31 @@ impl fmt::Display for PatternError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::NoName(path) => {
-                write!(f, "{}: this is no file name; write one such as out/name.####.vdb", path.display())
+                write!(f, "{}: this is no file name; write one such as out/name.####.vdb", terminal::path(path))
             }
             Self::Extension(path, extension) => {
-                write!(f, "{}: the name must end in .{extension}, as in name.####.{extension}", path.display())
+                write!(f, "{}: the name must end in .{extension}, as in name.####.{extension}", terminal::path(path))
             }
             Self::TwoTokens(path) => {
-                write!(f, "{}: the name has more than one frame token; leave one of ####, %04d, $F4", path.display())
+                write!(
+                    f,
+                    "{}: the name has more than one frame token; leave one of ####, %04d, $F4",
+                    terminal::path(path)
+                )
             }
             Self::TokenInFolder(path) => {
-                write!(f, "{}: a frame token may stand in the file's name only, not in a folder's", path.display())
+                write!(
+                    f,
+                    "{}: a frame token may stand in the file's name only, not in a folder's",
+                    terminal::path(path)
+                )
             }
             Self::NoToken(path, frames) => write!(
                 f,
                 "{}: {frames} frames would go into one file; put a frame token into the name, as in name.####.{} \
                  (the shell may have eaten $F4: quote it)",
-                path.display(),
-                path.extension().unwrap_or_default().display()
+                terminal::path(path),
+                terminal::path(path.extension().unwrap_or_default().as_ref())
             ),
         }
     }

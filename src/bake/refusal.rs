@@ -9,6 +9,7 @@ use super::manifest::Known;
 use super::sealed::SealedError;
 use super::sequence::Sequence;
 use crate::disk;
+use crate::terminal;
 
 /// Why a sequence cannot be written.
 #[derive(Debug)]
@@ -57,13 +58,13 @@ impl fmt::Display for Refusal {
             Self::Exist(path, 1) => write!(
                 f,
                 "{} exists; keep it if it is done with --resume, replace it with --overwrite, or choose another name",
-                path.display()
+                terminal::path(path)
             ),
             Self::Exist(path, count) => write!(
                 f,
                 "{} exists, and {} more of the files to write; keep those that are done with --resume, \
                  replace all with --overwrite, or choose another name",
-                path.display(),
+                terminal::path(path),
                 count - 1
             ),
             Self::OtherScene { sequence, theirs, ours, at_work } => write!(
@@ -79,7 +80,7 @@ impl fmt::Display for Refusal {
             Self::OtherPattern(path, pattern) => write!(
                 f,
                 "{}: this is the manifest of {pattern} in the same folder; choose another name or another folder",
-                path.display()
+                terminal::path(path)
             ),
             Self::Damaged(error @ SealedError::Damaged(..)) => write!(
                 f,
@@ -88,7 +89,11 @@ impl fmt::Display for Refusal {
             ),
             Self::Damaged(error) => error.fmt(f),
             Self::Busy(path) => {
-                write!(f, "{}: another process has held this lock for a minute; look what it does", path.display())
+                write!(
+                    f,
+                    "{}: another process has held this lock for a minute; look what it does",
+                    terminal::path(path)
+                )
             }
             Self::Disk(error) => error.fmt(f),
             Self::Interrupted => f.write_str("interrupted"),

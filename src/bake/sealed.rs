@@ -8,6 +8,7 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 
 use crate::disk;
+use crate::terminal;
 
 /// What stands before the seal's digits, last in the file.
 const BEFORE: &str = "\"seal\": \"";
@@ -26,9 +27,9 @@ pub enum SealedError {
 impl fmt::Display for SealedError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::System(path, error) => write!(f, "{}: cannot read it: {error}", path.display()),
+            Self::System(path, error) => write!(f, "{}: cannot read it: {error}", terminal::path(path)),
             Self::Damaged(path, problem) => {
-                write!(f, "{}: this file is damaged: {problem}", path.display())
+                write!(f, "{}: this file is damaged: {problem}", terminal::path(path))
             }
         }
     }
@@ -69,7 +70,7 @@ fn text<T: Serialize>(content: &T) -> Result<String, disk::Error> {
 /// # Errors
 /// When the system refuses, or the file is not what was written.
 pub fn read<T: DeserializeOwned>(path: &Path) -> Result<Option<T>, SealedError> {
-    let bytes = match std::fs::read(path) {
+    let bytes = match disk::read(path) {
         Ok(bytes) => bytes,
         Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
         Err(error) => return Err(SealedError::System(path.into(), error)),

@@ -6,6 +6,7 @@ use std::path::PathBuf;
 
 use super::sequence::Sequence;
 use crate::disk::{self, Temporary, folder_of};
+use crate::terminal;
 
 /// Why files cannot go where they should.
 #[derive(Debug)]
@@ -24,16 +25,16 @@ impl fmt::Display for TargetError {
             Self::NoParent(path) => write!(
                 f,
                 "{}: the folder {} does not exist; only the last folder of a path is made, make the others first",
-                path.display(),
-                path.parent().unwrap_or(path).display()
+                terminal::path(path),
+                terminal::path(path.parent().unwrap_or(path))
             ),
             Self::Folder(path, error) => {
-                write!(f, "{}: cannot write into this folder: {error}; choose another with -o", path.display())
+                write!(f, "{}: cannot write into this folder: {error}; choose another with -o", terminal::path(path))
             }
             Self::LongName(path) => write!(
                 f,
                 "{}: this name is too long for the records beside the frames; choose a shorter one",
-                path.display()
+                terminal::path(path)
             ),
         }
     }

@@ -13,6 +13,7 @@ use super::record::{Record, RecordFile};
 use super::sealed::{self, SealedError};
 use super::sequence::{Sequence, is_any_record, is_manifest};
 use super::{FramePattern, Identity, Interrupt};
+use crate::disk;
 
 /// Something that is not as it should be.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -71,7 +72,7 @@ pub fn sequences(folder: &Path) -> Result<(Vec<Sequence>, Vec<Finding>), SealedE
                 patterns.insert(pattern, Sequence { pattern: parsed });
             }
             // Other programs have manifests, too.
-            Err(_) if !std::fs::read(&path).is_ok_and(|bytes| holds(&bytes, b"hfvdb")) => {}
+            Err(_) if !disk::read(&path).is_ok_and(|bytes| holds(&bytes, b"hfvdb")) => {}
             Err(error) => damaged.push((name, Finding { path, ..self::damaged(&error) })),
         }
     }

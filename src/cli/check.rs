@@ -12,6 +12,7 @@ use super::progress::Progress;
 use super::{files, job};
 use crate::bake;
 use crate::scene::{self, Model, MorphReport, Origin};
+use crate::terminal;
 use crate::vdb::{self, Client, Finding, Lint, Severity};
 
 /// Arguments of `hfvdb check`.
@@ -124,18 +125,18 @@ fn of_file(path: &Path, clients: &[Client], global: &Global) -> Result<(), Failu
     let [errors, warnings] = counted(&findings);
     for finding in &findings {
         match finding.severity {
-            Severity::Error => super::say(&format!("error: {}: {finding}", path.display())),
-            Severity::Warning => global.warn(&format!("{}: {finding}", path.display())),
+            Severity::Error => super::say(&format!("error: {}: {finding}", terminal::path(path))),
+            Severity::Warning => global.warn(&format!("{}: {finding}", terminal::path(path))),
         }
     }
     if global.json {
         super::print_json(&json!({ "path": path, "grids": grids, "findings": findings }))?;
     } else {
-        let names = if grids.is_empty() { "none".into() } else { grids.join(", ") };
-        super::print(&format!("{}: grids {names}; {errors} errors, {warnings} warnings\n", path.display()))?;
+        let names = if grids.is_empty() { "none".into() } else { terminal::one_line(&grids.join(", ")).into_owned() };
+        super::print(&format!("{}: grids {names}; {errors} errors, {warnings} warnings\n", terminal::path(path)))?;
     }
     if errors > 0 {
-        return Err(Failure::work(format!("{} is not sound", path.display())).with_results());
+        return Err(Failure::work(format!("{} is not sound", terminal::path(path))).with_results());
     }
     Ok(())
 }

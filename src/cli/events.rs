@@ -6,6 +6,8 @@ use std::time::Instant;
 
 use serde_json::{Value, json};
 
+use crate::terminal;
+
 /// Since when events are logged; never set where they are not.
 static START: OnceLock<Instant> = OnceLock::new();
 
@@ -27,7 +29,7 @@ pub fn tell(event: &str, fields: &Value) -> bool {
     let comma = if fields == "}" { "" } else { "," };
     let line = format!("{{\"event\":\"{event}\",\"seconds\":{:.3}{comma}{fields}\n", start.elapsed().as_secs_f64());
     // One write a line, so that lines of threads do not mix. Nothing is left to say when stderr is closed.
-    let _ = std::io::stderr().lock().write_all(line.as_bytes());
+    let _ = std::io::stderr().lock().write_all(terminal::json(&line).as_bytes());
     true
 }
 

@@ -1,7 +1,7 @@
 //! What went wrong, and the exit code that goes with it.
 
 use super::events;
-use crate::{bake, scene};
+use crate::{bake, scene, terminal};
 
 /// A failure with its exit code.
 #[derive(Debug)]
@@ -30,7 +30,7 @@ impl Failure {
         Self { code: 3, message: message.into(), rendered: false, told: false }
     }
 
-    /// A signal ended the work: 130 or 143.
+    /// A signal ended the work: 128 and its number.
     pub fn interrupted(code: u8) -> Self {
         Self {
             code,
@@ -68,11 +68,11 @@ impl Failure {
 
     /// Prints the failure: to stderr, and with `--json` as a document on stdout too.
     pub fn report(&self, json: bool) {
-        let event = if matches!(self.code, 130 | 143) { "interrupted" } else { "failed" };
+        let event = if self.code > 128 { "interrupted" } else { "failed" };
         if events::tell(event, &serde_json::json!({ "exit_code": self.code, "message": self.message })) {
             // A log of events holds nothing else.
         } else if self.rendered {
-            super::say(self.message.trim_end());
+            super::say_as_is(&terminal::coloured(self.message.trim_end()));
         } else {
             super::say(&format!("error: {}", self.message));
         }

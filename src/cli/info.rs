@@ -8,6 +8,7 @@ use clap::Args;
 use super::failure::Failure;
 use super::options::Global;
 use crate::bake::Bytes;
+use crate::terminal;
 use crate::vdb::{self, FileInfo, GridInfo};
 
 /// Arguments of `hfvdb info`.
@@ -28,7 +29,7 @@ pub fn run(arguments: &Arguments, global: &Global) -> Result<(), Failure> {
             document["path"] = serde_json::json!(path);
             documents.push(document);
         } else {
-            super::print(&format!("{}\n{}", path.display(), in_words(&info)))?;
+            super::print(&format!("{}\n{}", terminal::path(path), in_words(&info)))?;
         }
     }
     if global.json { super::print_json(&serde_json::json!({ "files": documents })) } else { Ok(()) }
@@ -39,7 +40,7 @@ fn in_words(info: &FileInfo) -> String {
     // Writing to a string cannot fail.
     let _ = writeln!(text, "  {}, format {}, written by OpenVDB {}", Bytes(info.bytes), info.format, info.library);
     for (name, value) in &info.metadata {
-        let _ = writeln!(text, "  {name}: {value}");
+        let _ = writeln!(text, "  {}", terminal::one_line(&format!("{name}: {value}")));
     }
     for grid in &info.grids {
         text.push_str(&grid_in_words(grid));
@@ -82,9 +83,9 @@ fn grid_in_words(grid: &GridInfo) -> String {
     if let Some([least, greatest]) = grid.world_box {
         lines.push(format!("box {least:.6?} to {greatest:.6?}"));
     }
-    let mut text = format!("  {}\n", lines[0]);
+    let mut text = format!("  {}\n", terminal::one_line(&lines[0]));
     for line in &lines[1..] {
-        text.push_str(&format!("    {line}\n"));
+        text.push_str(&format!("    {}\n", terminal::one_line(line)));
     }
     text
 }

@@ -8,8 +8,9 @@ use super::options::{Global, Sampling, SceneArguments};
 use super::progress::{PREPARING, Progress};
 use crate::bake::{Bytes, Frames, Interrupt, default_limit};
 use crate::scene::{self, Model, Overrides, PrepareOptions, Prepared, Source};
+use crate::terminal;
 
-/// Starts to listen for SIGINT and SIGTERM.
+/// Starts to listen for signals.
 pub fn interrupt() -> Result<Interrupt, Failure> {
     Interrupt::listen(events::interrupted).map_err(|error| Failure::work(format!("cannot listen for signals: {error}")))
 }
@@ -30,13 +31,13 @@ fn warn(warnings: &scene::Diagnostics, global: &Global) {
     if events::on() {
         global.warn(warnings.render(false).trim_end());
     } else if !global.quiet {
-        super::say(warnings.render(styled()).trim_end());
+        super::say_as_is(&terminal::coloured(warnings.render(styled()).trim_end()));
     }
 }
 
 /// Whether messages may have colours.
 pub fn styled() -> bool {
-    std::io::IsTerminal::is_terminal(&std::io::stderr()) && std::env::var_os("NO_COLOR").is_none()
+    terminal::obeys() && std::env::var_os("NO_COLOR").is_none_or(|set| set.is_empty())
 }
 
 /// Makes a scene ready for frames.

@@ -22,12 +22,15 @@ mod verify;
 mod writing;
 
 use std::io::Write;
+use std::path::Path;
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
 
 use failure::Failure;
 use options::Global;
+
+use crate::terminal;
 
 /// Coloured volumetric objects, modelled by functions, morphed through space and time, written as OpenVDB.
 #[derive(Parser)]
@@ -42,7 +45,7 @@ First steps:
   hfvdb verify out                               whether all frames are there and whole
 
 Exit codes: 0 done; 1 the input or the work failed; 2 the command line is wrong; 3 more memory is needed than
-allowed; 130 and 143 interrupted.")]
+allowed; 128 and a signal's number, such as 130 and 143, interrupted.")]
 struct Program {
     #[command(flatten)]
     global: Global,
@@ -70,13 +73,13 @@ enum Command {
 
 /// Runs the program on the process's arguments and returns its exit code.
 pub fn run() -> ExitCode {
+    crate::bake::survive_file_size_limit();
     let program = match Program::try_parse() {
         Ok(program) => program,
         Err(error) => {
             // Help and version go to stdout with exit code 0, wrong command lines to stderr with 2.
             let code = if error.use_stderr() { 2 } else { 0 };
-            // A closed pipe is no error worth another message.
-            let _ = error.print();
+            report_usage(&error);
             return ExitCode::from(code);
         }
     };
@@ -102,6 +105,23 @@ pub fn run() -> ExitCode {
     }
 }
 
+/// Says what is wrong with a command line, as clap puts it, or prints its help.
+fn report_usage(error: &clap::Error) {
+    let arguments: Vec<_> = std::env::args_os().collect();
+    let not_text = arguments.iter().find(|argument| argument.to_str().is_none());
+    match not_text.filter(|_| error.kind() == clap::error::ErrorKind::InvalidUtf8) {
+        Some(argument) => say(&format!(
+            "error: {}: this is not UTF-8, as names in scenes and manifests are: rename the file",
+            terminal::path(Path::new(argument))
+        )),
+        None if arguments.iter().filter_map(|argument| argument.to_str()).any(terminal::is_obeyed_in) => {
+            say(error.render().to_string().trim_end());
+        }
+        // A closed pipe is no error worth another message.
+        None => _ = error.print(),
+    }
+}
+
 /// Limits Rust's and OpenVDB's threads to the same number.
 fn set_threads(global: &Global) -> Result<(), Failure> {
     let threads = global.threads.map_or_else(available_threads, usize::from);
@@ -119,6 +139,10 @@ fn available_threads() -> usize {
 
 /// Writes a result to stdout. A reader that went away (`hfvdb … | head`) is no failure.
 fn print(text: &str) -> Result<(), Failure> {
+    write_out(&terminal::message(text))
+}
+
+fn write_out(text: &str) -> Result<(), Failure> {
     let mut stdout = std::io::stdout().lock();
     match stdout.write_all(text.as_bytes()).and_then(|()| stdout.flush()) {
         Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => {
@@ -130,10 +154,15 @@ fn print(text: &str) -> Result<(), Failure> {
 
 /// Says something on stderr. Where its reader went away there is nobody to tell, and the work goes on.
 fn say(text: &str) {
+    say_as_is(&terminal::message(text));
+}
+
+/// Says what has been made ready for a terminal.
+fn say_as_is(text: &str) {
     let _ = std::io::stderr().lock().write_all(format!("{text}\n").as_bytes());
 }
 
 /// Prints one JSON document on stdout.
 fn print_json(document: &serde_json::Value) -> Result<(), Failure> {
-    print(&format!("{document:#}\n"))
+    write_out(&terminal::json(&format!("{document:#}\n")))
 }

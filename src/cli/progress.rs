@@ -1,6 +1,5 @@
 //! Progress of long work: a bar with the time left, on a terminal only, or events for farms.
 
-use std::io::IsTerminal;
 use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
@@ -9,6 +8,7 @@ use serde_json::{Value, json};
 
 use super::events;
 use super::options::Global;
+use crate::terminal;
 
 /// Steps of the bar for one frame: fine enough to move on the longest frames.
 const STEPS: u64 = 1000;
@@ -87,7 +87,7 @@ fn seconds(left: Option<f64>) -> Value {
 impl Progress {
     /// A bar for work of `frames` frames; hidden where stderr is no terminal or nothing shall be said.
     pub fn new(frames: usize, global: &Global) -> Self {
-        let target = if global.quiet || events::on() || !std::io::stderr().is_terminal() {
+        let target = if global.quiet || events::on() || !terminal::obeys() {
             ProgressDrawTarget::hidden()
         } else {
             ProgressDrawTarget::stderr_with_hz(10)

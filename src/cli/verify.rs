@@ -10,6 +10,7 @@ use super::failure::Failure;
 use super::job;
 use super::options::Global;
 use crate::bake::{self, Bytes, Finding, FramePattern, Frames, Sequence, Verdict};
+use crate::terminal;
 
 /// Arguments of `hfvdb verify`.
 #[derive(Args)]
@@ -69,19 +70,22 @@ fn sequences(path: &Path) -> Result<(Vec<Sequence>, Vec<Finding>), Failure> {
         let (sequences, findings) = bake::sequences(path)?;
         if sequences.is_empty() && findings.is_empty() {
             let problem = "nothing to verify: no manifest and no record of hfvdb in this folder";
-            return Err(Failure::work(format!("{}: {problem}", path.display())));
+            return Err(Failure::work(format!("{}: {problem}", terminal::path(path))));
         }
         return Ok((sequences, findings));
     }
     let name = path.file_name().and_then(|name| name.to_str()).unwrap_or_default();
     if !name.ends_with(".json") && !name.to_ascii_lowercase().ends_with(".vdb") && !path.exists() {
-        return Err(Failure::work(format!("{}: there is no such folder; a pattern ends in .vdb", path.display())));
+        return Err(Failure::work(format!(
+            "{}: there is no such folder; a pattern ends in .vdb",
+            terminal::path(path)
+        )));
     }
     if !name.ends_with(".json") {
         return Ok((vec![Sequence { pattern: FramePattern::new(path, "vdb")? }], Vec::new()));
     }
     if !path.exists() {
-        return Err(Failure::work(format!("{}: there is no such manifest", path.display())));
+        return Err(Failure::work(format!("{}: there is no such manifest", terminal::path(path))));
     }
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let (sequences, findings) = bake::sequences(folder)?;
@@ -89,7 +93,7 @@ fn sequences(path: &Path) -> Result<(Vec<Sequence>, Vec<Finding>), Failure> {
     let sequences: Vec<_> = sequences.into_iter().filter(|sequence| its(&sequence.manifest())).collect();
     let findings: Vec<_> = findings.into_iter().filter(|finding| its(&finding.path)).collect();
     if sequences.is_empty() && findings.is_empty() {
-        return Err(Failure::work(format!("{}: this is no manifest of hfvdb", path.display())));
+        return Err(Failure::work(format!("{}: this is no manifest of hfvdb", terminal::path(path))));
     }
     Ok((sequences, findings))
 }
@@ -121,9 +125,9 @@ fn grouped(findings: &[Finding]) -> Vec<String> {
     }
     let line = |(finding, frames): (&Finding, Vec<i64>)| match Frames::of_numbers(frames.iter().copied()) {
         Some(list) if frames.len() > 1 => {
-            format!("frames {list} ({} and so on): {}", finding.path.display(), finding.problem)
+            format!("frames {list} ({} and so on): {}", terminal::path(&finding.path), finding.problem)
         }
-        _ => format!("{}: {}", finding.path.display(), finding.problem),
+        _ => format!("{}: {}", terminal::path(&finding.path), finding.problem),
     };
     groups.into_iter().map(line).collect()
 }

@@ -1,5 +1,6 @@
 //! What the system can refuse, with what to do about it.
 
+use crate::terminal;
 use std::fmt;
 use std::io;
 use std::path::{Path, PathBuf};
@@ -50,10 +51,10 @@ impl fmt::Display for Error {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Exists { path } => {
-                write!(f, "{} exists: allow to overwrite it, or choose another name", path.display())
+                write!(f, "{} exists: allow to overwrite it, or choose another name", terminal::path(path))
             }
             Self::System { path, action, source } => {
-                write!(f, "{}: cannot {action}: {source}{}", path.display(), advice(source))
+                write!(f, "{}: cannot {action}: {source}{}", terminal::path(path), advice(source))
             }
         }
     }

@@ -4,18 +4,21 @@
 //!   for whoever writes a large one.
 //! * [`FileLock`] is a lock of the operating system: however a process ends, its locks end with it.
 //! * [`remove_registered`] takes away the temporaries and locks of this process, just before it ends by force.
+//! * [`read()`] and [`open`] read regular files, and nothing else.
 //! * [`free_bytes`] is the room that is left.
 //!
 //! What files hold is not known here.
 
 mod error;
 mod lock;
+mod read;
 mod register;
 mod space;
 mod temporary;
 
 pub use error::Error;
 pub use lock::FileLock;
+pub use read::{open, read};
 pub use register::remove_registered;
 pub use space::free_bytes;
 pub use temporary::{Temporary, folder_of, temporary_target, write_whole};

@@ -19,6 +19,10 @@ const CELLS: f64 = 512.0;
 /// The most boxes bounded in a search; beyond it the boxes reached count as solid, so the result stays conservative.
 const BUDGET: usize = 400_000;
 
+/// How far from the origin a box may reach, in world units: squares of it are finite in floats of 32 bits. Nested scales and
+/// moves reach farther than each of them.
+const FARTHEST: f64 = 1e18;
+
 /// The box of a solid.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Extent {
@@ -35,6 +39,8 @@ pub enum Error {
     Unbounded,
     /// F < 0 everywhere.
     Empty,
+    /// It reaches beyond what can be computed with.
+    TooFar,
 }
 
 impl fmt::Display for Error {
@@ -44,6 +50,9 @@ impl fmt::Display for Error {
             Self::Empty => {
                 "nothing is inside: the function is negative everywhere in its bounds; check the signs (positive is \
                  inside) and the bounds"
+            }
+            Self::TooFar => {
+                "the shape reaches farther than can be computed: bring it nearer to the origin, or scale it down"
             }
         })
     }
@@ -63,6 +72,9 @@ pub fn extent(field: &dyn Field, bounds: Option<Aabb>) -> Result<Extent, Error> 
     };
     if !(within.min.is_finite() && within.max.is_finite()) {
         return Err(Error::Unbounded);
+    }
+    if within.min.abs().max(within.max.abs()).max_element() > FARTHEST {
+        return Err(Error::TooFar);
     }
     let mut solid = search(field, within, step_for(within, CELLS / 8.0))?;
     // A smaller box asks for a smaller step, until it does not.

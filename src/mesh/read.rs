@@ -46,7 +46,7 @@ fn content(file: &Path) -> std::io::Result<Vec<u8>> {
     if !std::fs::metadata(file)?.is_file() {
         return Err(std::io::Error::new(std::io::ErrorKind::InvalidInput, "it is not a regular file"));
     }
-    std::fs::read(file)
+    crate::disk::read(file)
 }
 
 /// Scene-linear value of an sRGB-encoded one (IEC 61966-2-1), both 0 … 1.

@@ -1,5 +1,6 @@
 //! Why a picture could not be stored, and how one is: whole under its name, or not at all.
 
+use crate::terminal;
 use std::{
     fmt,
     io::Write,
@@ -41,7 +42,11 @@ impl fmt::Display for PictureError {
             Self::Png(source) => write!(out, "the picture could not be encoded as PNG: {source}"),
             Self::Exr(source) => write!(out, "the picture could not be encoded as EXR: {source}"),
             Self::Write { path, source } => {
-                write!(out, "cannot write the picture {}: {source}; is its folder there and writable?", path.display())
+                write!(
+                    out,
+                    "cannot write the picture {}: {source}; is its folder there and writable?",
+                    terminal::path(path)
+                )
             }
         }
     }

@@ -50,13 +50,15 @@ pub fn constant(reader: &Reader<'_>, name: &str, value: &Value, meaning: Compone
     let mut sound = true;
     for ((number, part), limit) in numbers.iter_mut().zip(three).zip(limits(meaning)) {
         match part.number() {
-            Some(given) if limit.allows(given) => *number = given as f32,
-            Some(_) => {
-                sound = false;
-                let problem = Diagnostic::error(part.span, format!("`{}` must be {}", clip(name), limit.words()));
-                let brighter = "brighter colours are written { linear = [r, g, b] }";
-                reader.say(if meaning == Components::Srgb { problem.help(brighter) } else { problem });
-            }
+            Some(given) => match limit.out_of_range(given) {
+                None => *number = given as f32,
+                Some(wanted) => {
+                    sound = false;
+                    let problem = Diagnostic::error(part.span, format!("`{}` must be {wanted}", clip(name)));
+                    let brighter = "brighter colours are written { linear = [r, g, b] }";
+                    reader.say(if meaning == Components::Srgb { problem.help(brighter) } else { problem });
+                }
+            },
             None => {
                 sound = false;
                 reader.wrong_kind(name, "three numbers", part);

@@ -3,14 +3,19 @@
 use std::fmt::{self, Display, Formatter};
 use std::sync::Arc;
 
-use annotate_snippets::{AnnotationKind, Group, Level, Renderer, Snippet};
+use annotate_snippets::{AnnotationKind, Group, Level, Origin, Renderer, Snippet};
 
 use super::source::{Place, Sources, Span};
+use crate::terminal;
 
 /// The most messages that are shown of one scene.
 const MOST_SHOWN: usize = 10;
 /// The most bytes of one report. Past it, messages lose their marked text, then are only counted.
 const MOST_BYTES: usize = 2048;
+/// Of them for the line that counts what is not shown.
+const ROOM_FOR_COUNT: usize = 32;
+/// The most bytes of a message, of its label and of its help where the whole does not fit: several still do.
+const MOST_OF_A_PART: usize = 320;
 
 /// The most names that are listed where none is near.
 const MOST_LISTED: usize = 40;
@@ -75,6 +80,12 @@ impl Diagnostic {
         self
     }
 
+    /// The same in less room.
+    fn shortened(&self) -> Self {
+        let part = |text: &str| without_middle(text, MOST_OF_A_PART).into_owned();
+        Self { message: part(&self.message), label: part(&self.label), help: part(&self.help), ..*self }
+    }
+
     /// With the nearest of the names, or else all of them, of very many the first.
     pub fn suggest<'n>(self, wrong: &str, names: impl IntoIterator<Item = &'n str>) -> Self {
         let names: Vec<&str> = names.into_iter().collect();
@@ -90,10 +101,13 @@ impl Diagnostic {
 
 /// The name nearest to a wrong one, where one is near enough to be meant.
 pub fn nearest<'n>(wrong: &str, names: impl IntoIterator<Item = &'n str>) -> Option<&'n str> {
+    /// More names than people give, and than are compared in a moment.
+    const MOST_LOOKED_AT: usize = 10_000;
     let wrong = clip(wrong);
     let limit = (wrong.chars().count() / 3).max(1);
     names
         .into_iter()
+        .take(MOST_LOOKED_AT)
         .map(|name| (strsim::damerau_levenshtein(&wrong.to_lowercase(), &name.to_lowercase()), name))
         .filter(|&(distance, name)| distance <= limit || (wrong.len() > 2 && name.starts_with(wrong.as_ref())))
         .min_by_key(|&(distance, _)| distance)
@@ -113,15 +127,27 @@ pub fn listed(names: &[&str]) -> String {
 /// A user's text, cut so that one hostile name cannot fill the report.
 pub fn clip(text: &str) -> std::borrow::Cow<'_, str> {
     const MOST_CHARACTERS: usize = 48;
-    let clean = |c: char| if c.is_control() { '\u{fffd}' } else { c };
-    if text.chars().count() <= MOST_CHARACTERS && !text.contains(char::is_control) {
+    match text.char_indices().nth(MOST_CHARACTERS) {
+        None => terminal::one_line(text),
+        Some((end, _)) => format!("{}…", terminal::one_line(&text[..end])).into(),
+    }
+}
+
+/// A text of at most so many bytes: its middle goes, for its beginning says what it is about and its end what to do.
+fn without_middle(text: &str, most: usize) -> std::borrow::Cow<'_, str> {
+    const MARK: &str = " … ";
+    if text.len() <= most {
         return text.into();
     }
-    let mut cut: String = text.chars().take(MOST_CHARACTERS).map(clean).collect();
-    if text.chars().count() > MOST_CHARACTERS {
-        cut.push('…');
+    let room = most.saturating_sub(MARK.len());
+    let (mut first, mut last) = (room * 2 / 3, text.len() - room / 3);
+    while !text.is_char_boundary(first) {
+        first -= 1;
     }
-    cut.into()
+    while !text.is_char_boundary(last) {
+        last += 1;
+    }
+    format!("{}{MARK}{}", &text[..first], &text[last..]).into()
 }
 
 /// Everything that is to be said about one scene, in the order of the text.
@@ -164,34 +190,45 @@ impl Diagnostics {
         diagnostic.span.map(|span| self.sources.place(span))
     }
 
-    /// The report: errors first, ten messages at most, within 2 KB without the colours. `styled` adds the
-    /// terminal's colours.
+    /// The report: errors first, ten messages at most, within 2 KB without the colours; the first always, as much of it as
+    /// there is room for. `styled` adds the terminal's colours.
     pub fn render(&self, styled: bool) -> String {
         let mut order: Vec<&Diagnostic> = self.list.iter().collect();
         order.sort_by_key(|diagnostic| diagnostic.severity);
-        let briefs: Vec<String> = order.iter().map(|diagnostic| self.brief(diagnostic)).collect();
+        let shortened: Vec<Diagnostic> =
+            order.iter().take(MOST_SHOWN).map(|diagnostic| diagnostic.shortened()).collect();
+        let briefs: Vec<String> = shortened.iter().map(|diagnostic| self.brief(diagnostic)).collect();
         let (mut report, mut bytes, mut shown) = (String::new(), 0, 0);
-        const ROOM_FOR_COUNT: usize = 32;
-        for (i, diagnostic) in order.iter().enumerate().take(MOST_SHOWN) {
-            let marked = self.marked(diagnostic, &Renderer::plain());
+        for (i, brief) in briefs.iter().enumerate() {
             // Those that follow keep room for a line each.
-            let rest: usize = briefs[i + 1..].iter().take(MOST_SHOWN - i - 1).map(String::len).sum();
-            let text = if bytes + marked.len() + rest + ROOM_FOR_COUNT <= MOST_BYTES {
-                bytes += marked.len();
-                if styled { self.marked(diagnostic, &Renderer::styled()) } else { marked }
-            } else if bytes + briefs[i].len() + ROOM_FOR_COUNT <= MOST_BYTES {
-                bytes += briefs[i].len();
-                briefs[i].clone()
-            } else {
-                break;
+            let rest: usize = briefs[i + 1..].iter().map(String::len).sum();
+            let fits = |text: &str, rest: usize| bytes + text.len() + rest + ROOM_FOR_COUNT <= MOST_BYTES;
+            let whole = [order[i], &shortened[i]]
+                .into_iter()
+                .find(|diagnostic| fits(&self.marked(diagnostic, &Renderer::plain()), rest));
+            let plain = match whole {
+                Some(diagnostic) => self.marked(diagnostic, &Renderer::plain()),
+                None => brief.clone(),
             };
-            report.push_str(&text);
+            if !fits(&plain, 0) {
+                break;
+            }
+            bytes += plain.len();
             shown += 1;
+            match whole.filter(|_| styled) {
+                Some(diagnostic) => report += &self.marked(diagnostic, &Renderer::styled()),
+                None => report += &plain,
+            }
         }
         if shown < order.len() {
             report.push_str(&format!("and {} more\n", order.len() - shown));
         }
         report
+    }
+
+    /// The scene's own text, where a message is about none: it names the file all the same.
+    fn scene(&self) -> Option<&str> {
+        self.sources.first().map(|source| source.name.as_str())
     }
 
     /// A message in one line.
@@ -202,12 +239,11 @@ impl Diagnostics {
             Severity::Note => "note",
         };
         let help = if diagnostic.help.is_empty() { String::new() } else { format!("; {}", diagnostic.help) };
-        match self.place(diagnostic) {
-            Some(Place { file, line, column }) => {
-                format!("{}:{line}:{column}: {kind}: {}{help}\n", short_path(&file), diagnostic.message)
-            }
-            None => format!("{kind}: {}{help}\n", diagnostic.message),
-        }
+        let place = match self.place(diagnostic) {
+            Some(Place { file, line, column }) => format!("{}:{line}:{column}: ", short_path(&file)),
+            None => self.scene().map_or_else(String::new, |name| format!("{}: ", short_path(name))),
+        };
+        format!("{place}{kind}: {}{help}\n", diagnostic.message)
     }
 
     /// A message with the text it is about.
@@ -218,6 +254,9 @@ impl Diagnostics {
             Severity::Note => Level::NOTE,
         };
         let mut group = Group::with_title(level.primary_title(diagnostic.message.as_str()));
+        if let Some(name) = self.scene().filter(|_| diagnostic.span.is_none()) {
+            group = group.element(Origin::path(short_path(name)));
+        }
         if let Some(span) = diagnostic.span {
             let source = self.sources.get(span.source);
             let range = within_one_line(&source.text, span);
@@ -243,9 +282,10 @@ impl std::error::Error for Diagnostics {}
 /// The end of a long path, which tells more than its beginning.
 fn short_path(path: &str) -> String {
     const MOST_CHARACTERS: usize = 80;
+    let path = terminal::one_line(path);
     let count = path.chars().count();
     if count <= MOST_CHARACTERS {
-        return path.to_owned();
+        return path.into_owned();
     }
     let end: String = path.chars().skip(count - MOST_CHARACTERS + 1).collect();
     format!("…{end}")

@@ -5,6 +5,8 @@ use std::sync::Arc;
 
 use super::diagnostic::{Diagnostic, clip, nearest};
 use super::source::Span;
+use crate::disk;
+use crate::terminal;
 
 /// What a file is read from.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -74,7 +76,7 @@ fn suggest_neighbour(diagnostic: Diagnostic, path: &Path) -> Diagnostic {
     let (Some(folder), Some(name)) = (path.parent(), path.file_name()) else { return diagnostic };
     let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
     let Ok(entries) = std::fs::read_dir(folder) else {
-        return diagnostic.help(format!("there is no folder `{}`", clip(&folder.display().to_string())));
+        return diagnostic.help(format!("there is no folder `{}`", clip(&terminal::path(folder))));
     };
     let mut names: Vec<String> =
         entries.take(MOST_LOOKED_AT).flatten().map(|entry| entry.file_name().to_string_lossy().into_owned()).collect();
@@ -119,7 +121,7 @@ impl FileReference {
     /// The name for messages.
     pub fn name(&self) -> String {
         match &self.place {
-            FilePlace::Disk(path) => path.display().to_string(),
+            FilePlace::Disk(path) => terminal::path(path),
             FilePlace::BuiltIn(name) => (*name).into(),
         }
     }
@@ -127,7 +129,7 @@ impl FileReference {
     /// The file's bytes.
     pub fn read(&self) -> std::io::Result<Vec<u8>> {
         match &self.place {
-            FilePlace::Disk(path) => std::fs::read(path),
+            FilePlace::Disk(path) => disk::read(path),
             FilePlace::BuiltIn(name) => {
                 Ok(super::builtin::file(name).map_or_else(Vec::new, |(_, bytes)| bytes.to_vec()))
             }

@@ -16,6 +16,9 @@ pub struct FrameRange {
     pub last: i64,
 }
 
+/// The last frame there is: nine digits, as many as file names and metadata hold.
+pub const MOST_FRAME: i64 = 999_999_999;
+
 /// Why a text is no range of frames.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum BadRange {
@@ -44,12 +47,11 @@ impl FromStr for FrameRange {
 
     /// Reads `"1-48"`, `"-5-10"` or `"7"`.
     fn from_str(text: &str) -> Result<Self, BadRange> {
-        const MOST: i64 = 999_999_999;
         let text = text.trim();
         // A minus sign in front belongs to the number; the next one divides first from last.
         let divider = text.char_indices().skip(1).find(|&(_, c)| c == '-').map(|(at, _)| at);
         let number = |text: &str| match text.trim().parse::<i64>() {
-            Ok(frame) if (-MOST..=MOST).contains(&frame) => Ok(frame),
+            Ok(frame) if (-MOST_FRAME..=MOST_FRAME).contains(&frame) => Ok(frame),
             Ok(_) => Err(BadRange::TooLarge),
             Err(error) => match error.kind() {
                 IntErrorKind::PosOverflow | IntErrorKind::NegOverflow => Err(BadRange::TooLarge),

@@ -134,9 +134,34 @@ pub enum Limit {
     Within(f64, f64),
 }
 
+/// The greatest size of a number. Past it a double's neighbours are a tenth apart and more, and squares and cubes of
+/// lengths soon leave the range of a float of 32 bits, which frames are computed in.
+pub const GREATEST: f64 = 1e15;
+/// The least size of a number that must not be 0: divided by less, ordinary numbers pass [`GREATEST`].
+pub const LEAST: f64 = 1e-15;
+
 impl Limit {
-    /// Whether a number may be used.
+    /// Whether a number may be used: within the limit, and of a size that can be computed with.
     pub fn allows(self, value: f64) -> bool {
+        self.out_of_range(value).is_none()
+    }
+
+    /// What a number must be that may not be used, as it follows "must be".
+    pub fn out_of_range(self, value: f64) -> Option<String> {
+        let least = if matches!(self, Self::Positive | Self::NotZero) { LEAST } else { 0.0 };
+        if !self.holds(value) {
+            Some(self.words())
+        } else if value.abs() > GREATEST {
+            Some(format!("from {:e} to {GREATEST:e}", -GREATEST))
+        } else if value.abs() < least {
+            Some(format!("at least {LEAST:e} away from 0"))
+        } else {
+            None
+        }
+    }
+
+    /// Whether a number is within the limit, whatever its size: whole numbers may be seeds.
+    pub fn holds(self, value: f64) -> bool {
         value.is_finite()
             && match self {
                 Self::Any => true,

@@ -1,5 +1,6 @@
 //! A scene by its path or name, with overrides, as a checked model.
 
+use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -12,6 +13,8 @@ use super::overrides::{self, Overrides};
 use super::read::{self, Surroundings};
 use super::source::Sources;
 use super::value::{Origin, parse_json, parse_toml};
+use crate::disk;
+use crate::terminal;
 
 /// Where a scene comes from.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -101,7 +104,7 @@ fn fetch(source: &Source) -> Result<(String, String, Base), Diagnostic> {
         Source::Text { name, text, folder } => Ok((name.clone(), text.clone(), Base::Folder(folder.clone()))),
         Source::Path(path) => {
             let folder = path.parent().map(Path::to_owned).unwrap_or_default();
-            Ok((path.display().to_string(), read_text(path)?, Base::Folder(folder)))
+            Ok((terminal::path(path), read_text(path)?, Base::Folder(folder)))
         }
     }
 }
@@ -109,16 +112,21 @@ fn fetch(source: &Source) -> Result<(String, String, Base), Diagnostic> {
 fn read_text(path: &Path) -> Result<String, Diagnostic> {
     /// No scene that a person or a script writes is as large; a VDB given by mistake is.
     const MOST_BYTES: u64 = 16 << 20;
-    let shown = path.display().to_string();
+    let shown = terminal::path(path);
     let failed = |error: std::io::Error| match error.kind() {
         std::io::ErrorKind::NotFound => not_found(&shown),
         _ => Diagnostic::without_place(format!("the scene `{}` cannot be read: {error}", clip(&shown))),
     };
-    let size = std::fs::metadata(path).map_err(failed)?.len();
-    if size > MOST_BYTES {
-        return Err(Diagnostic::without_place(format!("`{}` is too large to be a scene", clip(&shown))));
+    let file = disk::open(path).map_err(failed)?;
+    let mut bytes = Vec::new();
+    file.take(MOST_BYTES + 1).read_to_end(&mut bytes).map_err(failed)?;
+    if bytes.len() as u64 > MOST_BYTES {
+        return Err(Diagnostic::without_place(format!(
+            "`{}` is too large to be a scene, which has {} MiB at most",
+            clip(&shown),
+            MOST_BYTES >> 20
+        )));
     }
-    let bytes = std::fs::read(path).map_err(failed)?;
     let text = String::from_utf8(bytes)
         .map_err(|_| Diagnostic::without_place(format!("`{}` is not a text in UTF-8", clip(&shown))))?;
     Ok(text.strip_prefix('\u{feff}').map(str::to_owned).unwrap_or(text))

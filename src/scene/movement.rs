@@ -1,6 +1,7 @@
 //! How the surface of a frame moves: that of shapes by their own `scale`, `rotate` and `move`, that of parts with them.
 
 use std::cmp::Ordering;
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use glam::{DMat3, DVec3};
@@ -11,7 +12,7 @@ use crate::morph::{Around, Instant, Movement};
 
 use super::error::Problem;
 use super::model::{Maker, ShapeId};
-use super::paint::TOLERANCE_VOXELS;
+use super::paint::{TOLERANCE_VOXELS, last_of_each};
 use super::placed::Way;
 use super::prepare::Stop;
 use super::prepared::{Prepared, Ready};
@@ -55,7 +56,8 @@ impl Prepared {
             let (field, own) = match &self.content {
                 Ready::Still(_) => continue,
                 Ready::Changing(id) => {
-                    let mut both = Both { prepared: self, now: &mut solids_now, then: solids(then) };
+                    let mut both =
+                        Both { prepared: self, now: &mut solids_now, then: solids(then), ways: BTreeMap::new() };
                     (both.then.field(*id, Stage::Placed)?, both.way(*id)?)
                 }
                 Ready::Morph(planned) => {
@@ -79,11 +81,22 @@ struct Both<'a> {
     prepared: &'a Prepared,
     now: &'a mut Solids,
     then: Solids,
+    /// The ways that were found.
+    ways: BTreeMap<ShapeId, Vectors>,
 }
 
 impl Both<'_> {
     /// The way of each point of a placed shape from the frame to the instant.
     fn way(&mut self, id: ShapeId) -> Result<Vectors, Problem> {
+        if let Some(known) = self.ways.get(&id) {
+            return Ok(known.clone());
+        }
+        let way = self.new_way(id)?;
+        self.ways.insert(id, way.clone());
+        Ok(way)
+    }
+
+    fn new_way(&mut self, id: ShapeId) -> Result<Vectors, Problem> {
         if !self.prepared.variation.placed(id) {
             return Ok(None);
         }
@@ -120,12 +133,17 @@ impl Both<'_> {
     }
 
     fn way_of_parts(&mut self, operands: &[ShapeId], rule: Rule) -> Result<Vectors, Problem> {
+        let operands = last_of_each(operands);
         let mut ways = Vec::with_capacity(operands.len());
-        for id in operands {
+        for id in &operands {
             ways.push(self.way(*id)?);
         }
         if ways.iter().all(Option::is_none) {
             return Ok(None);
+        }
+        let same = |[a, b]: &[Vectors; 2]| matches!((a, b), (Some(a), Some(b)) if Arc::ptr_eq(a, b));
+        if ways.array_windows().all(same) {
+            return Ok(ways.swap_remove(0));
         }
         let mut parts: Vec<Part<3>> = Vec::with_capacity(operands.len());
         for (id, way) in operands.iter().zip(ways) {

@@ -69,18 +69,26 @@ impl Number {
             NumberValue::Formula(formula) => formula.number(moment),
             NumberValue::Keys(keys) => keys.at(moment.frame),
         };
-        if self.limit.allows(value) {
-            return Ok(value);
-        }
+        let Some(wanted) = self.limit.out_of_range(value) else { return Ok(value) };
         Err(BadNumber {
             message: format!(
-                "`{}` is {value} at frame {}, and must be {}",
+                "`{}` is {} at frame {}, and must be {wanted}",
                 self.name,
+                plain_number(value),
                 super::frames::plain(moment.frame),
-                self.limit.words()
             ),
             span: self.span,
         })
+    }
+}
+
+/// A number in words: digits as long as they are few.
+pub fn plain_number(value: f64) -> String {
+    let size = value.abs();
+    if value == 0.0 || !size.is_finite() || (1e-6..1e15).contains(&size) {
+        format!("{value}")
+    } else {
+        format!("{value:e}")
     }
 }
 

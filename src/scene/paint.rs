@@ -1,5 +1,6 @@
 //! Colours and scalars of shapes at one moment.
 
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::{Arc, OnceLock};
 
 use glam::{DAffine3, DVec3};
@@ -48,11 +49,27 @@ pub(super) trait Asked<const N: usize>: Copy {
     /// What comes with a mesh.
     fn of_mesh(self, mesh: &Arc<MeshDistance>) -> Option<Arc<dyn Attribute<N>>>;
 
+    /// Its own name among those of its kind.
+    fn name(&self) -> &str;
+
+    /// What was found of its kind.
+    fn known(paints: &mut Paints) -> &mut Known<N>;
+
     /// What comes from the volume of voxels that a shape has it from.
     fn of_voxels(self, assets: &Assets, id: ShapeId) -> Arc<dyn Attribute<N>>;
 
     /// The problem of copies whose parts have several values.
     fn several(self, shape: &Shape) -> Problem;
+}
+
+/// What was found of one kind of attribute, by its name, the shape, how far that is made, and the voxel's edge as bits.
+pub(super) type Known<const N: usize> = BTreeMap<(String, ShapeId, Stage, u64), Option<Paint<N>>>;
+
+/// The attributes found at one moment: a shape that many others are made from is looked at once.
+#[derive(Clone, Default)]
+pub(super) struct Paints {
+    colours: Known<3>,
+    scalars: Known<1>,
 }
 
 /// The colour.
@@ -77,6 +94,14 @@ impl Asked<3> for TheColour {
 
     fn of_mesh(self, mesh: &Arc<MeshDistance>) -> Option<Arc<Colour>> {
         Some(Arc::new(VertexColours::new(Arc::clone(mesh))?))
+    }
+
+    fn name(&self) -> &str {
+        ""
+    }
+
+    fn known(paints: &mut Paints) -> &mut Known<3> {
+        &mut paints.colours
     }
 
     fn of_voxels(self, assets: &Assets, id: ShapeId) -> Arc<Colour> {
@@ -111,6 +136,14 @@ impl Asked<1> for TheScalar<'_> {
 
     fn of_mesh(self, _mesh: &Arc<MeshDistance>) -> Option<Arc<Scalar>> {
         None
+    }
+
+    fn name(&self) -> &str {
+        self.0
+    }
+
+    fn known(paints: &mut Paints) -> &mut Known<1> {
+        &mut paints.scalars
     }
 
     fn of_voxels(self, assets: &Assets, id: ShapeId) -> Arc<Scalar> {
@@ -156,32 +189,56 @@ impl<const N: usize> Paint<N> {
     }
 }
 
+/// The shapes of a list without those that come again: a part is a part once.
+pub(super) fn last_of_each(shapes: &[ShapeId]) -> Vec<ShapeId> {
+    let mut seen = BTreeSet::new();
+    let mut last: Vec<ShapeId> = shapes.iter().rev().copied().filter(|id| seen.insert(*id)).collect();
+    last.reverse();
+    last
+}
+
 /// Whether a shape surely has an attribute, before anything of it is built: by its own source or a part's. (A mesh may
 /// bring colours along.)
 pub(super) fn surely_has<const N: usize>(model: &Model, what: impl Asked<N>, id: ShapeId) -> bool {
-    let shape = model.shape(id);
-    what.source(shape).is_some() || shape.maker.painters().iter().any(|part| surely_has(model, what, *part))
+    // Each shape once, however many are made from it.
+    let (mut seen, mut open) = (BTreeSet::from([id]), vec![id]);
+    while let Some(id) = open.pop() {
+        let shape = model.shape(id);
+        if what.source(shape).is_some() {
+            return true;
+        }
+        open.extend(shape.maker.painters().iter().filter(|part| seen.insert(**part)));
+    }
+    false
 }
 
 impl Solids {
     /// An attribute of a shape; `None` where neither it nor a part of it has one. `voxel` is a voxel's edge.
-    pub fn paint<const N: usize>(
+    pub fn paint<const N: usize, W: Asked<N>>(
         &mut self,
-        what: impl Asked<N>,
+        what: W,
         id: ShapeId,
         stage: Stage,
         voxel: f64,
     ) -> Result<Option<Paint<N>>, Problem> {
+        let key = (what.name().to_owned(), id, stage, voxel.to_bits());
+        if let Some(known) = W::known(&mut self.paints).get(&key) {
+            return Ok(known.clone());
+        }
         let model = self.model();
         let shape = model.shape(id);
-        match stage {
-            Stage::Bare | Stage::Own => self.own_paint(what, id, shape, voxel),
-            Stage::Scaled | Stage::Placed => {
-                let Some(own) = self.paint(what, id, Stage::Own, voxel)? else { return Ok(None) };
-                let map = self.placement(&shape.modifiers, stage)?;
-                Ok(Some(if map == DAffine3::IDENTITY { own } else { own.through(Way::Back(map.inverse())) }))
-            }
-        }
+        let paint = match stage {
+            Stage::Bare | Stage::Own => self.own_paint(what, id, shape, voxel)?,
+            Stage::Scaled | Stage::Placed => match self.paint(what, id, Stage::Own, voxel)? {
+                None => None,
+                Some(own) => {
+                    let map = self.placement(&shape.modifiers, stage)?;
+                    Some(if map == DAffine3::IDENTITY { own } else { own.through(Way::Back(map.inverse())) })
+                }
+            },
+        };
+        W::known(&mut self.paints).insert(key, paint.clone());
+        Ok(paint)
     }
 
     fn own_paint<const N: usize>(
@@ -254,6 +311,7 @@ impl Solids {
         rule: Rule,
         voxel: f64,
     ) -> Result<Option<Paint<N>>, Problem> {
+        let operands = last_of_each(operands);
         let paints: Vec<Option<Paint<N>>> =
             operands.iter().map(|id| self.paint(what, *id, Stage::Placed, voxel)).collect::<Result<_, _>>()?;
         if paints.iter().all(Option::is_none) {
@@ -261,7 +319,11 @@ impl Solids {
         }
         let absent = || Paint::solid(what.absent());
         let paints: Vec<Paint<N>> = paints.into_iter().map(|paint| paint.unwrap_or_else(absent)).collect();
-        if paints.iter().all(|paint| paint.solid.is_some() && paint.solid == paints[0].solid) {
+        let is_first = |paint: &Paint<N>| match paint.solid {
+            Some(value) => paints[0].solid == Some(value),
+            None => Arc::ptr_eq(&paint.attribute, &paints[0].attribute),
+        };
+        if paints.iter().all(is_first) {
             return Ok(paints.into_iter().next());
         }
         let mut parts: Vec<Part<N>> = Vec::with_capacity(operands.len());

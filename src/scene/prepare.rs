@@ -19,6 +19,7 @@ use super::frames::FrameRange;
 use super::level_sets::LevelSets;
 use super::model::{Content, Model, Morph, MorphMode, ShapeId};
 use super::morphing::{MOST_CELLS, Measuring, Pair, alike, empty_frames, extent_over_shot, pair, plan};
+use super::number::plain_number;
 use super::paint::{Scenery, TheColour, TheScalar, surely_has};
 use super::prepared::{Prepared, Ready};
 use super::solid::{Solids, Stage};
@@ -26,6 +27,8 @@ use super::variation::Variation;
 
 /// The finest voxels that OpenVDB takes, in world units.
 const LEAST_VOXEL: f64 = 1.45e-5;
+/// How many voxels away from the origin an object may reach: as far as bands go, see [`crate::distance::band`].
+const MOST_VOXELS: f64 = (1 << 30) as f64;
 /// The least share of a morph that a cut is taken to leave, before it is known.
 const LEAST_LEFT: f64 = 1.0 / 16.0;
 /// The most frames at which the box of a shape that changes is taken; more frames are sampled evenly.
@@ -287,6 +290,7 @@ fn no_box(model: &Model, id: ShapeId, error: extent::Error) -> Problem {
         }
         extent::Error::Empty => Problem::new(shape.span, format!("nothing is inside `{}`", shape.name))
             .help("F is negative everywhere: check the signs (positive is inside), the sizes and the bounds"),
+        extent::Error::TooFar => Problem::new(shape.span, format!("`{}`: {error}", shape.name)),
     }
 }
 
@@ -342,17 +346,28 @@ fn lattice(model: &Model, options: &PrepareOptions<'_>, box_of_all: Aabb) -> Res
         (None, None, Some(edge)) => edge,
         (None, None, None) => by_resolution(model.output.resolution),
     };
-    let voxel_size = VoxelSize::new(edge).filter(|size| size.get() >= LEAST_VOXEL);
-    voxel_size.map(|voxel_size| Lattice { voxel_size }).ok_or_else(|| {
+    let Some(voxel_size) = VoxelSize::new(edge).filter(|size| size.get() >= LEAST_VOXEL) else {
         let problem = format!(
             "voxels of {edge:e} {} are too small for OpenVDB, which takes {LEAST_VOXEL:e} and more",
             model.unit
         );
-        Problem(Box::new(
+        return Err(Problem(Box::new(
             Diagnostic::without_place(problem)
                 .help("build in a smaller `unit`: the same scene in millimetres has numbers 1000 times as large"),
-        ))
-    })
+        )));
+    };
+    let voxels = box_of_all.min.abs().max(box_of_all.max.abs()).max_element() / edge;
+    if voxels >= MOST_VOXELS {
+        let problem = format!(
+            "the object reaches {voxels:.3e} voxels of {} {} from the origin, and OpenVDB numbers {MOST_VOXELS} at most",
+            plain_number(edge),
+            model.unit
+        );
+        return Err(Problem(Box::new(
+            Diagnostic::without_place(problem).help("use larger voxels, or bring the object nearer to the origin"),
+        )));
+    }
+    Ok(Lattice { voxel_size })
 }
 
 impl Model {

@@ -47,6 +47,13 @@ impl<'a> Reader<'a> {
         problems.into_iter().for_each(|problem| self.say(problem.into_diagnostic(self.sources, string, text)));
     }
 
+    /// Whether so much was noted that what comes is only counted: then nobody looks for the nearest names.
+    pub fn has_said_enough(&self) -> bool {
+        /// Many times what a report shows, whose errors stand in the order of the text, not in this one.
+        const ENOUGH: usize = 100;
+        self.diagnostics.borrow().len() >= ENOUGH
+    }
+
     /// Everything that was noted.
     pub fn into_parts(self) -> (Vec<Diagnostic>, Vec<Setting>) {
         (self.diagnostics.into_inner(), self.settings.into_inner())
@@ -94,8 +101,8 @@ impl<'a> Reader<'a> {
     }
 
     pub(super) fn check_limit(&self, name: &str, limit: Limit, value: f64, span: Span) {
-        if !limit.allows(value) {
-            self.say(Diagnostic::error(span, format!("`{}` must be {}", clip(name), limit.words())));
+        if let Some(wanted) = limit.out_of_range(value) {
+            self.say(Diagnostic::error(span, format!("`{}` must be {wanted}", clip(name))));
         }
     }
 
@@ -229,6 +236,9 @@ impl<'r, 'a> Fields<'r, 'a> {
             "attribute" => SCALARS,
             _ => &[],
         };
+        if self.reader.has_said_enough() {
+            return self.reader.say(diagnostic);
+        }
         let belongs = makers.iter().find(|maker| maker.parameters.iter().any(|key| key.is_called(name)));
         let names = self.keys.iter().map(|key| key.name);
         self.reader.say(match belongs {
@@ -344,7 +354,10 @@ impl<'r, 'a> Fields<'r, 'a> {
         let key = self.key(name);
         match (self.value(name), key.default) {
             (Some(Value { data: Data::Integer(value), span, .. }), _) => {
-                self.reader.check_limit(&self.full(name), key.limit, *value as f64, *span);
+                if !key.limit.holds(*value as f64) {
+                    let problem = format!("`{}` must be {}", clip(&self.full(name)), key.limit.words());
+                    self.reader.say(Diagnostic::error(*span, problem));
+                }
                 Some(*value)
             }
             (Some(value), _) => {

@@ -58,7 +58,8 @@ seconds, for a shape that changes in every frame: it is that of balls, boxes, cy
 closed meshes, outside of unions of them, and inside what is cut from them. What has no end cannot be measured: give it
 `bounds`. Of a blend of three, what the first two make counts by its F.
 
-**Output.** Baked is the `[morph]`, else the one shape that no other uses, else `output.shape`.
+**Output.** hfvdb bakes the `[morph]` if there is one, otherwise `output.shape`, otherwise the only shape that no other
+shape uses.
 
 **Errors** name file, line and column, mark the text and propose the nearest name, or list what there is; all of a scene
 come together.

@@ -17,10 +17,11 @@ use super::assets::Assets;
 use super::diagnostic::Diagnostic;
 use super::displace::{self, Displacement};
 use super::error::Problem;
+use super::keys::LEAST;
 use super::measured::{BESIDE_SURFACE, Distances, Purpose, SLACK, told};
 use super::model::{CellsId, Copies, Fill, Maker, Model, Modifiers, ScalarName, Shape, ShapeId};
 use super::number::{Moment, Number};
-use super::paint::TheScalar;
+use super::paint::{Paints, TheScalar};
 use super::prepare::{box_of, sampled_frames, solid_box};
 use super::variation::Variation;
 
@@ -41,6 +42,8 @@ pub(super) struct Solids {
     cells: BTreeMap<CellsId, Arc<Cells>>,
     /// Of shapes made by `facet`, as far as they are made.
     pieces: BTreeMap<ShapeId, Arc<Pieces>>,
+    /// The attributes found at this moment.
+    pub(super) paints: Paints,
 }
 
 /// How far a shape is made.
@@ -78,12 +81,13 @@ impl Solids {
             failure: Arc::default(),
             cells: BTreeMap::new(),
             pieces: BTreeMap::new(),
+            paints: Paints::default(),
         }
     }
 
     /// The same at another moment: what does not change is kept.
     pub fn at(&self, moment: Moment, variation: &Variation) -> Self {
-        let mut other = Self { moment, ..self.clone() };
+        let mut other = Self { moment, paints: Paints::default(), ..self.clone() };
         other.made.retain(|(id, stage), _| match stage {
             Stage::Bare => !variation.bare(*id),
             Stage::Own => !variation.own(*id),
@@ -505,7 +509,7 @@ impl Solids {
     /// A direction, which has no length to lose.
     fn direction(&self, vector: &[Number; 3]) -> Result<DVec3, Problem> {
         let direction = self.vector(vector)?;
-        if direction.length() > 0.0 {
+        if direction.length() >= LEAST {
             return Ok(direction);
         }
         Err(Problem::new(vector[0].span, "a direction needs a length other than 0"))

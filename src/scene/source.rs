@@ -51,6 +51,11 @@ impl Sources {
         self.0.len() - 1
     }
 
+    /// The scene's own text; none where it could not be read.
+    pub fn first(&self) -> Option<&SourceText> {
+        self.0.first()
+    }
+
     /// The text that a span points into.
     pub fn get(&self, source: usize) -> &SourceText {
         &self.0[source]

@@ -1,5 +1,7 @@
 //! The text as a tree of values that know their places. TOML and JSON become the same tree.
 
+use std::collections::BTreeSet;
+
 use serde::de::{Deserialize, Deserializer, MapAccess, Visitor};
 use serde_json::value::RawValue;
 
@@ -198,8 +200,38 @@ fn from_toml(value: &mut toml_span::Value<'_>, source: usize, origin: Origin) ->
     Value { data, span, origin }
 }
 
+/// How deep tables and lists of a scene may stand in one another. Scenes need six; a text of brackets must not overflow the
+/// stack. (TOML's parser has a limit of its own.)
+const DEEPEST: usize = 64;
+
+/// The byte at which JSON is nested too deeply, if it is. Whether it is JSON otherwise is for its parser.
+fn too_deep(text: &str) -> Option<usize> {
+    let (mut depth, mut in_string, mut escaped) = (0_usize, false, false);
+    for (at, byte) in text.bytes().enumerate() {
+        match byte {
+            _ if escaped => escaped = false,
+            b'\\' if in_string => escaped = true,
+            b'"' => in_string = !in_string,
+            _ if in_string => {}
+            b'{' | b'[' => {
+                depth += 1;
+                if depth > DEEPEST {
+                    return Some(at);
+                }
+            }
+            b'}' | b']' => depth = depth.saturating_sub(1),
+            _ => {}
+        }
+    }
+    None
+}
+
 /// Reads a JSON text.
 pub fn parse_json(text: &str, source: usize) -> Result<Table, Diagnostic> {
+    if let Some(at) = too_deep(text) {
+        let problem = Diagnostic::error(Span::new(source, at..at + 1), "nested too deeply");
+        return Err(problem.help(format!("tables and lists of a scene stand at most {DEEPEST} deep in one another")));
+    }
     let root: &RawValue = serde_json::from_str(text).map_err(|error| {
         let at = offset_of(text, error.line(), error.column());
         let message = error.to_string();
@@ -216,7 +248,7 @@ pub fn parse_json(text: &str, source: usize) -> Result<Table, Diagnostic> {
 }
 
 /// A JSON value whose parts are still text, so that their places are known. Each level is read once more, so
-/// the work grows with depth; serde_json stops at 128 levels.
+/// the work grows with depth, which is [limited](DEEPEST).
 fn from_json(raw: &RawValue, text: &str, source: usize, problem: &mut Result<(), Diagnostic>) -> Value {
     // Both lie in one string, so the difference of the addresses is the offset.
     let start = raw.get().as_ptr() as usize - text.as_ptr() as usize;
@@ -226,10 +258,11 @@ fn from_json(raw: &RawValue, text: &str, source: usize, problem: &mut Result<(),
         Some(b'{') => {
             let members: Members<'_> = serde_json::from_str(piece).unwrap_or_default();
             let mut entries: Vec<Entry> = Vec::new();
+            let mut known = BTreeSet::new();
             for (key, raw) in members.0 {
                 let value = from_json(raw, text, source, problem);
                 let key_span = key_before(text, value.span);
-                if entries.iter().any(|entry| entry.key == key) && problem.is_ok() {
+                if !known.insert(key.clone()) && problem.is_ok() {
                     *problem = Err(Diagnostic::error(key_span, format!("not JSON: duplicate key: `{key}`")));
                 }
                 entries.push(Entry { key, key_span, value });

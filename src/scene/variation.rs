@@ -26,21 +26,16 @@ impl Variation {
             placed: vec![false; count],
             painted: vec![false; count],
         };
-        // Shapes stand in any order, without cycles: each round settles one more level.
-        for _ in 0..=count {
-            let before = variation.clone();
-            for i in 0..count {
-                let Modifiers { offset, shell, .. } = &model.shape(ShapeId(i)).modifiers;
-                variation.whole[i] = variation.whole_varies(model, ShapeId(i));
-                variation.grown[i] = variation.whole[i] || model.varies(offset);
-                variation.bare[i] = variation.grown[i] || shell.as_ref().is_some_and(|shell| model.varies(shell));
-                variation.own[i] = variation.bare[i] || variation.displacement_varies(model, ShapeId(i));
-                variation.placed[i] = variation.own[i] || placement_varies(model, ShapeId(i));
-                variation.painted[i] = variation.paint_varies(model, ShapeId(i));
-            }
-            if before == variation {
-                break;
-            }
+        let all: Vec<ShapeId> = (0..count).map(ShapeId).collect();
+        for id in model.parts_first(&all) {
+            let i = id.0;
+            let Modifiers { offset, shell, .. } = &model.shape(id).modifiers;
+            variation.whole[i] = variation.whole_varies(model, id);
+            variation.grown[i] = variation.whole[i] || model.varies(offset);
+            variation.bare[i] = variation.grown[i] || shell.as_ref().is_some_and(|shell| model.varies(shell));
+            variation.own[i] = variation.bare[i] || variation.displacement_varies(model, id);
+            variation.placed[i] = variation.own[i] || placement_varies(model, id);
+            variation.painted[i] = variation.paint_varies(model, id);
         }
         variation
     }
@@ -166,21 +161,29 @@ impl Model {
         colour.chain(shape.scalars.values().flat_map(AttributeSource::parts)).copied().collect()
     }
 
-    /// Some shapes and all that they are made from or painted by, each once, parts first.
+    /// Some shapes and all that they are made from or painted by, each once, in the order of the scene.
     pub fn with_parts(&self, shapes: &[ShapeId]) -> Vec<ShapeId> {
-        let mut found: Vec<ShapeId> = shapes.to_vec();
-        let mut next = 0;
-        while next < found.len() {
-            for need in self.needs(found[next]).into_iter().chain(self.painted_by(found[next])) {
-                if !found.contains(&need) {
-                    found.push(need);
-                }
-            }
-            next += 1;
-        }
+        let mut found = self.parts_first(shapes);
         found.sort();
-        found.dedup();
         found
+    }
+
+    /// The same, each after all that it is made from or painted by. Without recursion and each once, however many share it.
+    fn parts_first(&self, shapes: &[ShapeId]) -> Vec<ShapeId> {
+        let mut order = Vec::new();
+        let mut seen = vec![false; self.shapes.len()];
+        // A shape is entered with its parts above it, and left when it is met again below them.
+        let mut open: Vec<(ShapeId, bool)> = shapes.iter().rev().map(|id| (*id, false)).collect();
+        while let Some((id, entered)) = open.pop() {
+            if entered {
+                order.push(id);
+            } else if !std::mem::replace(&mut seen[id.0], true) {
+                open.push((id, true));
+                let parts = self.needs(id).into_iter().chain(self.painted_by(id));
+                open.extend(parts.filter(|part| !seen[part.0]).map(|part| (part, false)));
+            }
+        }
+        order
     }
 
     /// Whether a number changes over the shot.

@@ -5,6 +5,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use crate::disk;
+use crate::terminal;
 
 /// An error of this room.
 #[derive(Debug)]
@@ -70,10 +71,15 @@ impl fmt::Display for Error {
             Self::Grid { grid, problem } => write!(f, "grid '{grid}': {problem}"),
             Self::Disk(error) => error.fmt(f),
             Self::Damaged { path, offset, problem } => {
-                write!(f, "{}: damaged at byte {offset}: {problem}: write or fetch it again", path.display())
+                let (path, problem) = (terminal::path(path), terminal::one_line(problem));
+                write!(f, "{path}: damaged at byte {offset}: {problem}: write or fetch it again")
             }
-            Self::Unsupported { path, problem } => write!(f, "{}: {problem}", path.display()),
-            Self::File { path, message } => write!(f, "{}: OpenVDB: {message}", path.display()),
+            Self::Unsupported { path, problem } => {
+                write!(f, "{}: {}", terminal::path(path), terminal::one_line(problem))
+            }
+            Self::File { path, message } => {
+                write!(f, "{}: OpenVDB: {}", terminal::path(path), terminal::one_line(message))
+            }
             Self::Library { message } => write!(f, "OpenVDB: {message}"),
         }
     }

@@ -15,6 +15,7 @@ use super::read::{Opened, SparseBlocks, StoredClass, Voxels, band_of};
 use super::walk::{GridLayout, Layout, Transform};
 use super::{Error, MetadataValue};
 use crate::grid::{BLOCK_EDGE, VoxelSize, block_origin, is_active, measure, node_origin};
+use crate::terminal;
 
 /// The newest format that OpenVDB 10 to 12 read without a warning.
 const FORMAT: u32 = 224;
@@ -57,8 +58,8 @@ impl fmt::Display for Finding {
             write!(f, "for {client}: ")?;
         }
         match &self.grid {
-            Some(grid) => write!(f, "grid '{grid}': {}", self.problem),
-            None => f.write_str(&self.problem),
+            Some(grid) => write!(f, "grid '{}': {}", terminal::one_line(grid), terminal::one_line(&self.problem)),
+            None => f.write_str(&terminal::one_line(&self.problem)),
         }
     }
 }

@@ -7,6 +7,7 @@ use glam::IVec3;
 use super::bridge::ffi;
 use super::walk::{GridLayout, Layout, Transform, walk_bytes};
 use super::{Error, Metadata, MetadataValue};
+use crate::disk;
 use crate::grid::{BLOCK_VOXELS, Band, BlockMask, InsideTile, Lattice, VoxelSize, block_order, block_origin};
 
 /// What was read from a file.
@@ -143,7 +144,7 @@ impl Opened {
     /// # Errors
     /// As [`read`], but for the last.
     pub fn open(path: &Path) -> Result<Self, Error> {
-        let bytes = std::fs::read(path).map_err(|error| Error::system(path, "read it", error))?;
+        let bytes = disk::read(path).map_err(|error| Error::system(path, "read it", error))?;
         Self::from_bytes(bytes, path)
     }
 

@@ -7,6 +7,7 @@ use super::source::Shown;
 use crate::bake::FramePattern;
 use crate::cli::failure::Failure;
 use crate::render::{Animation, ContactSheet, Image, save};
+use crate::terminal;
 
 /// What a file holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -32,13 +33,13 @@ impl Target {
             "exr" => (Kind::Exr, "exr"),
             _ => {
                 let problem = "a preview is a .png (a picture or a contact sheet), an .apng (animated) or an .exr";
-                return Err(Failure::usage(format!("{}: {problem}", output.display())));
+                return Err(Failure::usage(format!("{}: {problem}", terminal::path(output))));
             }
         };
         let pattern = FramePattern::new(output, end)?;
         if kind == Kind::Apng && pattern.has_token() {
             let problem = "an .apng holds all frames: leave the frame token out";
-            return Err(Failure::usage(format!("{}: {problem}", output.display())));
+            return Err(Failure::usage(format!("{}: {problem}", terminal::path(output))));
         }
         Ok(Self { kind, pattern })
     }

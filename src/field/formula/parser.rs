@@ -150,7 +150,12 @@ impl Parser<'_> {
             end = self.at + self.word_length();
         }
         self.at = end;
-        match self.text[start..end].parse() {
+        match self.text[start..end].parse::<f64>() {
+            Ok(value) if value > f64::from(f32::MAX) => {
+                let message =
+                    format!("`{}` is too large: frames are computed in 32 bits, up to 3.4e38", &self.text[start..end]);
+                Err(self.error(start..end, message))
+            }
             Ok(value) => Ok(self.push(What::Number(value), start..end)),
             Err(_) => {
                 let message = format!("`{}` is not a number; write `2 * x` for a product", &self.text[start..end]);

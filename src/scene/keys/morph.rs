@@ -120,7 +120,7 @@ pub const MORPH: &[Key] = &[
         Text("all"),
         "Which pieces of a frame stay. `largest`: none but the one of most volume, so no crumbs.",
     ),
-    Key::new("min_piece", Kind::Constant, Number(0.0), "Pieces of less volume, in cubic units, are left out.")
+    Key::new("min_piece", Kind::Constant, Number(0.0), "Pieces of less volume, in cubic units, are left out; the largest always stays.")
         .limit(Limit::NotNegative),
     Key::new("a0", Kind::Number, Number(1.0), "`mode = \"paper\"`: how much is added between them; 0 is their plain union."),
     Key::new("a1", Kind::Number, Number(1.0), "`mode = \"paper\"`: how far the first reaches.")

@@ -1,6 +1,7 @@
 //! `{ 1 = 0, 24 = { value = 0.5, out = [4, 0.2] }, 48 = 1, ease = "bezier" }`.
 
 use super::super::diagnostic::{Diagnostic, clip};
+use super::super::frames::MOST_FRAME;
 use super::super::keyed::{Ease, Key, Keys};
 use super::super::keys::{self, Limit};
 use super::super::reader::{Fields, Reader};
@@ -20,7 +21,7 @@ impl Reader<'_> {
                 ease = self.ease(name, &entry.value);
                 continue;
             }
-            let Some(frame) = entry.key.parse::<f64>().ok().filter(|frame| frame.is_finite()) else {
+            let Some(frame) = entry.key.parse::<f64>().ok().filter(|frame| frame.abs() <= MOST_FRAME as f64) else {
                 let problem = format!("`{}` is not a frame", clip(&entry.key));
                 self.say(Diagnostic::error(entry.key_span, problem).help(LOOK));
                 return None;
@@ -95,7 +96,9 @@ impl Reader<'_> {
             let value = fields.value(side)?;
             let numbers: Option<Vec<f64>> = value.list().and_then(|list| list.iter().map(Value::number).collect());
             match numbers.as_deref() {
-                Some(&[frames, rise]) if frames * sign >= 0.0 && frames.is_finite() && rise.is_finite() => {
+                Some(&[frames, rise])
+                    if frames * sign >= 0.0 && Limit::Any.allows(frames) && Limit::Any.allows(rise) =>
+                {
                     Some([frames, rise])
                 }
                 _ => {

@@ -19,7 +19,7 @@ use super::formula::{Names, RESERVED};
 use super::frames::{FrameRange, Shot};
 use super::keys::{self, Key, Limit};
 use super::model::{Cells, CellsId, Model, Parameter, Shape, ShapeId};
-use super::number::NumberValue;
+use super::number::{NumberValue, plain_number};
 use super::reader::{Fields, Reader};
 use super::source::{Sources, Span};
 use super::value::{Data, Entry, Origin, Table, Value};
@@ -179,9 +179,9 @@ fn parameters(reader: &Reader<'_>, root: &Table) -> Vec<Parameter> {
         if let Some([least, greatest]) = fields.value("range").and_then(|range| pair(reader, &path, range)) {
             value.limit = Limit::Within(least, greatest);
             if let NumberValue::Constant(constant) = value.value
-                && !value.limit.allows(constant)
+                && let Some(wanted) = value.limit.out_of_range(constant)
             {
-                let problem = format!("`{path}` must be {}, and is {constant}", value.limit.words());
+                let problem = format!("`{path}` must be {wanted}, and is {}", plain_number(constant));
                 reader.say(Diagnostic::error(value.span, problem));
             }
         }
@@ -231,8 +231,10 @@ impl<'r, 'a> Building<'r, 'a> {
             let problem = Diagnostic::error(value.span, format!("there is no `{family}.{}`", clip(name)));
             let elsewhere = ["shape", "cells", "palette", "color"]
                 .into_iter()
+                .filter(|_| !self.reader.has_said_enough())
                 .find(|other| *other != family && self::family(self.root, other).any(|entry| entry.key == name));
             self.reader.say(match elsewhere {
+                _ if self.reader.has_said_enough() => problem,
                 Some(other) => problem.help(format!("`{name}` is the name of {}", noun(other))),
                 None => problem.suggest(name, ids.keys().copied()),
             });
@@ -248,7 +250,7 @@ impl<'r, 'a> Building<'r, 'a> {
     fn all_cells(&mut self) {
         self.must_be_table("cells");
         for (i, entry) in family(self.root, "cells").enumerate() {
-            let cells = self.read_cells(&format!("cells.{}", entry.key), entry.key_span, &entry.value, i);
+            let cells = self.read_cells(&format!("cells.{}", entry.key), entry.key_span, &entry.value, i, true);
             self.cells[i] = cells;
         }
     }
@@ -259,14 +261,13 @@ impl<'r, 'a> Building<'r, 'a> {
         }
     }
 
-    fn read_cells(&mut self, path: &str, span: Span, value: &'r Value, i: usize) -> Option<Cells> {
+    /// `may_nest`: whether the shape that they stand around may be written in place.
+    fn read_cells(&mut self, path: &str, span: Span, value: &'r Value, i: usize, may_nest: bool) -> Option<Cells> {
         let keys = keys::CELLS.iter().collect();
         let fields = Fields::of_value(self.reader, path, "cells", span, value, keys)?;
-        let around = fields.value("octree").and_then(|value| {
-            let id = self.resolve("shape", &self.shape_ids, value, &fields.full("octree"))?;
-            self.links.push(Link { from: Node::Cells(CellsId(i)), to: Node::Shape(id), span: value.span });
-            Some(id)
-        });
+        let around = fields
+            .value("octree")
+            .and_then(|value| self.operand(&fields.full("octree"), Node::Cells(CellsId(i)), value, may_nest));
         let (least_depth, most_depth) = self.depth(&fields);
         Some(Cells {
             name: path.trim_start_matches("cells.").into(),
@@ -304,11 +305,11 @@ impl<'r, 'a> Building<'r, 'a> {
     }
 
     /// Cells by name, or written in place.
-    fn cells_reference(&mut self, path: &str, from: ShapeId, value: &'r Value) -> Option<CellsId> {
+    fn cells_reference(&mut self, path: &str, from: ShapeId, value: &'r Value, may_nest: bool) -> Option<CellsId> {
         let id = if value.table().is_some() {
             let id = CellsId(self.cells.len());
             self.cells.push(None);
-            self.cells[id.0] = self.read_cells(path, value.span, value, id.0);
+            self.cells[id.0] = self.read_cells(path, value.span, value, id.0, may_nest);
             id
         } else {
             self.resolve("cells", &self.cells_ids, value, path)?

@@ -1,5 +1,7 @@
 //! The morph and the output.
 
+use std::collections::BTreeSet;
+
 use crate::distance::without::Keep;
 
 use super::super::diagnostic::{Diagnostic, clip, listed};
@@ -296,8 +298,8 @@ impl<'r, 'a> Building<'r, 'a> {
         if let Some((id, _)) = chosen {
             return Some(Content::Shape(id));
         }
-        let used = |id: ShapeId| self.links.iter().any(|link| link.to == Node::Shape(id));
-        let mut free = self.shape_ids.iter().filter(|(_, id)| !used(**id));
+        let used: BTreeSet<Node> = self.links.iter().map(|link| link.to).collect();
+        let mut free = self.shape_ids.iter().filter(|(_, id)| !used.contains(&Node::Shape(**id)));
         match (free.next(), free.next()) {
             (Some((_, id)), None) => Some(Content::Shape(*id)),
             (None, _) if self.shape_ids.is_empty() => {

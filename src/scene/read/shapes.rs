@@ -6,7 +6,7 @@ use crate::field::Aabb;
 
 use super::super::diagnostic::{Diagnostic, clip, listed};
 use super::super::formula::Formula;
-use super::super::keys::{self, MAKERS};
+use super::super::keys::{self, GREATEST, Limit, MAKERS};
 use super::super::model::{Bounds, Copies, Maker, Modifiers, Shape, ShapeId};
 use super::super::reader::{Fields, is_later};
 use super::super::source::Span;
@@ -67,7 +67,7 @@ impl<'r, 'a> Building<'r, 'a> {
         }
         let maker = spec.and_then(|spec| self.maker(spec.key.name, &fields, id, may_nest));
         // Without a maker all else is read, so that all errors come together.
-        let modifiers = self.modifiers(&fields, id);
+        let modifiers = self.modifiers(&fields, id, may_nest);
         let bounds = fields.value("bounds").and_then(|value| self.bounds(&fields.full("bounds"), value));
         let has_cells = spec.is_none_or(|spec| spec.key.name == "facet") || modifiers.at.is_some();
         let colour = fields
@@ -111,11 +111,11 @@ impl<'r, 'a> Building<'r, 'a> {
                 operands: self.operands("blend", 2, fields, id, may_nest)?,
                 radius: fields.required_number("blend_radius"),
                 within: match fields.value("within") {
-                    Some(value) => Some(self.operand(&fields.full("within"), id, value, may_nest)?),
+                    Some(value) => Some(self.operand(&fields.full("within"), Node::Shape(id), value, may_nest)?),
                     None => None,
                 },
             },
-            _ => self.facet(fields, id)?,
+            _ => self.facet(fields, id, may_nest)?,
         })
     }
 
@@ -134,9 +134,12 @@ impl<'r, 'a> Building<'r, 'a> {
         }
     }
 
-    fn facet(&mut self, fields: &Fields<'r, 'a>, id: ShapeId) -> Option<Maker> {
-        let of = fields.value("facet").and_then(|value| self.operand(&fields.full("facet"), id, value, false));
-        let cells = fields.value("cells").and_then(|value| self.cells_reference(&fields.full("cells"), id, value));
+    fn facet(&mut self, fields: &Fields<'r, 'a>, id: ShapeId, may_nest: bool) -> Option<Maker> {
+        let of = fields
+            .value("facet")
+            .and_then(|value| self.operand(&fields.full("facet"), Node::Shape(id), value, may_nest));
+        let cells =
+            fields.value("cells").and_then(|value| self.cells_reference(&fields.full("cells"), id, value, may_nest));
         let (tilt, cut) = (fields.constant("tilt").unwrap_or(0.0), fields.constant("cut").unwrap_or(0.0));
         let seed = self.seed_of(fields.whole("seed"), &fields.path);
         Some(Maker::Facet { of: of?, cells: cells?, tilt, cut, seed })
@@ -165,13 +168,13 @@ impl<'r, 'a> Building<'r, 'a> {
         let ids: Vec<Option<ShapeId>> = list
             .iter()
             .enumerate()
-            .map(|(i, value)| self.operand(&format!("{path}[{i}]"), id, value, may_nest))
+            .map(|(i, value)| self.operand(&format!("{path}[{i}]"), Node::Shape(id), value, may_nest))
             .collect();
         ids.into_iter().collect()
     }
 
     /// A shape by name, or written in place.
-    fn operand(&mut self, path: &str, from: ShapeId, value: &'r Value, may_nest: bool) -> Option<ShapeId> {
+    pub(super) fn operand(&mut self, path: &str, from: Node, value: &'r Value, may_nest: bool) -> Option<ShapeId> {
         let id = match value.table() {
             None => self.resolve("shape", &self.shape_ids, value, path)?,
             Some(_) if !may_nest => {
@@ -186,7 +189,7 @@ impl<'r, 'a> Building<'r, 'a> {
                 id
             }
         };
-        self.links.push(Link { from: Node::Shape(from), to: Node::Shape(id), span: value.span });
+        self.links.push(Link { from, to: Node::Shape(id), span: value.span });
         Some(id)
     }
 
@@ -205,8 +208,8 @@ impl<'r, 'a> Building<'r, 'a> {
         Some(id)
     }
 
-    fn modifiers(&mut self, fields: &Fields<'r, 'a>, id: ShapeId) -> Modifiers {
-        let at = fields.value("at").and_then(|value| self.copies(&fields.full("at"), id, value));
+    fn modifiers(&mut self, fields: &Fields<'r, 'a>, id: ShapeId, may_nest: bool) -> Modifiers {
+        let at = fields.value("at").and_then(|value| self.copies(&fields.full("at"), id, value, may_nest));
         let mirror = fields.choice("mirror").and_then(|axis| ["x", "y", "z"].iter().position(|name| *name == axis));
         Modifiers {
             at,
@@ -220,10 +223,11 @@ impl<'r, 'a> Building<'r, 'a> {
         }
     }
 
-    fn copies(&mut self, path: &str, id: ShapeId, value: &'r Value) -> Option<Copies> {
+    fn copies(&mut self, path: &str, id: ShapeId, value: &'r Value, may_nest: bool) -> Option<Copies> {
         let keys = keys::COPIES.iter().collect();
         let fields = Fields::of_value(self.reader, path, "at", value.span, value, keys)?;
-        let cells = fields.value("cells").and_then(|value| self.cells_reference(&fields.full("cells"), id, value));
+        let cells =
+            fields.value("cells").and_then(|value| self.cells_reference(&fields.full("cells"), id, value, may_nest));
         let pick = fields.constant("pick").unwrap_or(1.0);
         let seed = self.seed_of(fields.whole("seed"), path);
         Some(Copies { cells: cells?, pick, seed })
@@ -252,13 +256,14 @@ impl<'r, 'a> Building<'r, 'a> {
             Some([min, max]) => vector(min).zip(vector(max)),
             Some(_) => vector(value).map(|edges| (-edges / 2.0, edges / 2.0)),
         };
-        match corners.filter(|(min, max)| min.cmplt(*max).all() && min.is_finite() && max.is_finite()) {
+        let in_range = |corner: &DVec3| Limit::Any.allows(corner.abs().max_element());
+        match corners.filter(|(min, max)| min.cmplt(*max).all() && in_range(min) && in_range(max)) {
             Some((min, max)) => Some(Aabb::new(min, max)),
             None => {
                 let problem = format!("`{}` must be a box", clip(path));
                 self.reader.say(
                     Diagnostic::error(value.span, problem)
-                        .help("an edge length, three edge lengths, or [[least x, y, z], [greatest x, y, z]]"),
+                        .help(format!("an edge length, three edge lengths, or [[least x, y, z], [greatest x, y, z]], of at most {GREATEST:e}")),
                 );
                 None
             }

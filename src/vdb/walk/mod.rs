@@ -26,6 +26,7 @@ use glam::IVec3;
 pub use transform::Transform;
 
 use super::{Error, Metadata};
+use crate::disk;
 use cursor::{Cursor, Failure, damage};
 
 /// What the walk found in a file.
@@ -121,7 +122,7 @@ pub struct CompressionFlags {
 /// [`Error::Disk`] when it cannot be read, [`Error::Damaged`] and [`Error::Unsupported`] for what is in it.
 pub fn walk(path: impl AsRef<Path>) -> Result<Layout, Error> {
     let path = path.as_ref();
-    let bytes = std::fs::read(path).map_err(|error| Error::system(path, "read it", error))?;
+    let bytes = disk::read(path).map_err(|error| Error::system(path, "read it", error))?;
     walk_bytes(&bytes, path)
 }
 
