@@ -146,10 +146,12 @@ fn full_disk() {
     let place = Workplace::new();
     let program = env!("CARGO_BIN_EXE_hfvdb");
     for blocks in [1, 20, 60] {
-        let script = format!("trap '' XFSZ; ulimit -f {blocks}; exec {program} bake sphere --resolution 96 -o out.vdb");
-        let run = place.run(Command::new("bash").args(["-c", &script]));
-        run.fails(1, &["out."]);
-        assert!(place.names(".").is_empty(), "{blocks}: {:?}", place.names("."));
+        for trap in ["trap '' XFSZ; ", ""] {
+            let script = format!("{trap}ulimit -f {blocks}; exec {program} bake sphere --resolution 96 -o out.vdb");
+            let run = place.run(Command::new("bash").args(["-c", &script]));
+            run.fails(1, &["out.", "too large"]);
+            assert!(place.names(".").is_empty(), "{blocks}: {:?}", place.names("."));
+        }
     }
 }
 
@@ -188,7 +190,7 @@ fn files_are_checked_for_programs() {
 
 #[test]
 fn interrupted() {
-    for (signal, code) in [("INT", 130), ("TERM", 143)] {
+    for (signal, code) in [("INT", 130), ("TERM", 143), ("HUP", 129), ("XCPU", 152)] {
         let place = Workplace::new();
         let mut child = Command::new(env!("CARGO_BIN_EXE_hfvdb"))
             .args("bake cubism --resolution 160 -o out/m.####.vdb".split(' '))

@@ -27,6 +27,10 @@ pub enum PatternError {
     TokenInFolder(PathBuf),
     /// Several frames, but no token to tell them apart.
     NoToken(PathBuf, usize),
+    /// A token that other programs would fill with spaces: the token, and one that fills with zeros.
+    Spaces(PathBuf, String, String),
+    /// A token of more digits than any frame has.
+    Wide(PathBuf, String),
 }
 
 impl fmt::Display for PatternError {
@@ -51,6 +55,14 @@ impl fmt::Display for PatternError {
                     "{}: a frame token may stand in the file's name only, not in a folder's",
                     terminal::path(path)
                 )
+            }
+            Self::Spaces(path, token, zeros) => write!(
+                f,
+                "{}: {token} fills the number with spaces, which no program finds again; write {zeros}",
+                terminal::path(path)
+            ),
+            Self::Wide(path, token) => {
+                write!(f, "{}: {token} is for more than {MOST_DIGITS} digits; write %04d", terminal::path(path))
             }
             Self::NoToken(path, frames) => write!(
                 f,
@@ -81,6 +93,13 @@ impl FramePattern {
         let Some((start, end, digits)) = find_token(name) else {
             return Ok(Self { folder, before: name.into(), digits: None, after: String::new() });
         };
+        let token = &name[start..end];
+        if digits > MOST_DIGITS {
+            return Err(PatternError::Wide(path.into(), token.into()));
+        }
+        if let Some(width) = token.strip_prefix('%').filter(|width| !(width.starts_with('0') || *width == "d")) {
+            return Err(PatternError::Spaces(path.into(), token.into(), format!("%0{width}")));
+        }
         let (before, after) = (&name[..start], &name[end..]);
         if find_token(after).is_some() {
             return Err(PatternError::TwoTokens(path.into()));
@@ -138,7 +157,8 @@ impl FramePattern {
 
     /// Whether Blender and others will see a sequence: they read the last run of digits before the extension.
     pub fn number_is_last(&self) -> bool {
-        self.digits.is_none() || !self.after.trim_end_matches(".vdb").contains(|c: char| c.is_alphanumeric())
+        let after = self.after.rsplit_once('.').map_or("", |(after, _)| after);
+        self.digits.is_none() || !after.contains(|c: char| c.is_alphanumeric())
     }
 }
 
@@ -169,9 +189,12 @@ fn find_token(text: &str) -> Option<(usize, usize, usize)> {
     None
 }
 
-/// A token's number of digits; more than 20 are no use to anyone.
+/// The most digits of a token: twice as many as the largest frame has. File names are 255 bytes long at most.
+const MOST_DIGITS: usize = 20;
+
+/// A token's number of digits, without a number 1; however many it asks for.
 fn width(digits: &str) -> usize {
-    digits.parse::<usize>().unwrap_or(1).clamp(1, 20)
+    if digits.is_empty() { 1 } else { digits.parse().map_or(usize::MAX, |digits: usize| digits.max(1)) }
 }
 
 #[cfg(test)]
@@ -202,6 +225,14 @@ mod tests {
         assert!(matches!(wrong("m.##.$F4.vdb"), PatternError::TwoTokens(_)));
         assert!(matches!(wrong("s.##/m.vdb"), PatternError::TokenInFolder(_)));
         assert!(matches!(wrong("out/.."), PatternError::NoName(_)));
+        for spaces in ["m.%4d.vdb", "m.%12d.vdb"] {
+            assert!(matches!(wrong(spaces), PatternError::Spaces(..)), "{spaces}");
+        }
+        assert!(wrong("m.%4d.vdb").to_string().contains("write %04d"));
+        for wide in ["m.%0100d.vdb", "m.$F21.vdb", "m.#####################.vdb", "m.%099999999999999999999d.vdb"] {
+            assert!(matches!(wrong(wide), PatternError::Wide(..)), "{wide}");
+        }
+        assert_eq!(file("m.%020d.vdb", 1), format!("m.{}1.vdb", "0".repeat(19)));
         let still = FramePattern::new(Path::new("m.vdb"), "vdb").unwrap();
         assert!(still.holds(1).is_ok() && still.holds(2).is_err());
     }
@@ -233,7 +264,7 @@ mod tests {
     #[test]
     fn a_number_that_is_not_last_is_noticed() {
         let last = |pattern: &str| FramePattern::new(Path::new(pattern), "vdb").unwrap().number_is_last();
-        assert!(last("m_####.vdb") && last("still.vdb"));
+        assert!(last("m_####.vdb") && last("m.####.VDB") && last("still.vdb"));
         assert!(!last("m_####_v2.vdb"));
     }
 }

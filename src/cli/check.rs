@@ -8,6 +8,7 @@ use serde_json::json;
 
 use super::failure::Failure;
 use super::options::{Global, Sampling, SceneArguments, SceneChanges};
+use super::paths;
 use super::progress::Progress;
 use super::{files, job};
 use crate::bake;
@@ -31,7 +32,7 @@ you want it. Each says what to do.")]
 pub struct Arguments {
     /// A scene file (.toml or .json), the name of a built-in scene, or .vdb files of any maker: by name, by frame
     /// pattern, or all of a folder
-    #[arg(value_name = "SCENE, FILE.vdb or FOLDER", required = true)]
+    #[arg(value_name = "SCENE, FILE.vdb or FOLDER", required = true, value_parser = paths::text())]
     inputs: Vec<String>,
 
     /// Programs that a .vdb file has to serve: blender, houdini, unreal, usd

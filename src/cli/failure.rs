@@ -55,6 +55,12 @@ impl Failure {
         &self.message
     }
 
+    /// With the name of the file that it is about in front.
+    pub fn about(mut self, name: &str) -> Self {
+        self.message = format!("{}: {}", terminal::one_line(name), self.message);
+        self
+    }
+
     /// With more to say.
     pub fn and(mut self, more: &str) -> Self {
         self.message = format!("{}{more}", self.message.trim_end());

@@ -7,6 +7,7 @@ use clap::Args;
 
 use super::failure::Failure;
 use super::options::Global;
+use super::paths;
 use crate::bake::Bytes;
 use crate::terminal;
 use crate::vdb::{self, FileInfo, GridInfo};
@@ -15,7 +16,7 @@ use crate::vdb::{self, FileInfo, GridInfo};
 #[derive(Args)]
 pub struct Arguments {
     /// Files of any maker
-    #[arg(value_name = "FILE", required = true)]
+    #[arg(value_name = "FILE", required = true, value_parser = paths::path())]
     files: Vec<PathBuf>,
 }
 
@@ -70,9 +71,13 @@ fn grid_in_words(grid: &GridInfo) -> String {
         lines.push(format!("{voxels} active voxels, {leaves} leaves"));
     }
     if let Some(range) = &grid.range {
+        let values = match range.least.is_empty() {
+            true => "no value is a finite number".into(),
+            false => format!("values {:?} to {:?}", range.least, range.greatest),
+        };
         let not_finite =
             if range.not_finite > 0 { format!(", {} not finite", range.not_finite) } else { String::new() };
-        lines.push(format!("values {:?} to {:?}{not_finite}", range.least, range.greatest));
+        lines.push(format!("{values}{not_finite}"));
     }
     if let Some(background) = &grid.background {
         lines.push(format!("background {background:?}"));

@@ -58,7 +58,10 @@ pub fn prepare(
         cancel: Arc::clone(interrupt.flag()),
         progress: &|share| progress.of_preparing(share),
     };
-    let prepared = model.prepare(&options).map_err(|error| failure_of(error, interrupt))?;
+    let prepared = model.prepare(&options).map_err(|error| match error {
+        error @ scene::Error::Memory { .. } => failure_of(error, interrupt).about(&model.name),
+        error => failure_of(error, interrupt),
+    })?;
     warn(&prepared.warnings, global);
     Ok(prepared)
 }

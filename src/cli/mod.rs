@@ -14,6 +14,7 @@ mod info;
 mod job;
 mod morph;
 mod options;
+mod paths;
 mod preview;
 mod progress;
 mod report;

@@ -7,6 +7,7 @@ use clap::Args;
 
 use super::failure::Failure;
 use super::options::{Global, Sampling, Writing};
+use super::paths;
 use super::writing::{Request, write_frames};
 use crate::bake::{FramePattern, Source};
 use crate::scene::{self, FrameRange, Overrides};
@@ -20,11 +21,11 @@ Examples:
   hfvdb morph fox.obj crab.obj -o 'out/fox.####.vdb' --resume           what is missing of them")]
 pub struct Arguments {
     /// The mesh of the first frame (.obj, .ply), with vertex colours if it has any
-    #[arg(value_name = "FROM")]
+    #[arg(value_name = "FROM", value_parser = paths::path())]
     from: PathBuf,
 
     /// The mesh of the last frame
-    #[arg(value_name = "TO")]
+    #[arg(value_name = "TO", value_parser = paths::path())]
     to: PathBuf,
 
     /// The frames over which the morph runs

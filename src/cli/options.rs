@@ -5,8 +5,9 @@ use std::path::PathBuf;
 use clap::{Args, ValueEnum};
 use serde_json::json;
 
-use super::events;
+use super::{events, paths};
 use crate::bake::{Bytes, Existing, Frames};
+use crate::scene::keys::GREATEST;
 
 /// Options of every subcommand.
 #[derive(Args, Clone, Debug)]
@@ -54,7 +55,7 @@ pub enum ProgressKind {
 #[derive(Args, Clone, Debug)]
 pub struct SceneArguments {
     /// A scene file (.toml or .json), or the name of a built-in scene (see `hfvdb scenes`)
-    #[arg(value_name = "SCENE")]
+    #[arg(value_name = "SCENE", value_parser = paths::text())]
     pub scene: String,
 
     #[command(flatten)]
@@ -98,7 +99,7 @@ pub struct Sampling {
 #[derive(Args, Clone, Debug)]
 pub struct Writing {
     /// File to write; several frames need a frame token in the name: m.####.vdb, m.%04d.vdb or 'm.$F4.vdb'
-    #[arg(short, long, value_name = "FILE")]
+    #[arg(short, long, value_name = "FILE", value_parser = paths::path())]
     pub output: PathBuf,
 
     /// Frames to bake: 7, 1-48, 1-48x4, or lists with commas; picks from the scene's shot and never stretches it
@@ -159,8 +160,12 @@ fn number(text: &str) -> Result<f64, String> {
 
 /// A voxel size as typed: finite and positive.
 pub fn positive(text: &str) -> Result<f64, String> {
-    number(text).and_then(|value| {
-        if value > 0.0 { Ok(value) } else { Err("it must be greater than 0; try --resolution 256".into()) }
+    number(text).and_then(|value| match value {
+        _ if value <= 0.0 => Err("it must be greater than 0; try --resolution 256".into()),
+        _ if value > GREATEST => {
+            Err(format!("it must be at most {GREATEST:e}, as lengths in scenes; try --resolution 256"))
+        }
+        _ => Ok(value),
     })
 }
 

@@ -9,6 +9,7 @@ use serde_json::json;
 use super::failure::Failure;
 use super::job;
 use super::options::Global;
+use super::paths;
 use crate::bake::{self, Bytes, Finding, FramePattern, Frames, Sequence, Verdict};
 use crate::terminal;
 
@@ -25,7 +26,7 @@ Frames that are missing, changed by as little as a bit, of another bake than mos
 exit code 1, each with what is wrong. Other files in the folder are left alone.")]
 pub struct Arguments {
     /// Folders, frame patterns or manifests
-    #[arg(value_name = "FOLDER, PATTERN or MANIFEST", required = true)]
+    #[arg(value_name = "FOLDER, PATTERN or MANIFEST", required = true, value_parser = paths::path())]
     what: Vec<PathBuf>,
 }
 

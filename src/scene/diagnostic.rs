@@ -243,7 +243,7 @@ impl Diagnostics {
             Some(Place { file, line, column }) => format!("{}:{line}:{column}: ", short_path(&file)),
             None => self.scene().map_or_else(String::new, |name| format!("{}: ", short_path(name))),
         };
-        format!("{place}{kind}: {}{help}\n", diagnostic.message)
+        terminal::message(&format!("{place}{kind}: {}{help}\n", diagnostic.message)).into_owned()
     }
 
     /// A message with the text it is about.

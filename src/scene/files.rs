@@ -40,7 +40,7 @@ pub type Variables = Arc<dyn Fn(&str) -> Option<String> + Send + Sync>;
 
 /// Finds the file that a scene names; it must be there.
 pub fn find(text: &str, span: Span, base: &Base, variables: &Variables) -> Result<FileReference, Diagnostic> {
-    let expanded = expand(text, variables).map_err(|problem| Diagnostic::error(span, problem))?;
+    let expanded = expand(text, variables.as_ref()).map_err(|problem| Diagnostic::error(span, problem))?;
     if expanded.is_empty() {
         return Err(Diagnostic::error(span, "the file has no name"));
     }
@@ -88,7 +88,10 @@ fn suggest_neighbour(diagnostic: Diagnostic, path: &Path) -> Diagnostic {
 }
 
 /// Replaces `$NAME` and `${NAME}`; `$$` is a dollar sign.
-fn expand(text: &str, variables: &Variables) -> Result<String, String> {
+///
+/// # Errors
+/// What is wrong with it, in words; a variable that is not set is.
+pub fn expand(text: &str, variables: &dyn Fn(&str) -> Option<String>) -> Result<String, String> {
     let mut out = String::new();
     let mut rest = text;
     while let Some(dollar) = rest.find('$') {
@@ -144,12 +147,12 @@ mod tests {
     #[test]
     fn variables_are_expanded_and_must_be_set() {
         let variables: Variables = Arc::new(|name| (name == "SHOT").then(|| "/s/010".into()));
-        assert_eq!(expand("$SHOT/a.obj", &variables), Ok("/s/010/a.obj".into()));
-        assert_eq!(expand("${SHOT}x", &variables), Ok("/s/010x".into()));
-        assert_eq!(expand("plain", &variables), Ok("plain".into()));
-        assert_eq!(expand("a$$SHOT", &variables), Ok("a$SHOT".into()));
-        assert_eq!(expand("$SHOTS/a", &variables), Err("the variable `$SHOTS` is not set".into()));
-        assert!(expand("${SHOT", &variables).is_err());
-        assert!(expand("$/a", &variables).is_err());
+        assert_eq!(expand("$SHOT/a.obj", variables.as_ref()), Ok("/s/010/a.obj".into()));
+        assert_eq!(expand("${SHOT}x", variables.as_ref()), Ok("/s/010x".into()));
+        assert_eq!(expand("plain", variables.as_ref()), Ok("plain".into()));
+        assert_eq!(expand("a$$SHOT", variables.as_ref()), Ok("a$SHOT".into()));
+        assert_eq!(expand("$SHOTS/a", variables.as_ref()), Err("the variable `$SHOTS` is not set".into()));
+        assert!(expand("${SHOT", variables.as_ref()).is_err());
+        assert!(expand("$/a", variables.as_ref()).is_err());
     }
 }

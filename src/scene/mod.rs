@@ -66,7 +66,7 @@ mod volume_tests;
 pub use builtin::{builtin_line, builtin_names, builtin_text};
 pub use diagnostic::{Diagnostic, Diagnostics, Severity};
 pub use error::Error;
-pub use files::{FilePlace, FileReference};
+pub use files::{FilePlace, FileReference, expand};
 pub use formula::Formula;
 pub use frames::{BadRange, FrameRange, Shot};
 pub use keyed::{Ease, Key, Keys};

@@ -44,7 +44,8 @@ to = \"heart\"
 | box | an edge length or three, around the origin; or `[[least x, y, z], [greatest x, y, z]]` |
 | file | relative to the scene; `$NAME` and `${NAME}` are variables of the environment, and must be set; `$$` is a dollar sign. `cube.obj`, where there is no such file beside the scene, is the built-in cube of edge 1.6 |
 
-Lengths are in `unit`, angles in degrees; only keys in voxels say so. F is positive inside.
+Lengths are in `unit`, angles in degrees; only keys in voxels say so. F is positive inside. Numbers reach from −1e15 to
+1e15; one that must be greater than 0 is at least 1e-15.
 
 **Time.** t is 0 at the first frame of `frames` and 1 at its last: t = (frame − first)/(last − first). Outside the shot
 the ends hold.
@@ -60,6 +61,9 @@ closed meshes, outside of unions of them, and inside what is cut from them. What
 
 **Output.** hfvdb bakes the `[morph]` if there is one, otherwise `output.shape`, otherwise the only shape that no other
 shape uses.
+
+**Limits.** Tables and lists stand at most 64 deep in one another, shapes are made of shapes at most 200 levels deep and of
+a million in all, each counted as often as it is used, and a scene has at most 16 MiB. A scene is a file: a pipe is refused.
 
 **Errors** name file, line and column, mark the text and propose the nearest name, or list what there is; all of a scene
 come together.

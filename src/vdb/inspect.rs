@@ -64,9 +64,9 @@ pub struct GridInfo {
 /// The least and the greatest value. Values that are no numbers are counted apart.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Range {
-    /// One number, or one a component.
+    /// One number, or one a component; none where no value is finite.
     pub least: Vec<f32>,
-    /// One number, or one a component.
+    /// One number, or one a component; none where no value is finite.
     pub greatest: Vec<f32>,
     /// Active values with a component that is not a finite number.
     pub not_finite: u64,
@@ -171,5 +171,6 @@ fn range<T: Copy, const N: usize>(blocks: &SparseBlocks<T>, components: impl Fn(
         }
     }
     blocks.tiles.iter().filter(|tile| tile.active).for_each(|tile| add(tile.value));
-    any.then(|| Range { least: least.to_vec(), greatest: greatest.to_vec(), not_finite })
+    let found = |ends: [f32; N]| if least[0] <= greatest[0] { ends.to_vec() } else { Vec::new() };
+    any.then(|| Range { least: found(least), greatest: found(greatest), not_finite })
 }

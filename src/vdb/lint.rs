@@ -151,7 +151,8 @@ fn check_file(layout: &Layout, findings: &mut Vec<Finding>) {
 
 fn check_name(grid: &GridLayout, notes: &mut Notes) {
     // The second of two grids of one name, alone, has a number behind it in the file.
-    if grid.unique_name != grid.name {
+    // A grid without a name always has.
+    if grid.unique_name != grid.name && !grid.name.is_empty() {
         notes.error("another grid has this name: programs reach only one of them; rename one");
     }
     if grid.name.is_empty() {

@@ -11,6 +11,7 @@ use serde_json::json;
 
 use super::failure::Failure;
 use super::options::{Global, Sampling, SceneChanges};
+use super::paths;
 use super::progress::Progress;
 use super::{files, job};
 use crate::bake::{Frames, Interrupt};
@@ -40,11 +41,11 @@ Examples:
   hfvdb preview a.vdb b.vdb -o both.png              files of several names, side by side")]
 pub struct Arguments {
     /// A scene file, the name of a built-in scene, or .vdb files, by name or frame pattern (several are a sequence)
-    #[arg(value_name = "SCENE or FILE.vdb", required = true)]
+    #[arg(value_name = "SCENE or FILE.vdb", required = true, value_parser = paths::text())]
     inputs: Vec<String>,
 
     /// The .png, .apng or .exr to write; it is replaced if it exists
-    #[arg(short, long, value_name = "FILE")]
+    #[arg(short, long, value_name = "FILE", value_parser = paths::path())]
     output: PathBuf,
 
     /// Frames of a scene or a frame pattern [default: the whole shot, or all that are there]
