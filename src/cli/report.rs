@@ -11,6 +11,8 @@ use crate::bake::{Baked, Bytes, Frames, Interrupt, Record, Refusal, Sequence};
 
 /// What came of a bake.
 pub struct Outcome<'a> {
+    /// What messages call the scene.
+    pub scene: &'a str,
     pub sequence: &'a Sequence,
     /// The frames asked for.
     pub asked: &'a Frames,
@@ -27,7 +29,7 @@ pub fn report(
     interrupt: &Interrupt,
     global: &Global,
 ) -> Result<(), Failure> {
-    let Outcome { sequence, asked, kept, baked, seconds } = outcome;
+    let Outcome { scene, sequence, asked, kept, baked, seconds } = outcome;
     let written = baked.written.len();
     let bytes = Bytes(baked.written.iter().map(|record| record.bytes).sum());
     let mut done: Vec<(Record, &str)> = baked.written.into_iter().map(|record| (record, "written")).collect();
@@ -35,7 +37,7 @@ pub fn report(
     done.sort_by_key(|(record, _)| record.frame);
     let failed: Vec<Value> =
         baked.failed.iter().map(|(frame, error)| json!({ "frame": frame, "message": error.to_string() })).collect();
-    let of = Share { done: done.len(), asked: asked.numbers().len() };
+    let of = Share { scene, done: done.len(), asked: asked.numbers().len() };
     let failure = failure(baked.failed, baked.stopped, finished, &of, interrupt);
 
     let seconds = seconds.as_secs_f64();
@@ -88,7 +90,8 @@ fn frame(record: &Record, path: &std::path::Path, state: &str) -> Value {
 }
 
 /// How many of the frames asked for are done.
-struct Share {
+struct Share<'a> {
+    scene: &'a str,
     done: usize,
     asked: usize,
 }
@@ -98,15 +101,22 @@ fn failure(
     mut failed: Vec<(i64, crate::bake::Error)>,
     stopped: Option<crate::bake::Error>,
     finished: Result<(), Refusal>,
-    of: &Share,
+    of: &Share<'_>,
     interrupt: &Interrupt,
 ) -> Option<Failure> {
     let rest = match of.asked {
         1 => String::new(),
         asked => format!("; {} of {asked} frames are done, --resume goes on from there", of.done),
     };
+    // What a scene gives no frame for is about the scene; what cannot be written names its file.
+    let told = |error: crate::bake::Error| match error {
+        error @ (crate::bake::Error::Frame(..) | crate::bake::Error::Memory { .. }) => {
+            Failure::from(error).about(of.scene)
+        }
+        error => error.into(),
+    };
     if let Some(error) = stopped {
-        let failure = job::failure_of(error, interrupt);
+        let failure = job::failure_of(told(error), interrupt);
         // An interruption tells by itself what stays.
         return Some(if interrupt.is_raised() { failure } else { failure.and(&rest) });
     }
@@ -117,12 +127,12 @@ fn failure(
         return finished.err().map(not_listed);
     }
     if of.asked == 1 {
-        return failed.pop().map(|(_, error)| error.into());
+        return failed.pop().map(|(_, error)| told(error));
     }
     let frames = Frames::of_numbers(failed.iter().map(|(frame, _)| *frame)).map_or_else(String::new, |f| f.to_string());
     let count = failed.len();
     // The first in full: a scene's errors show their place.
-    let first = Failure::from(failed.swap_remove(0).1);
+    let first = told(failed.swap_remove(0).1);
     let all = format!("\n{count} of {} frames failed: {frames}{rest}", of.asked);
     Some(first.and(&all))
 }

@@ -82,7 +82,8 @@ impl Diagnostic {
 
     /// The same in less room.
     fn shortened(&self) -> Self {
-        let part = |text: &str| without_middle(text, MOST_OF_A_PART).into_owned();
+        // What is escaped is longer.
+        let part = |text: &str| without_middle(&terminal::message(text), MOST_OF_A_PART).into_owned();
         Self { message: part(&self.message), label: part(&self.label), help: part(&self.help), ..*self }
     }
 

@@ -252,6 +252,15 @@ fn many_errors_stay_within_two_kilobytes() {
     assert!(report.contains("3:1"));
     let hostile = format!("[shape.\"{}\"]\nsphere = 1\n\"{}\" = 1\n", "x".repeat(5000), "y".repeat(5000));
     assert!(load_text(&hostile, &Overrides::default()).unwrap_err().render(false).len() <= 2048);
+    // One alone is never only counted, whatever is in it.
+    for long in ["z".repeat(9000), "\u{1b}".repeat(9000), "ö→".repeat(3000)] {
+        let problem = Diagnostic::error(crate::scene::Span::new(0, 0..1), format!("first {long} last")).help(long);
+        let mut sources = crate::scene::source::Sources::default();
+        sources.add("a.toml", "a = 1");
+        let report = Diagnostics::new(vec![problem], Arc::new(sources)).render(false);
+        assert!(report.len() <= 2048 && report.contains("a.toml:1:1"), "{report}");
+        assert!(report.contains("first ") && report.contains(" last") && !report.contains("more"), "{report}");
+    }
     // What is short is marked and coloured.
     let short = load_text("[shape.a]\nspher = 1\n", &Overrides::default()).unwrap_err();
     assert!(short.render(true).contains('\u{1b}') && !short.render(false).contains('\u{1b}'));
