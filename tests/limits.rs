@@ -38,7 +38,7 @@ fn lengths_beyond_reason() {
         ("sphere = 1\noffset = 1e300", &["bad.toml:4:10", "from -1e15 to 1e15"]),
         ("sphere = 1\nbounds = [[-1e308, -1, -1], [1, 1, 1]]", &["bad.toml:4:10", "must be a box"]),
         ("sphere = 1e-308", &["bad.toml:3:10", "at least 1e-15"]),
-        ("sphere = \"1e30*(1 + t)\"", &["bad.toml:3:10", "1e30", "from -1e15 to 1e15"]),
+        ("sphere = \"1e30*(1 + t)\"", &["bad.toml:3:11", "1e30", "from -1e15 to 1e15"]),
         ("sphere = { 1 = 1, 1e300 = 2 }", &["bad.toml:3:19", "1e300", "not a frame"]),
         ("half_space = [1e-200, 0, 0]\nbounds = 1", &["bad.toml:3", "a length other than 0"]),
         ("formula = \"1e308 - x^2\"\nbounds = 1", &["bad.toml:3:12", "too large"]),
@@ -101,9 +101,9 @@ fn many_keys_take_little_time() {
         place.write(name, text);
         let run = in_time(name, || place.hfvdb(&format!("check {name}")));
         if code == 0 {
-            _ = run.ok()
+            run.ok();
         } else {
-            run.fails(1, &[name, "and 199990 more"].map(|part| if name == "nowhere.toml" { name } else { part }))
+            run.fails(code, &[name, "more\n"]);
         }
     }
 }
@@ -126,7 +126,7 @@ fn shapes_that_many_share_are_looked_at_once() {
     let lines: [(&str, &dyn Fn(usize) -> String); 4] = [
         ("union", &|level| format!("union = {}\nmove = [0.01, 0, 0]", twice(level))),
         ("moving", &|level| format!("union = {}\nmove = [\"0.01*t\", 0, 0]", twice(level))),
-        ("blend", &|level| format!("blend = {}\nblend_radius = 0.01\nscale = 0.99", twice(level))),
+        ("intersection", &|level| format!("intersection = {}\nscale = 0.99", twice(level))),
         ("colour", &|level| format!("sphere = 1\ncolor = {{ parts = {} }}", twice(level))),
     ];
     for (name, line) in lines {

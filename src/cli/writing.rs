@@ -89,7 +89,14 @@ pub fn write_frames(request: &Request<'_>, global: &Global) -> Result<(), Failur
     }
     drop(progress);
     let finished = claim.finish();
-    let outcome = Outcome { scene: &model.name, sequence: &output.sequence, asked: &frames, kept, baked, seconds: start.elapsed() };
+    let outcome = Outcome {
+        scene: &model.name,
+        sequence: &output.sequence,
+        asked: &frames,
+        kept,
+        baked,
+        seconds: start.elapsed(),
+    };
     report(outcome, finished, &interrupt, global)
 }
 

@@ -68,14 +68,16 @@ impl Branches {
         self.stack.clear();
         self.stack.push((ops.len() as u32 - 1, 1.0));
         while let Some((index, factor)) = self.stack.pop() {
+            // What is met twice has one zero set, and all below it is listed already: however often it is shared.
+            if std::mem::replace(&mut self.seen[index as usize], true) {
+                continue;
+            }
             match ops[index as usize] {
                 Op::Unary(Unary::Linear { scale, offset: 0.0 }, a) => self.stack.push((a, factor * scale)),
                 Op::Binary(operation, a, b) if operation.is_set_operation() => {
                     self.stack.push((b, factor));
                     self.stack.push((a, factor));
                 }
-                // An operand met twice has one zero set.
-                _ if std::mem::replace(&mut self.seen[index as usize], true) => {}
                 Op::External { leaf, at } => {
                     let parts = (0..inner(leaf, at) as u32).map(|part| Branch {
                         op: index,
@@ -100,15 +102,16 @@ impl Branches {
         self.creases.clear();
         self.walk.clear();
         self.walk.push(operand);
+        self.visited.clear();
+        self.visited.resize(ops.len(), false);
         while let Some(index) = self.walk.pop() {
+            if std::mem::replace(&mut self.visited[index as usize], true) {
+                continue;
+            }
             let op = ops[index as usize];
             match op {
                 Op::External { .. } => continue,
-                Op::Unary(Unary::Abs, _) | Op::Binary(Binary::Min | Binary::Max, ..)
-                    if !self.creases.contains(&index) =>
-                {
-                    self.creases.push(index);
-                }
+                Op::Unary(Unary::Abs, _) | Op::Binary(Binary::Min | Binary::Max, ..) => self.creases.push(index),
                 _ => {}
             }
             match smooth_square_of_positive_part(ops, op, zero) {

@@ -1,6 +1,6 @@
 //! Shapes as fields at one moment.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::atomic::AtomicBool;
 use std::sync::{Arc, OnceLock};
 
@@ -452,11 +452,11 @@ impl Solids {
                 made.node
             }
             Maker::Union { operands, .. } => {
-                let nodes = self.nodes(operands)?;
+                let nodes = self.different(operands)?;
                 self.graph.union(SetSystem::R0, &nodes)
             }
             Maker::Intersection(operands) => {
-                let nodes = self.nodes(operands)?;
+                let nodes = self.different(operands)?;
                 self.graph.intersection(SetSystem::R0, &nodes)
             }
             Maker::Difference(operands) => {
@@ -517,6 +517,13 @@ impl Solids {
 
     fn nodes(&mut self, operands: &[ShapeId]) -> Result<Vec<Node>, Problem> {
         operands.iter().map(|id| self.node(*id, Stage::Placed)).collect()
+    }
+
+    /// Operands without those that are met again. R₀ makes F of twice the same more than three times as steep inside: some
+    /// levels of that leave the range of a float.
+    fn different(&mut self, operands: &[ShapeId]) -> Result<Vec<Node>, Problem> {
+        let mut seen = BTreeSet::new();
+        Ok(self.nodes(operands)?.into_iter().filter(|node| seen.insert(*node)).collect())
     }
 
     /// One after another: the first with the second, that with the third.
