@@ -53,6 +53,21 @@ mod tests {
     use super::*;
     use crate::mesh::{Holes, TriangleMesh};
 
+    /// Rounding carries no colour beyond those of the corners, however bright they are.
+    #[test]
+    fn colours_stay_between_those_of_the_corners() {
+        for bright in [1.0, 3.7_f32] {
+            let corners = [[0.3, 0.1, -0.2], [1.1, 0.2, 0.4], [-0.3, 0.9, 0.1], [0.2, 0.3, 1.7]].map(DVec3::from);
+            let triangles = vec![[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]];
+            let mesh = TriangleMesh::new(corners.to_vec(), triangles, Some(vec![[bright; 3]; 4])).unwrap();
+            let mesh = Arc::new(MeshDistance::new(mesh, Holes::Refuse).unwrap());
+            for i in 0..4096 {
+                let place = [i % 16, i / 16 % 16, i / 256].map(|k| f64::from(k) * 0.13 - 0.4);
+                assert_eq!(mesh.colour(&mesh.nearest(DVec3::from(place))), Some([bright; 3]));
+            }
+        }
+    }
+
     /// A tetrahedron with the corner positions as colours: the colour at a foot is the foot.
     #[test]
     fn colour_of_the_foot() {

@@ -36,6 +36,10 @@ pub struct Arguments {
     #[arg(long, value_name = "NUMBER", allow_negative_numbers = true)]
     bridge: Option<f64>,
 
+    /// The axis that points up in both files: y for OBJ by Blender's default export [default: z]
+    #[arg(long, value_name = "AXIS", value_parser = ["y", "z"])]
+    up: Option<String>,
+
     /// Colour space in which colours are mixed [default: oklab]
     #[arg(long, value_name = "NAME")]
     color_space: Option<String>,
@@ -53,8 +57,11 @@ pub fn run(arguments: &Arguments, global: &Global) -> Result<(), Failure> {
         return Err(Failure::usage("--shot: a morph runs over a range of at least two frames, such as 1-48"));
     }
     let set = |key: &str, value: Option<String>| value.map(|value| format!("morph.{key}={value}"));
+    let up = |shape: &str| arguments.up.as_ref().map(|axis| format!("shape.{shape}.up=\"{axis}\""));
     let overrides = Overrides {
         set: [
+            up("from"),
+            up("to"),
             set("bridge", arguments.bridge.map(|bridge| bridge.to_string())),
             set("color_space", arguments.color_space.as_ref().map(|space| format!("\"{space}\""))),
         ]

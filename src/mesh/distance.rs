@@ -111,7 +111,12 @@ impl MeshDistance {
         let [a, b, c] = self.mesh.triangles()[nearest.triangle as usize].map(|v| colours[v as usize]);
         let [v, w] = nearest.weights.map(|weight| weight as f32);
         let u = 1.0 - v - w;
-        Some(std::array::from_fn(|i| (a[i] * u + b[i] * v + c[i] * w).max(0.0)))
+        // The weights' rounding must not carry a colour beyond those of the corners.
+        let mixed = |i: usize| {
+            let (least, most) = (a[i].min(b[i]).min(c[i]), a[i].max(b[i]).max(c[i]));
+            (a[i] * u + b[i] * v + c[i] * w).clamp(least, most)
+        };
+        Some(std::array::from_fn(mixed))
     }
 
     /// Whether a position is inside, given its closest point.

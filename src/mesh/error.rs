@@ -3,15 +3,38 @@
 use std::fmt::{self, Display, Formatter};
 use std::path::PathBuf;
 
+use super::read::Place;
+
 /// A mesh file that could not be used.
 #[derive(Debug)]
 pub struct MeshError {
     /// The file.
     pub file: PathBuf,
-    /// The line in it, counted from 1, where one is known.
-    pub line: Option<usize>,
+    /// The place in it, where one is known.
+    pub place: Option<Place>,
     /// What is wrong.
     pub problem: Problem,
+}
+
+/// A vertex or a face by its number in the file, which counts from `first`: OBJ from 1, PLY from 0.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[allow(missing_docs, reason = "described above")]
+pub enum Element {
+    /// A vertex.
+    Vertex { number: usize, first: usize },
+    /// A face.
+    Face { number: usize, first: usize },
+}
+
+impl Display for Element {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        let (kind, number, first) = match self {
+            Self::Vertex { number, first } => ("vertex", number, first),
+            Self::Face { number, first } => ("face", number, first),
+        };
+        write!(f, "{kind} {number}")?;
+        if *first == 0 { f.write_str(" (counted from 0)") } else { Ok(()) }
+    }
 }
 
 /// What is wrong with a mesh.
@@ -31,8 +54,8 @@ pub enum Problem {
     NoFaces,
     /// A coordinate is NaN, infinite or beyond [`super::triangles::LARGEST_COORDINATE`].
     BadCoordinate {
-        /// The vertex, counted from 0.
-        vertex: usize,
+        /// The vertex.
+        vertex: Element,
         /// What stands there.
         value: [f64; 3],
     },
@@ -42,11 +65,20 @@ pub enum Problem {
         index: i64,
         /// How many vertices there are.
         vertices: usize,
+        /// The number of the first of them.
+        first: usize,
+    },
+    /// A face crosses itself, or covers a part of its plane more than once, so that there is no one way to cut it.
+    CrossingFace {
+        /// How many corners it has.
+        corners: usize,
+        /// About where.
+        near: [f64; 3],
     },
     /// A colour is outside of 0 … 1 or not a number.
     BadColour {
-        /// The vertex, counted from 0.
-        vertex: usize,
+        /// What has it.
+        of: Element,
         /// What stands there.
         value: [f64; 3],
     },
@@ -82,17 +114,30 @@ impl Display for Problem {
             Self::NoFaces => {
                 f.write_str("holds vertices but no polygons, so it has no surface; export it with its faces")
             }
-            Self::BadCoordinate { vertex, value: [x, y, z] } => write!(
+            Self::BadCoordinate { vertex, value: [x, y, z] } => {
+                write!(
+                    f,
+                    "{vertex} is at ({x}, {y}, {z}), which is no usable position; clean the mesh and export it again"
+                )
+            }
+            Self::IndexOutOfRange { index, vertices, first } => write!(
                 f,
-                "vertex {vertex} is at ({x}, {y}, {z}), which is no usable position; clean the mesh and export it again"
+                "a face names vertex {index}, but there are {vertices}, counted from {first}; the file is damaged: \
+                 export it again"
             ),
-            Self::IndexOutOfRange { index, vertices } => write!(
+            Self::CrossingFace { corners, near: [x, y, z] } => write!(
                 f,
-                "a polygon names vertex {index}, but there are {vertices}; the file is damaged: export it again"
+                "a face of {corners} corners crosses or overlaps itself near ({x}, {y}, {z}); mend it in the modeller, \
+                 or export it in triangles"
             ),
-            Self::BadColour { vertex, value: [r, g, b] } => write!(
+            Self::BadColour { of, value: [r, g, b] } if [r, g, b].iter().all(|c| **c >= 0.0) => write!(
                 f,
-                "the colour ({r}, {g}, {b}) of vertex {vertex} is not within 0 … 1; rescale the colours and export again"
+                "the colour ({r}, {g}, {b}) of {of} is not within 0 … 1; rescale the colours and export again, or say \
+                 `vertex_colors = \"linear\"` beside `mesh` where they are linear"
+            ),
+            Self::BadColour { of, value: [r, g, b] } => write!(
+                f,
+                "the colour ({r}, {g}, {b}) of {of} is negative or no number; mend the colours and export again"
             ),
             Self::Flat => f.write_str("has no triangle with an area; check its scale and export it again"),
             Self::TooLarge => f.write_str("has more than 4,294,967,295 vertices or triangles; reduce it first"),
@@ -108,8 +153,8 @@ impl Display for Problem {
 impl Display for MeshError {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
         write!(f, "{}", self.file.display())?;
-        if let Some(line) = self.line {
-            write!(f, ", line {line}")?;
+        if let Some(place) = self.place {
+            write!(f, ", {place}")?;
         }
         write!(f, ": {}", self.problem)
     }

@@ -1,14 +1,16 @@
 //! Polygon files, exact closest triangle, inside test. A mesh is a distance object like any other.
 //!
 //! [`read`] takes an OBJ or PLY file to a [`TriangleMesh`]; [`MeshDistance`] answers the signed distance (positive
-//! inside) and the closest triangle anywhere. Up axis, units and placement are the scene's; colours of vertices are
-//! decoded from sRGB to scene-linear here, once, by the reader, and nowhere else.
+//! inside) and the closest triangle anywhere. Units and placement are the scene's; what a file does not say about itself,
+//! its up axis and its colours' encoding, is given to the reader ([`Conventions`]), which turns the mesh and decodes its
+//! colours to scene-linear once, and nowhere else.
 
 mod closest;
 mod convex;
 mod distance;
 mod error;
 mod evaluator;
+mod faces;
 mod obj;
 mod ply;
 mod polygon;
@@ -24,8 +26,8 @@ mod shapes;
 mod tests;
 
 pub use distance::{Holes, MeshDistance, Nearest};
-pub use error::{MeshError, Problem};
+pub use error::{Element, MeshError, Problem};
 pub use evaluator::MeshEvaluator;
-pub use read::{read, read_obj, read_ply};
+pub use read::{About, Conventions, Encoding, Imported, Place, Remark, Turn, read, read_obj, read_ply};
 pub use topology::Topology;
 pub use triangles::TriangleMesh;

@@ -5,54 +5,122 @@
 
 use glam::DVec3;
 
-use super::read::{Located, linear};
-use super::{Problem, TriangleMesh, polygon};
+use super::Problem;
+use super::error::Element;
+use super::faces::Faces;
+use super::read::{About, Conventions, Encoding, Imported, Located, Place, Remark, shown, without_mark};
+use super::triangles::LARGEST_COORDINATE;
 
-#[derive(Default)]
 struct Reader {
+    encoding: Encoding,
     positions: Vec<DVec3>,
     colours: Vec<[f32; 3]>,
-    triangles: Vec<[u32; 3]>,
-    // Scratch of one polygon.
+    faces: Faces,
     corners: Vec<u32>,
-    corner_positions: Vec<DVec3>,
-    cut: Vec<[usize; 3]>,
+    by_blender: bool,
+    /// The first line of each kind of content that is not read.
+    unread: [Option<(usize, String)>; Unread::COUNT],
+}
+
+/// What is known of, and not read.
+#[derive(Clone, Copy)]
+enum Unread {
+    Material,
+    /// Colours of vertices in comments, as ZBrush writes them.
+    Polypaint,
+    FreeForm,
+}
+
+impl Unread {
+    const COUNT: usize = 3;
 }
 
 /// Reads an OBJ file's content. What is neither a vertex nor a polygon is skipped.
-pub(super) fn parse(content: &[u8]) -> Result<TriangleMesh, Located> {
-    let mut reader = Reader::default();
-    let mut joined = Vec::new();
-    for (number, line) in content.split(|&byte| byte == b'\n').enumerate() {
+pub(super) fn parse(content: &[u8], conventions: &Conventions) -> Result<Imported, Located> {
+    let content = without_mark(content)?;
+    let mut reader = Reader {
+        encoding: conventions.colours,
+        positions: Vec::new(),
+        colours: Vec::new(),
+        faces: Faces::new(1),
+        corners: Vec::new(),
+        by_blender: false,
+        unread: Default::default(),
+    };
+    // A statement over several lines, and its first.
+    let (mut joined, mut first) = (Vec::new(), 0);
+    let lines = content.split(|&byte| byte == b'\n').flat_map(|line| {
         let line = line.strip_suffix(b"\r").unwrap_or(line);
-        if let Some(start) = line.strip_suffix(b"\\") {
-            joined.extend_from_slice(start);
-            joined.push(b' ');
+        // Lines of old Macs end in CR alone.
+        line.split(|&byte| byte == b'\r')
+    });
+    for (line, number) in lines.zip(1..) {
+        let located = |number, problem| Located { place: Some(Place::Line(number)), problem };
+        let statement = reader.without_comment(line, number);
+        let goes_on = statement.strip_suffix(b"\\");
+        if !joined.is_empty() && statement.is_empty() && !line.is_empty() {
+            // A comment between: what goes on goes on after it.
             continue;
         }
-        let located = |problem| Located { line: Some(number + 1), problem };
         if joined.is_empty() {
-            reader.line(line).map_err(located)?;
-        } else {
-            joined.extend_from_slice(line);
-            reader.line(&std::mem::take(&mut joined)).map_err(located)?;
+            first = number;
+            if goes_on.is_none() {
+                reader.statement(statement, number).map_err(|problem| located(number, problem))?;
+                continue;
+            }
+        }
+        joined.extend_from_slice(goes_on.unwrap_or(statement));
+        joined.push(b' ');
+        if goes_on.is_none() {
+            reader.statement(&std::mem::take(&mut joined), first).map_err(|problem| located(first, problem))?;
         }
     }
     if !joined.is_empty() {
-        return Err(Problem::CutShort("the last line goes on with '\\' but nothing follows".into()).into());
+        let problem = Problem::CutShort("goes on with '\\' but nothing follows".into());
+        return Err(Located { place: Some(Place::Line(first)), problem });
     }
+    let mut remarks = reader.remarks();
     let colours = (!reader.colours.is_empty()).then_some(reader.colours);
-    TriangleMesh::new(reader.positions, reader.triangles, colours).map_err(Located::from)
+    let mesh = reader.faces.mesh(reader.positions, colours, conventions, &mut remarks)?;
+    Ok(Imported { mesh, remarks })
 }
 
 impl Reader {
-    fn line(&mut self, line: &[u8]) -> Result<(), Problem> {
-        let line = line.split(|&byte| byte == b'#').next().unwrap_or_default();
-        match line.trim_ascii_start() {
-            [b'v', b' ' | b'\t', rest @ ..] => self.vertex(text(rest)?),
-            [b'f', b' ' | b'\t', rest @ ..] => self.polygon(text(rest)?),
-            _ => Ok(()),
+    /// A line without its comment and the blanks at its end.
+    fn without_comment<'l>(&mut self, line: &'l [u8], number: usize) -> &'l [u8] {
+        let Some(start) = line.iter().position(|&byte| byte == b'#') else { return line.trim_ascii_end() };
+        let comment = &line[start..];
+        if self.positions.is_empty() && comment.windows(7).any(|word| word.eq_ignore_ascii_case(b"blender")) {
+            self.by_blender = true;
         }
+        if comment.starts_with(b"#MRGB ") {
+            self.not_read(Unread::Polypaint, number, "");
+        }
+        line[..start].trim_ascii_end()
+    }
+
+    fn not_read(&mut self, what: Unread, number: usize, name: &str) {
+        self.unread[what as usize].get_or_insert_with(|| (number, shown(name)));
+    }
+
+    fn statement(&mut self, statement: &[u8], number: usize) -> Result<(), Problem> {
+        let statement = statement.trim_ascii_start();
+        let end = statement.iter().position(u8::is_ascii_whitespace).unwrap_or(statement.len());
+        let (keyword, rest) = statement.split_at(end);
+        match keyword {
+            b"v" => self.vertex(text(rest)?)?,
+            // `fo` is what old files call a face.
+            b"f" | b"fo" => self.face(text(rest)?, number)?,
+            b"usemtl" => self.not_read(Unread::Material, number, String::from_utf8_lossy(rest).trim()),
+            b"surf" => self.not_read(Unread::FreeForm, number, ""),
+            [b'0'..=b'9' | b'-' | b'+' | b'.', ..] => {
+                return Err(Problem::malformed(
+                    "begins with a number; is a '\\' missing at the end of the line before?",
+                ));
+            }
+            _ => {}
+        }
+        Ok(())
     }
 
     fn vertex(&mut self, rest: &str) -> Result<(), Problem> {
@@ -62,7 +130,7 @@ impl Reader {
             values[count] = number(word)?;
             count += 1;
         }
-        let vertex = self.positions.len();
+        let vertex = Element::Vertex { number: self.positions.len() + 1, first: 1 };
         let [x, y, z, ..] = values;
         let mut position = DVec3::new(x, y, z);
         let colour = match count {
@@ -79,57 +147,74 @@ impl Reader {
                 )));
             }
         };
-        if !position.is_finite() {
+        if !(position.abs().max_element() <= LARGEST_COORDINATE && position.is_finite()) {
             return Err(Problem::BadCoordinate { vertex, value: [x, y, z] });
         }
-        self.positions.push(position);
-        self.colour(vertex, colour)
-    }
-
-    fn colour(&mut self, vertex: usize, colour: Option<[f64; 3]>) -> Result<(), Problem> {
-        if vertex > 0 && colour.is_some() == self.colours.is_empty() {
+        if !self.positions.is_empty() && colour.is_some() == self.colours.is_empty() {
             return Err(Problem::malformed(
                 "some vertices have a colour and others have none; give every 'v' line six numbers, or every one three",
             ));
         }
-        if let Some(encoded) = colour {
-            if encoded.iter().any(|c| !(0.0..=1.0).contains(c)) {
-                return Err(Problem::BadColour { vertex, value: encoded });
-            }
-            self.colours.push(encoded.map(linear));
+        self.positions.push(position);
+        if let Some(value) = colour {
+            self.colours.push(self.encoding.decode(value).ok_or(Problem::BadColour { of: vertex, value })?);
         }
         Ok(())
     }
 
-    fn polygon(&mut self, rest: &str) -> Result<(), Problem> {
+    fn face(&mut self, rest: &str, number: usize) -> Result<(), Problem> {
         self.corners.clear();
         for word in rest.split_ascii_whitespace() {
             let index = word.split('/').next().unwrap_or_default();
             self.corners.push(self.index(index)?);
         }
-        if self.corners.len() < 3 {
-            return Err(Problem::malformed(format!(
-                "a polygon of {} corners; is the file cut short?",
-                self.corners.len()
-            )));
-        }
-        self.corner_positions.clear();
-        self.corner_positions.extend(self.corners.iter().map(|&v| self.positions[v as usize]));
-        self.cut.clear();
-        polygon::triangulate(&self.corner_positions, &mut self.cut);
-        self.triangles.extend(self.cut.iter().map(|corner| corner.map(|i| self.corners[i])));
+        self.faces.push(self.corners.iter().copied(), Place::Line(number));
         Ok(())
     }
 
     /// A vertex by its number from 1, or counted back from the last one by a negative number.
     fn index(&self, word: &str) -> Result<u32, Problem> {
-        let index: i64 = word.parse().map_err(|_| Problem::malformed(format!("'{word}' is not a vertex number")))?;
+        let bad = |_| Problem::malformed(format!("'{}' is not a vertex number", shown(word)));
+        let index: i64 = word.parse().map_err(bad)?;
         let vertices = self.positions.len();
         let found = if index > 0 { index - 1 } else { index.saturating_add(vertices as i64) };
+        // Whether there are as many is known at the end: faces may stand before their vertices.
         match u32::try_from(found) {
-            Ok(vertex) if index != 0 && (vertex as usize) < vertices => Ok(vertex),
-            _ => Err(Problem::IndexOutOfRange { index, vertices }),
+            Ok(vertex) if index != 0 => Ok(vertex),
+            _ => Err(Problem::IndexOutOfRange { index, vertices, first: 1 }),
         }
+    }
+
+    fn remarks(&self) -> Vec<Remark> {
+        let mut remarks = Vec::new();
+        let mut remark = |about, place: Option<usize>, text: String, help: &str| {
+            remarks.push(Remark { about, place: place.map(Place::Line), text, help: help.into() });
+        };
+        let [material, polypaint, free_form] = &self.unread;
+        if let Some((line, _)) = free_form {
+            let text = "free-form surfaces ('surf') are not read, only faces".into();
+            remark(About::Faces, Some(*line), text, "turn them into polygons and export it again");
+        }
+        if self.colours.is_empty() {
+            const HELP: &str = "give the shape a `color`, or export the mesh with colours of its vertices";
+            if let Some((line, name)) = material {
+                let text = format!("the mesh's colour is not read: materials (`usemtl {name}`) are not");
+                remark(About::Colours, Some(*line), text, HELP);
+            }
+            if let Some((line, _)) = polypaint {
+                let text = "the mesh's colours are not read: ZBrush's polypaint (`#MRGB`) is not".into();
+                remark(About::Colours, Some(*line), text, HELP);
+            }
+        }
+        if self.by_blender {
+            let text = "the file is by Blender, whose OBJ export has y up where nothing else is chosen; \
+                        it is read with z up"
+                .into();
+            let help = "if the mesh lies on its face, say `up = \"y\"` beside `mesh`, or `--up y` to `hfvdb morph`; \
+                        else `up = \"z\"`";
+            remark(About::Up, None, text, help);
+        }
+        remarks
     }
 }
 
@@ -138,5 +223,5 @@ fn text(line: &[u8]) -> Result<&str, Problem> {
 }
 
 fn number(word: &str) -> Result<f64, Problem> {
-    word.parse().map_err(|_| Problem::malformed(format!("'{word}' is not a number")))
+    word.parse().map_err(|_| Problem::malformed(format!("'{}' is not a number", shown(word))))
 }

@@ -1,26 +1,133 @@
 //! From a path to a checked mesh.
 
+use std::fmt::{self, Display, Formatter};
 use std::path::Path;
+
+use glam::DVec3;
 
 use super::{MeshError, Problem, TriangleMesh, obj, ply};
 
-/// A problem, and the line it is on where that is known.
+/// What a file does not say about itself.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Conventions {
+    /// How its axes become the scene's.
+    pub turn: Turn,
+    /// How its colours are encoded.
+    pub colours: Encoding,
+}
+
+/// A quarter turn about the x axis, or none.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Turn {
+    /// Axes stay as they are.
+    #[default]
+    None,
+    /// What points along y points along z: (x, y, z) becomes (x, −z, y).
+    YToZ,
+    /// What points along z points along y: (x, y, z) becomes (x, z, −y).
+    ZToY,
+}
+
+impl Turn {
+    pub(super) fn apply(self, p: DVec3) -> DVec3 {
+        match self {
+            Self::None => p,
+            Self::YToZ => DVec3::new(p.x, -p.z, p.y),
+            Self::ZToY => DVec3::new(p.x, p.z, -p.y),
+        }
+    }
+}
+
+/// How a file's colours are encoded.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Encoding {
+    /// sRGB (IEC 61966-2-1), 0 … 1.
+    #[default]
+    Srgb,
+    /// Scene-linear Rec.709, 0 or greater.
+    Linear,
+}
+
+impl Encoding {
+    /// The scene-linear colour, or `None` where it cannot be one.
+    pub(super) fn decode(self, encoded: [f64; 3]) -> Option<[f32; 3]> {
+        let most = if self == Self::Srgb { 1.0 } else { f64::from(f32::MAX) };
+        let linear = |c: f64| match self {
+            Self::Srgb if c <= 0.04045 => c / 12.92,
+            Self::Srgb => libm::pow((c + 0.055) / 1.055, 2.4),
+            Self::Linear => c,
+        };
+        encoded.iter().all(|c| (0.0..=most).contains(c)).then(|| encoded.map(|c| linear(c) as f32))
+    }
+}
+
+/// A mesh from a file, and what there is to know about it.
+#[derive(Clone, Debug)]
+pub struct Imported {
+    /// The mesh.
+    pub mesh: TriangleMesh,
+    /// What the reader did about parts of the file, or what it leaves out.
+    pub remarks: Vec<Remark>,
+}
+
+/// Something to know about a file that was read all the same.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Remark {
+    /// What it matters for.
+    pub about: About,
+    /// Where in the file.
+    pub place: Option<Place>,
+    /// What it is.
+    pub text: String,
+    /// What to do about it.
+    pub help: String,
+}
+
+/// What a remark matters for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum About {
+    /// The surface.
+    Faces,
+    /// The mesh's colours.
+    Colours,
+    /// Which way is up.
+    Up,
+}
+
+/// A place in a file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Place {
+    /// A line, counted from 1.
+    Line(usize),
+    /// A face, counted from 0.
+    Face(usize),
+}
+
+impl Display for Place {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Line(line) => write!(f, "line {line}"),
+            Self::Face(face) => write!(f, "face {face} (counted from 0)"),
+        }
+    }
+}
+
+/// A problem, and its place where that is known.
 #[derive(Debug)]
 pub(super) struct Located {
-    pub line: Option<usize>,
+    pub place: Option<Place>,
     pub problem: Problem,
 }
 
 impl From<Problem> for Located {
     fn from(problem: Problem) -> Self {
-        Self { line: None, problem }
+        Self { place: None, problem }
     }
 }
 
-/// Reads an OBJ or PLY file, by the ending of its name. Colours of vertices are taken as sRGB-encoded and come back
-/// scene-linear.
-pub fn read(file: &Path) -> Result<TriangleMesh, MeshError> {
-    let error = |located: Located| MeshError { file: file.into(), line: located.line, problem: located.problem };
+/// Reads an OBJ or PLY file, by the ending of its name. Colours come back scene-linear.
+pub fn read(file: &Path, conventions: &Conventions) -> Result<Imported, MeshError> {
+    let error = |located: Located| MeshError { file: file.into(), place: located.place, problem: located.problem };
     let ending = file.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
     let parse = match ending.as_str() {
         "obj" => obj::parse,
@@ -28,17 +135,17 @@ pub fn read(file: &Path) -> Result<TriangleMesh, MeshError> {
         _ => return Err(error(Problem::UnknownFormat(ending).into())),
     };
     let content = content(file).map_err(|e| error(Problem::Unreadable(e).into()))?;
-    parse(&content).map_err(error)
+    parse(&content, conventions).map_err(error)
 }
 
 /// Reads the content of an OBJ file.
-pub fn read_obj(content: &[u8]) -> Result<TriangleMesh, Problem> {
-    obj::parse(content).map_err(|located| located.problem)
+pub fn read_obj(content: &[u8], conventions: &Conventions) -> Result<Imported, Problem> {
+    obj::parse(content, conventions).map_err(|located| located.problem)
 }
 
 /// Reads the content of a PLY file: text, or binary of either byte order.
-pub fn read_ply(content: &[u8]) -> Result<TriangleMesh, Problem> {
-    ply::parse(content).map_err(|located| located.problem)
+pub fn read_ply(content: &[u8], conventions: &Conventions) -> Result<Imported, Problem> {
+    ply::parse(content, conventions).map_err(|located| located.problem)
 }
 
 /// A whole regular file: a pipe or a device might never end.
@@ -49,10 +156,25 @@ fn content(file: &Path) -> std::io::Result<Vec<u8>> {
     crate::disk::read(file)
 }
 
-/// Scene-linear value of an sRGB-encoded one (IEC 61966-2-1), both 0 … 1.
-pub(super) fn linear(encoded: f64) -> f32 {
-    let value = if encoded <= 0.04045 { encoded / 12.92 } else { libm::pow((encoded + 0.055) / 1.055, 2.4) };
-    value as f32
+/// A file's content without the byte order mark of UTF-8. Refuses UTF-16, which some editors save.
+pub(super) fn without_mark(content: &[u8]) -> Result<&[u8], Problem> {
+    match content {
+        [0xef, 0xbb, 0xbf, rest @ ..] => Ok(rest),
+        [0xff, 0xfe, ..] | [0xfe, 0xff, ..] | [0, _, ..] | [_, 0, ..] => {
+            Err(Problem::malformed("is text in UTF-16, or no text; save it as UTF-8"))
+        }
+        _ => Ok(content),
+    }
+}
+
+/// A file's word for messages: short, without control characters.
+pub(super) fn shown(word: &str) -> String {
+    const MOST_CHARACTERS: usize = 32;
+    let mut shown: String = word.chars().take(MOST_CHARACTERS).flat_map(char::escape_debug).collect();
+    if word.chars().nth(MOST_CHARACTERS).is_some() {
+        shown.push('…');
+    }
+    shown
 }
 
 #[cfg(test)]
@@ -63,6 +185,18 @@ mod tests {
     use super::super::{Holes, MeshDistance};
     use super::*;
     use crate::field::Field;
+
+    fn read_obj(content: &[u8]) -> Result<TriangleMesh, Problem> {
+        super::read_obj(content, &Conventions::default()).map(|imported| imported.mesh)
+    }
+
+    fn read_ply(content: &[u8]) -> Result<TriangleMesh, Problem> {
+        super::read_ply(content, &Conventions::default()).map(|imported| imported.mesh)
+    }
+
+    fn read(file: &Path) -> Result<TriangleMesh, MeshError> {
+        super::read(file, &Conventions::default()).map(|imported| imported.mesh)
+    }
 
     fn obj_of(mesh: &TriangleMesh) -> String {
         let vertices = mesh.positions().iter().map(|p| format!("v {} {} {}\n", p.x, p.y, p.z));
@@ -131,6 +265,86 @@ mod tests {
         assert!(colour[0] == 1.0 && (colour[1] - 0.214_041).abs() < 1e-5 && colour[2] == 0.0, "{colour:?}");
     }
 
+    /// Ways to write one cube, and what there is to say about each.
+    #[test]
+    fn obj_is_written_in_many_ways() {
+        let cube = "v -1 -1 -1\nv 1 -1 -1\nv 1 1 -1\nv -1 1 -1\nv -1 -1 1\nv 1 -1 1\nv 1 1 1\nv -1 1 1\n\
+                    f 1 4 3 2\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n";
+        let remarks = |text: &str| {
+            let imported = super::read_obj(text.as_bytes(), &Conventions::default()).unwrap();
+            assert_eq!(imported.mesh.volume(), 8.0, "{text}");
+            assert!(imported.mesh.topology().is_closed(), "{text}");
+            imported.remarks
+        };
+        let face = |other: &str| cube.replace("f 1 4 3 2", other);
+        let (vertices, faces) = cube.split_at(cube.find('f').unwrap());
+        for text in [
+            cube.replace('\n', "\r"),
+            cube.replace('\n', "\r\n"),
+            cube.replace(' ', "\t"),
+            cube.replace("f 1 4", "f 1\\\r\n 4"),
+            format!("\u{feff}{cube}"),
+            format!("# C:\\meshes\\\n{cube}"),
+            format!("{cube}o a name\ng a b\ns off\np 1\nl 1 2 3\n# \\"),
+            format!("{faces}{vertices}"),
+            face("f 1 4 \\ \t\n3 2"),
+            face("f 1 4 \\ # and so on \\\n# between\n3 2"),
+            face("vn 0 0 1\nvt 0 0\nf 1//1 4//1 3//1 2//1"),
+            face("vn 0 0 1\nvt 0 0\nf 1/1/1 4//1 3/1 2"),
+            face("f -8 -5 -6 -7"),
+            face("fo 1 4 3 2"),
+            face("f 1 1 4 3 2 2 1"),
+            face(&format!("f 1 4 3 2{}#{}", " ".repeat(1 << 17), "x".repeat(1 << 17))),
+        ] {
+            assert_eq!(remarks(&text), [], "{text}");
+        }
+        let says = |text: &str, place: Option<Place>, part: &str| {
+            let remarks = remarks(text);
+            let [remark] = remarks.as_slice() else { panic!("{remarks:?}") };
+            assert!(remark.place == place && remark.text.contains(part), "{remark:?}");
+        };
+        let line = |number| Some(Place::Line(number));
+        says(&format!("{cube}f 1 2\nf 3\nf\n"), line(15), "a face of 2 corners bounds nothing: it and 2 others");
+        says(&face("f 1 4 3 2\nf 4 3 2 1"), line(10), "copy of that of line 9");
+        // Written twice with vertices of its own.
+        let own = "v -1 -1 -1\nv -1 1 -1\nv 1 1 -1\nv 1 -1 -1\nf -4 -3 -2 -1\n";
+        says(&format!("{cube}{own}"), line(19), "copy of that of line 9");
+        says(&format!("{cube}{cube}"), line(23), "6 faces are there more than once, this one already as line 9");
+        says(&format!("{cube}surf 0 1 0 1 1 2 3\n"), line(15), "'surf'");
+        says(&format!("{cube}#MRGB ffff0000\n"), line(15), "polypaint");
+        says(&format!("{cube}usemtl a\x1bb\nusemtl c\n"), line(15), "`usemtl a\\u{1b}b`");
+        says(&format!("# Blender v2.93.1 OBJ File: ''\n{cube}"), None, "Blender");
+        let bow = "v 5 0 0\nv 6 1 0\nv 6 0 0\nv 5 1 0\n";
+        says(
+            &format!("{cube}{bow}f -4 -3 -2 -1\nf -1 -2 -3 -4\n"),
+            line(19),
+            "2 faces of four corners cross themselves",
+        );
+
+        let fails = |text: &str, line: usize, part: &str| {
+            let error = obj::parse(text.as_bytes(), &Conventions::default()).unwrap_err();
+            assert!(error.place == Some(Place::Line(line)) && error.problem.to_string().contains(part), "{error:?}");
+        };
+        fails(&face("f 1 4\n3 2"), 10, "begins with a number");
+        fails(&face("f 1 4 3 9"), 9, "a face names vertex 9, but there are 8, counted from 1");
+        fails(&cube.replace("v 1 1 1", "v 1 1e35 1"), 7, "vertex 7 is at (1, 1000");
+        fails(&cube.replace("v 1 1 1", "v 1 1 1\0"), 7, "'1\\0' is not a number");
+        fails(&cube.replace("v 1 1 1", "v 1 \\\n1 \x1b[31m"), 7, "'\\u{1b}[31m' is not a number");
+        fails(&format!("{cube}f 1 4 \\"), 15, "nothing follows");
+    }
+
+    #[test]
+    fn files_are_turned() {
+        let turned = |turn| {
+            let conventions = Conventions { turn, ..Conventions::default() };
+            let text = "v 1 2 3\nv 4 5 7\nv 7 9 11\nf 1 2 3\n";
+            super::read_obj(text.as_bytes(), &conventions).unwrap().mesh.positions()[0].to_array()
+        };
+        assert_eq!(turned(Turn::None), [1.0, 2.0, 3.0]);
+        assert_eq!(turned(Turn::YToZ), [1.0, -3.0, 2.0]);
+        assert_eq!(turned(Turn::ZToY), [1.0, 3.0, -2.0]);
+    }
+
     #[test]
     fn what_is_wrong_is_said() {
         let says = |content: &str, part: &str| {
@@ -145,7 +359,7 @@ mod tests {
         says("v 0 0 0\nf 1 2 3\n", "names vertex 2, but there are 1");
         says("v 0 0 0\nf 0 1 1\n", "names vertex 0");
         says("v 0 0 0\nf -9223372036854775808 1 1\n", "names vertex");
-        says("v 0 0 0\nf 1 1\n", "2 corners");
+        says("v 0 0 0\nf 1 1\n", "no triangle with an area");
         says("v 0 0 0\nv 1 1 1\nf 1 2 1\n", "no triangle with an area");
         says("v 0 0 0 1 0 0\nv 1 1 1\n", "others have none");
         says("v 0 0 0\nv 1 1 1 1 0 0\n", "others have none");
@@ -158,15 +372,15 @@ mod tests {
         };
         let whole = ply_of(&cube(1.0, 1), "binary_little_endian");
         says(&whole[..whole.len() - 1], "cut short");
-        says(&[], "cut short");
-        says(b"solid thing\n", "no PLY file");
+        says(&[], "is empty: the file is cut short");
+        says(b"solid thing\n", "is this a PLY file?");
         says(ply_header("ascii", 10_usize.pow(15), 1).as_bytes(), "more than its size can hold");
         says(b"ply\nformat binary_little_endian 1.0\nelement thing 99999999999\nend_header\n", "more than its size");
         let text = |last: &str| ply_header("ascii", 1, 1) + "0 0 0 1 1 1\n" + last;
         says(text("3 0 0 1\n").as_bytes(), "names vertex 1, but there are 1");
         says(text("3 0 0 -1\n").as_bytes(), "names vertex -1");
-        says(text("2 0 0\n").as_bytes(), "2 corners");
-        says(text("300000000 0 0\n").as_bytes(), "no PLY file");
+        says(text("2 0 0\n").as_bytes(), "no triangle with an area");
+        says(text("300000000 0 0\n").as_bytes(), "'300000000 0 0' are not the numbers");
     }
 
     #[test]

@@ -2,6 +2,7 @@
 
 use glam::DVec3;
 
+use super::error::Element;
 use super::{Problem, Topology};
 use crate::field::Aabb;
 
@@ -37,10 +38,10 @@ impl TriangleMesh {
         }
         let usable = |p: &DVec3| p.is_finite() && p.abs().max_element() <= LARGEST_COORDINATE;
         if let Some(vertex) = positions.iter().position(|p| !usable(p)) {
-            return Err(Problem::BadCoordinate { vertex, value: positions[vertex].to_array() });
+            return Err(Problem::BadCoordinate { vertex: vertex_from_0(vertex), value: positions[vertex].to_array() });
         }
         if let Some(&index) = triangles.iter().flatten().find(|&&index| index as usize >= positions.len()) {
-            return Err(Problem::IndexOutOfRange { index: i64::from(index), vertices: positions.len() });
+            return Err(Problem::IndexOutOfRange { index: i64::from(index), vertices: positions.len(), first: 0 });
         }
         if let Some(colours) = &colours {
             check_colours(colours, positions.len())?;
@@ -114,5 +115,11 @@ fn check_colours(colours: &[[f32; 3]], vertices: usize) -> Result<(), Problem> {
         return Err(Problem::malformed(format!("{} colours for {vertices} vertices", colours.len())));
     }
     let bad = colours.iter().position(|colour| colour.iter().any(|c| !c.is_finite() || *c < 0.0));
-    bad.map_or(Ok(()), |vertex| Err(Problem::BadColour { vertex, value: colours[vertex].map(f64::from) }))
+    bad.map_or(Ok(()), |vertex| {
+        Err(Problem::BadColour { of: vertex_from_0(vertex), value: colours[vertex].map(f64::from) })
+    })
+}
+
+fn vertex_from_0(number: usize) -> Element {
+    Element::Vertex { number, first: 0 }
 }

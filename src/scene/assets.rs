@@ -1,14 +1,15 @@
 //! What a scene reads from files: once, before any frame.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashSet};
 use std::sync::Arc;
 
 use crate::attribute::VoxelValues;
-use crate::mesh::{Holes, MeshDistance, TriangleMesh, read, read_obj};
+use crate::mesh::{About, Conventions, Holes, MeshDistance, Remark, read, read_obj};
 
+use super::diagnostic::{Diagnostic, Severity};
 use super::error::Problem;
 use super::files::{FilePlace, FileReference};
-use super::model::{AttributeSource, Maker, Model, ShapeId, VoxelSource};
+use super::model::{AttributeSource, Content, Maker, Model, ShapeId, VoxelSource};
 use super::volume;
 
 /// The meshes and volumes of a scene.
@@ -18,6 +19,8 @@ pub(super) struct Assets {
     colours: BTreeMap<ShapeId, Arc<VoxelValues<3>>>,
     /// By shape and name.
     scalars: BTreeMap<(ShapeId, String), Arc<VoxelValues<1>>>,
+    /// What there is to know about the files.
+    pub warnings: Vec<Diagnostic>,
 }
 
 impl Assets {
@@ -25,10 +28,18 @@ impl Assets {
     pub fn load(model: &Model, shapes: &[ShapeId], memory_limit: Option<usize>) -> Result<Self, Problem> {
         let mut assets = Self::default();
         let (mut colours, mut scalars) = (Loaded::new(memory_limit), Loaded::new(memory_limit));
+        let coloured = meshes_with_colours(model);
         for &id in shapes {
             let shape = model.shape(id);
-            if let Maker::Mesh { file } = &shape.maker {
-                assets.meshes.insert(id, Arc::new(load_mesh(file)?));
+            if let Maker::Mesh { file, conventions, up_is_given } = &shape.maker {
+                let (mesh, mut remarks) = load_mesh(file, conventions)?;
+                assets.meshes.insert(id, Arc::new(mesh));
+                remarks.retain(|remark| match remark.about {
+                    About::Faces => true,
+                    About::Colours => coloured.contains(&id),
+                    About::Up => !up_is_given,
+                });
+                assets.warn(file, remarks);
             }
             if let Some(AttributeSource::Voxels(source)) = &shape.colour {
                 assets.colours.insert(id, colours.values(&volume::COLOURS, source)?);
@@ -40,6 +51,20 @@ impl Assets {
             }
         }
         Ok(assets)
+    }
+
+    /// Keeps what is to be said about a file, once however many shapes name it.
+    fn warn(&mut self, file: &FileReference, remarks: Vec<Remark>) {
+        for Remark { about, place, text, help } in remarks {
+            let place = place.map_or_else(String::new, |place| format!(", {place}"));
+            let mut warning = Diagnostic::warning(file.span, format!("{}{place}: {text}", file.name())).help(help);
+            if about == About::Up {
+                warning.severity = Severity::Note;
+            }
+            if self.warnings.iter().all(|known| known.message != warning.message) {
+                self.warnings.push(warning);
+            }
+        }
     }
 
     /// The mesh of a shape with the maker `mesh`, which was among those loaded.
@@ -95,14 +120,41 @@ impl<'m, const N: usize> Loaded<'m, N> {
     }
 }
 
-fn load_mesh(file: &FileReference) -> Result<MeshDistance, Problem> {
-    let triangles: TriangleMesh = match &file.place {
-        FilePlace::Disk(path) => read(path).map_err(|error| Problem::new(file.span, error.to_string()))?,
+/// The meshes whose own colours a frame shows.
+fn meshes_with_colours(model: &Model) -> HashSet<ShapeId> {
+    let mut meshes = HashSet::new();
+    let mut open = match &model.content {
+        _ if !model.output.writes(&model.output.colour_name) => Vec::new(),
+        Content::Shape(id) => vec![*id],
+        Content::Morph(morphs) => morphs.iter().flat_map(|morph| [morph.from, morph.to]).collect(),
+    };
+    let mut seen = HashSet::new();
+    while let Some(id) = open.pop() {
+        if !seen.insert(id) {
+            continue;
+        }
+        let shape = model.shape(id);
+        match &shape.colour {
+            Some(source) => open.extend(source.parts()),
+            None => open.extend(shape.maker.painters()),
+        }
+        if shape.colour.is_none() && matches!(shape.maker, Maker::Mesh { .. }) {
+            meshes.insert(id);
+        }
+    }
+    meshes
+}
+
+fn load_mesh(file: &FileReference, conventions: &Conventions) -> Result<(MeshDistance, Vec<Remark>), Problem> {
+    let imported = match &file.place {
+        FilePlace::Disk(path) => read(path, conventions).map_err(|error| Problem::new(file.span, error.to_string()))?,
         FilePlace::BuiltIn(_) => {
             let bytes = file.read().unwrap_or_default();
-            read_obj(&bytes).map_err(|error| Problem::new(file.span, format!("{}: {error}", file.name())))?
+            read_obj(&bytes, conventions)
+                .map_err(|error| Problem::new(file.span, format!("{}: {error}", file.name())))?
         }
     };
-    MeshDistance::new(triangles, Holes::Refuse)
-        .map_err(|error| Problem::new(file.span, format!("{}: {error}", file.name())))
+    let mesh = MeshDistance::new(imported.mesh, Holes::Refuse)
+        .map_err(|error| Problem::new(file.span, format!("{}: {error}", file.name())))?;
+    Ok((mesh, imported.remarks))
 }

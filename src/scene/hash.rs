@@ -12,7 +12,7 @@ impl Model {
         let mut digest = Sha256::new();
         digest.update(self.canonical.as_bytes());
         for shape in &self.shapes {
-            let mesh = if let Maker::Mesh { file } = &shape.maker { Some(file) } else { None };
+            let mesh = if let Maker::Mesh { file, .. } = &shape.maker { Some(file) } else { None };
             let colour = shape.colour.iter().filter_map(AttributeSource::file);
             let voxels = colour.chain(shape.scalars.values().filter_map(AttributeSource::file));
             for file in mesh.into_iter().chain(voxels) {

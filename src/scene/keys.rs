@@ -393,9 +393,23 @@ pub const MAKERS: &[Maker] = &[
             "mesh",
             Kind::Path,
             Required,
-            "A closed mesh: OBJ, PLY. Its vertex colours are its colour where `color` is left out.",
+            "A closed mesh: OBJ, PLY. The colours of its vertices, or of its faces (PLY), are its colour where `color` is left out; materials are not read.",
         ),
-        parameters: &[],
+        parameters: &[
+            Key::new(
+                "up",
+                Kind::Choice(&["y", "z"]),
+                Words("the scene's `up`"),
+                "The axis that points up in the file: `\"y\"` for OBJ by Blender's default export. Where the scene's is another, the mesh is turned: (x, y, z) becomes (x, −z, y), or back.",
+            ),
+            Key::new(
+                "vertex_colors",
+                Kind::Choice(&["srgb", "linear"]),
+                Text("srgb"),
+                "How the file's colours are encoded. `linear`: scene-linear Rec.709, which may be above 1.",
+            )
+            .also(&["vertex_colours"]),
+        ],
         formula: "the signed distance to it",
     },
     Maker {

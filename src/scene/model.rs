@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use crate::attribute::{Choice, Components, Mixer, Outside, Overlap, Straight};
 use crate::distance::without::Keep;
+use crate::mesh::Conventions;
 
 use super::diagnostic::Diagnostics;
 use super::files::FileReference;
@@ -127,8 +128,8 @@ pub enum Maker {
     Heart { width: Number },
     /// F itself.
     Formula { formula: Formula, span: Span },
-    /// A mesh.
-    Mesh { file: FileReference },
+    /// A mesh. `up_is_given`: whether its file's up axis is known, not only taken for the scene's.
+    Mesh { file: FileReference, conventions: Conventions, up_is_given: bool },
     /// All that is in any.
     Union { operands: Vec<ShapeId>, seam: f64 },
     /// What is in all.

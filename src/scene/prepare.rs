@@ -117,6 +117,7 @@ fn prepare(model: &Arc<Model>, options: &PrepareOptions<'_>) -> Result<Prepared,
         &options.cancel,
     );
     let mut warnings = solids.cut_by_bounds(&parts)?;
+    warnings.extend(assets.warnings.iter().cloned());
     let (content, extent, lattice) = match &model.content {
         Content::Shape(id) => ready_shape(model, &mut solids, &variation, *id, options)?,
         Content::Morph(morphs) => ready_morphs(model, &mut solids, &variation, morphs, options)?,

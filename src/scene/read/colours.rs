@@ -256,7 +256,7 @@ impl<'r, 'a> Building<'r, 'a> {
         let value = self.resolve("palette", &palettes, value, path)?;
         // Its problems were said where it stands.
         let quiet = Reader::new(self.reader.sources, self.reader.names.clone());
-        let silent = Building::new(&quiet, self.surroundings, self.root, self.seed);
+        let silent = Building::new(&quiet, self.surroundings, self.root, self.seed, self.up);
         silent.palette(name, value).map(Choice::Palette)
     }
 

@@ -3,6 +3,7 @@
 use glam::DVec3;
 
 use crate::field::Aabb;
+use crate::mesh::{Conventions, Encoding, Turn};
 
 use super::super::diagnostic::{Diagnostic, clip, listed};
 use super::super::formula::Formula;
@@ -100,7 +101,7 @@ impl<'r, 'a> Building<'r, 'a> {
             }
             "heart" => Maker::Heart { width: fields.required_number("heart") },
             "formula" => self.formula(fields)?,
-            "mesh" => Maker::Mesh { file: self.file("mesh", fields)? },
+            "mesh" => self.mesh(fields)?,
             "union" => Maker::Union {
                 operands: self.operands("union", 1, fields, id, may_nest)?,
                 seam: fields.constant("seam").unwrap_or(0.0),
@@ -117,6 +118,22 @@ impl<'r, 'a> Building<'r, 'a> {
             },
             _ => self.facet(fields, id, may_nest)?,
         })
+    }
+
+    fn mesh(&self, fields: &Fields<'r, 'a>) -> Option<Maker> {
+        let file = self.file("mesh", fields)?;
+        let up = fields.choice("up");
+        let turn = match (up.unwrap_or(self.up), self.up) {
+            ("y", "z") => Turn::YToZ,
+            ("z", "y") => Turn::ZToY,
+            _ => Turn::None,
+        };
+        let colours = match fields.choice("vertex_colors") {
+            Some("linear") => Encoding::Linear,
+            _ => Encoding::Srgb,
+        };
+        let up_is_given = up.is_some() || self.up == "y";
+        Some(Maker::Mesh { file, conventions: Conventions { turn, colours }, up_is_given })
     }
 
     fn formula(&self, fields: &Fields<'r, 'a>) -> Option<Maker> {

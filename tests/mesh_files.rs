@@ -1,0 +1,324 @@
+//! Mesh files as they come: each is read as its maker meant it, or a message says what is not, and where.
+
+mod support;
+
+use std::fmt::Write;
+
+use serde_json::Value;
+use support::{Run, Workplace, json};
+
+/// A file that once was read wrongly.
+fn kept(name: &str) -> Vec<u8> {
+    let path = format!("{}/tests/data/meshes/{name}", env!("CARGO_MANIFEST_DIR"));
+    std::fs::read(&path).unwrap_or_else(|error| panic!("{path}: {error}"))
+}
+
+/// Bakes a mesh alone, with more keys beside `mesh`.
+fn bake(name: &str, content: impl AsRef<[u8]>, keys: &str) -> (Workplace, Run) {
+    let place = Workplace::new();
+    place.write(name, content);
+    place.write("s.toml", format!("hfvdb = 1\n[shape.m]\nmesh = \"{name}\"\n{keys}\n"));
+    let run = place.hfvdb("bake s.toml -o o.vdb --resolution 48 --json");
+    (place, run)
+}
+
+fn volume(run: &Run) -> f64 {
+    json(&run.stdout)["frames"][0]["volume"].as_f64().unwrap_or_else(|| panic!("no volume: {}", run.stdout))
+}
+
+/// Bakes a kept file that must come out with a volume; gives the messages.
+fn baked(name: &str, wanted: f64) -> String {
+    let (_, run) = bake(name, kept(name), "");
+    let run = run.ok();
+    assert!((volume(&run) - wanted).abs() < 0.02 * wanted, "{name}: volume {}\n{}", volume(&run), run.stderr);
+    run.stderr
+}
+
+fn says(text: &str, parts: &[&str]) {
+    for part in parts {
+        assert!(text.contains(part), "no \"{part}\" in:\n{text}");
+    }
+}
+
+/// What `info` says about a grid of a file.
+fn grid(place: &Workplace, file: &str, name: &str) -> Value {
+    let info = json(&place.hfvdb(&format!("info {file} --json")).ok().stdout);
+    let grids = info["files"][0]["grids"].as_array().expect("a list");
+    grids.iter().find(|grid| grid["name"] == name).unwrap_or_else(|| panic!("no {name}: {info}")).clone()
+}
+
+fn three(value: &Value) -> [f64; 3] {
+    std::array::from_fn(|c| value[c].as_f64().unwrap_or_else(|| panic!("{value}")))
+}
+
+/// The linear colours of the file that was baked, least and greatest.
+fn colours(place: &Workplace) -> [[f64; 3]; 2] {
+    let grid = grid(place, "o.vdb", "Cd");
+    ["least", "greatest"].map(|end| three(&grid["range"][end]))
+}
+
+/// The axis along which a file's surface is longest.
+fn longest(place: &Workplace, file: &str) -> usize {
+    let index_box = &grid(place, file, "surface")["index_box"];
+    let (min, max) = (three(&index_box[0]), three(&index_box[1]));
+    (0..3).max_by(|a, b| (max[*a] - min[*a]).total_cmp(&(max[*b] - min[*b]))).expect("three axes")
+}
+
+fn is_orange(place: &Workplace) {
+    let [min, max] = colours(place);
+    for colour in [min, max] {
+        // sRGB (255, 128, 0).
+        let distance: f64 = colour.iter().zip([1.0, 0.215_861, 0.0]).map(|(a, b)| (a - b).abs()).sum();
+        assert!(distance < 1e-5, "{colour:?}");
+    }
+}
+
+/// A prism of a polygon along z, from −0.5 to 0.5, its ends one face each.
+fn prism(outline: &[[f64; 2]]) -> String {
+    let (mut text, count) = (String::new(), outline.len());
+    for z in [-0.5, 0.5] {
+        outline.iter().for_each(|[x, y]| writeln!(text, "v {x:.6} {y:.6} {z}").expect("it is a text"));
+    }
+    let face = |corners: &mut dyn Iterator<Item = usize>| {
+        corners.fold("f".to_owned(), |face, corner| format!("{face} {corner}")) + "\n"
+    };
+    text += &face(&mut (1..=count).rev());
+    text += &face(&mut (count + 1..=2 * count));
+    for i in 0..count {
+        let next = (i + 1) % count;
+        text += &face(&mut [i + 1, next + 1, count + next + 1, count + i + 1].into_iter());
+    }
+    text
+}
+
+#[test]
+fn a_hole_joined_by_a_bridge_is_a_hole() {
+    assert_eq!(baked("bridged-hole.obj", 3.0), "");
+}
+
+#[test]
+fn a_face_of_2600_corners() {
+    let outline: Vec<[f64; 2]> = (0..2600)
+        .map(|i| {
+            let radius = if i / 50 % 2 == 0 { 1.0 } else { 0.5 };
+            let (sin, cos) = (f64::from(i) * std::f64::consts::TAU / 2600.0).sin_cos();
+            [radius * cos, radius * sin]
+        })
+        .collect();
+    let (_, run) = bake("gear.obj", prism(&outline), "");
+    let run = run.ok();
+    assert!((volume(&run) - 1.9556).abs() < 0.02, "{}", volume(&run));
+}
+
+#[test]
+fn a_face_that_crosses_itself_is_an_error() {
+    let star: Vec<[f64; 2]> = (0..5)
+        .map(|i| {
+            let (sin, cos) = (f64::from(2 * i) * std::f64::consts::TAU / 5.0).sin_cos();
+            [cos, sin]
+        })
+        .collect();
+    let (_, run) = bake("star.obj", prism(&star), "");
+    run.fails(
+        1,
+        &["star.obj, line 11: a face of 5 corners crosses or overlaps itself near (", "export it in triangles"],
+    );
+}
+
+#[test]
+fn a_face_of_four_corners_that_crosses_itself_is_said() {
+    let bow = [[-1.0, -1.0], [1.0, 1.0], [1.0, -1.0], [-1.0, 1.2]];
+    let (_, run) = bake("bow.obj", prism(&bow), "");
+    says(&run.stderr, &["bow.obj, line 9: 2 faces of four corners cross themselves"]);
+}
+
+#[test]
+fn no_line_is_swallowed() {
+    assert_eq!(baked("comment-ends-in-backslash.obj", 8.0), "");
+    assert_eq!(baked("byte-order-mark.obj", 8.0), "");
+    assert_eq!(baked("continuation-then-blank.obj", 8.0), "");
+}
+
+#[test]
+fn faces_that_bound_nothing_are_said() {
+    says(
+        &baked("two-corner-face.obj", 8.0),
+        &["warning: two-corner-face.obj, line 15: a face of 2 corners bounds nothing: it is left out"],
+    );
+    says(
+        &baked("duplicate-faces.obj", 8.0),
+        &["duplicate-faces.obj, line 15: 2 faces are there more than once, this one already as line 9"],
+    );
+}
+
+#[test]
+fn vertices_are_counted_as_in_the_file() {
+    let (_, run) = bake("m.obj", kept("numbers-in-messages.obj"), "");
+    run.fails(1, &["m.obj, line 2: the colour (2, 0, 0) of vertex 2 is not within"]);
+    let cube = kept("colour-called-diffuse.ply");
+    let text = String::from_utf8(cube).expect("it is a text").replacen("-1 1 -1", "-1 nan -1", 1);
+    let (_, run) = bake("m.ply", text.replace("nan", "1e40"), "");
+    run.fails(1, &["m.ply, line 15: vertex 3 (counted from 0) is at (-1, 1", "no usable position"]);
+    let (_, run) = bake("m.ply", text.replace("nan", "1").replace("4 3 0 4 7", "4 3 0 4 8"), "");
+    run.fails(1, &["m.ply, line 25: a face names vertex 8, but there are 8, counted from 0"]);
+}
+
+#[test]
+fn colours_of_other_names_and_of_faces() {
+    for name in ["colour-called-diffuse.ply", "face-colours-dropped.ply"] {
+        let (place, run) = bake(name, kept(name), "");
+        assert_eq!(run.ok().stderr.matches("warning").count(), 0, "{name}");
+        is_orange(&place);
+    }
+    let single_letters = String::from_utf8(kept("colour-called-diffuse.ply")).expect("it is a text");
+    let single_letters =
+        single_letters.replace("diffuse_red", "r").replace("diffuse_green", "g").replace("diffuse_blue", "b");
+    let (place, run) = bake("m.ply", single_letters, "");
+    run.ok();
+    is_orange(&place);
+}
+
+#[test]
+fn colours_that_are_not_read_are_said() {
+    let name = "material-colour-dropped.obj";
+    says(
+        &baked(name, 8.0),
+        &["warning: material-colour-dropped.obj, line 10: ", "materials (`usemtl red`)", "`color`"],
+    );
+    // Where it is not the mesh's colour that is shown there is nothing to say.
+    for keys in ["color = 'red'", "[output]\ngrids = ['surface']"] {
+        let (_, run) = bake(name, kept(name), keys);
+        assert!(!run.ok().stderr.contains("usemtl"), "{keys}");
+    }
+    let odd = String::from_utf8(kept("colour-called-diffuse.ply")).expect("it is a text");
+    let (_, run) = bake("m.ply", odd.replace("diffuse_blue", "emissive_blue"), "");
+    says(&run.ok().stderr, &["m.ply: what looks like colours is not read: 'diffuse_red' of 'vertex'"]);
+    let textured = odd
+        .replace("diffuse_", "n")
+        .replace("comment", "")
+        .replace("element face", "comment TextureFile t.png\nelement face");
+    let (_, run) = bake("m.ply", textured, "");
+    says(&run.ok().stderr, &["m.ply: the mesh's texture 't.png' is not read"]);
+}
+
+#[test]
+fn white_stays_white() {
+    let name = "white-mesh-above-one.obj";
+    let (place, run) = bake(name, kept(name), "rotate = [10, 20, 30]");
+    assert!(!run.ok().stderr.contains("above 1"));
+    assert_eq!(colours(&place), [[1.0; 3]; 2]);
+    assert!(!place.hfvdb("check o.vdb").ok().stderr.contains("above 1"));
+}
+
+#[test]
+fn linear_colours_can_be_said_to_be() {
+    let text = String::from_utf8(kept("colour-called-diffuse.ply")).expect("it is a text");
+    let text = text.replace("uchar diffuse_", "float ").replace("255 128 0", "3.5 0.25 0");
+    let (_, run) = bake("m.ply", &text, "");
+    run.fails(1, &["m.ply, line 12: the colour (3.5, 0.25, 0) of vertex 0", "vertex_colors = \"linear\""]);
+    let (place, run) = bake("m.ply", &text, "vertex_colors = 'linear'");
+    run.ok();
+    assert_eq!(colours(&place), [[3.5, 0.25, 0.0]; 2]);
+}
+
+/// A wedge whose sharp edge points along y, as Blender's export has one that points up.
+fn wedge(header: &str) -> String {
+    format!(
+        "{header}\nv -1 0 -1\nv 1 0 -1\nv 1 0 1\nv -1 0 1\nv 0 3 -1\nv 0 3 1\n\
+         f 1 2 3 4\nf 1 5 2\nf 4 3 6\nf 2 5 6 3\nf 1 4 6 5\n"
+    )
+}
+
+#[test]
+fn the_up_axis_of_a_file() {
+    let blender = wedge("# Blender 4.2.1 LTS\n# www.blender.org");
+    let (place, run) = bake("w.obj", &blender, "");
+    says(&run.ok().stderr, &["note: w.obj: the file is by Blender", "`up = \"y\"`"]);
+    assert_eq!(longest(&place, "o.vdb"), 1);
+    let (place, run) = bake("w.obj", &blender, "up = 'y'");
+    assert_eq!(run.ok().stderr.matches("Blender").count(), 0);
+    assert_eq!(longest(&place, "o.vdb"), 2);
+    // A scene with y up takes such files as they are.
+    let place = Workplace::new();
+    place.write("w.obj", &blender);
+    for (up, axis) in [("", 1), ("up = 'y'\n", 1), ("up = 'z'\n", 2)] {
+        place.write("s.toml", format!("hfvdb = 1\nup = 'y'\n[shape.m]\nmesh = 'w.obj'\n{up}"));
+        let run = place.hfvdb("bake s.toml -o o.vdb --resolution 32 --overwrite").ok();
+        assert!(!run.stderr.contains("Blender"), "{}", run.stderr);
+        assert_eq!(longest(&place, "o.vdb"), axis, "{up}");
+    }
+    place.write("plain.obj", wedge(""));
+    let run = place.hfvdb("morph w.obj plain.obj -o m.####.vdb --shot 1-2 --resolution 24 --up y").ok();
+    assert!(!run.stderr.contains("Blender"), "{}", run.stderr);
+    assert_eq!(longest(&place, "m.0002.vdb"), 2);
+}
+
+/// One line each, with the file and the line.
+#[test]
+fn what_is_wrong_with_a_ply() {
+    let place = Workplace::new();
+    place.write("m.ply", kept("line-of-letters.ply"));
+    place.write("s.toml", "hfvdb = 1\n[shape.m]\nmesh = \"m.ply\"\n");
+    place
+        .hfvdb("check s.toml")
+        .fails(1, &["m.ply, line 10: 'AAAA", "are not the numbers that the header announces of 'vertex': x y z"]);
+    let good = String::from_utf8(kept("face-colours-dropped.ply")).expect("it is a text");
+    for (from, to, message) in [
+        ("ply\n", "plx\n", "m.ply: does not begin with the line 'ply'"),
+        ("property float y", "property half y", "m.ply, line 5: 'property half y' is no line of a header"),
+        ("property float y", "property float x", "m.ply, line 5: 'x' is there twice in the header"),
+        ("property float y", "property float why", "m.ply: its vertices have no number 'y'"),
+        ("property list uchar int", "property list uchar float", "m.ply: its faces' 'vertex_indices' are no list"),
+        ("vertex_indices", "corners", "m.ply: its faces have no list 'vertex_indices'"),
+        ("element vertex 8", "element vertex 9", "m.ply, line 21: "),
+        ("element face 6", "element face 7", "ends within the 7 of 'face': the file is cut short"),
+        ("element face 6", "element tristrips 6", "m.ply: holds triangle strips ('tristrips')"),
+        ("end_header\n", "", "m.ply, line 12: '-1 -1 -1' is no line of a header"),
+        ("\n", "\r", "m.ply: its header's lines end in CR alone"),
+        ("ply", "\u{1b}[31mply", "m.ply: does not begin"),
+        ("-1 -1 -1", "-1 \u{1b}[31m -1", "m.ply, line 13: '-1 \\u{1b}[31m -1' are not"),
+    ] {
+        place.write("m.ply", good.replacen(from, to, if from == "\n" { 99 } else { 1 }));
+        let run = place.hfvdb("check s.toml");
+        run.fails(1, &[message]);
+        let first = run.stderr.lines().next().unwrap_or_default();
+        assert!(first.starts_with("error: m.ply") && !run.stderr.contains('\u{1b}'), "{}", run.stderr);
+        assert_eq!(run.stderr.lines().count(), 5, "{}", run.stderr);
+    }
+    for (from, to) in [
+        ("uchar int", "uint8 uint32"),
+        ("uchar int", "int short"),
+        ("indices", "index"),
+        ("ply\n", "\u{feff}ply\n"),
+        ("\n", "\r\n"),
+    ] {
+        place.write("m.ply", good.replacen(from, to, if from == "\n" { 99 } else { 1 }));
+        place.hfvdb("check s.toml").ok();
+    }
+}
+
+#[test]
+fn text_of_other_encodings() {
+    let cube = String::from_utf8(kept("two-corner-face.obj")).expect("it is a text").replace("f 1 2\n", "");
+    let wide = |mark: bool, little: bool| -> Vec<u8> {
+        let units = mark.then_some(0xfeff).into_iter().chain(cube.encode_utf16());
+        units.flat_map(|unit| if little { unit.to_le_bytes() } else { unit.to_be_bytes() }).collect()
+    };
+    for (mark, little) in [(true, true), (true, false), (false, true), (false, false)] {
+        let (_, run) = bake("m.obj", wide(mark, little), "");
+        run.fails(1, &["m.obj: is text in UTF-16", "save it as UTF-8"]);
+    }
+    for ends in ["\r", "\r\n"] {
+        let (_, run) = bake("m.obj", cube.replace('\n', ends), "");
+        assert!((volume(&run.ok()) - 8.0).abs() < 0.1);
+    }
+    // Scenes saved by an editor that begins them with a mark.
+    let place = Workplace::new();
+    place.write("m.obj", &cube);
+    place.write("s.toml", "\u{feff}hfvdb = 1\n[shape.m]\nmesh = \"m.obj\"\n");
+    place.write("s.json", "\u{feff}{\"hfvdb\": 1, \"shape\": {\"m\": {\"mesh\": \"m.obj\"}}}");
+    place.hfvdb("check s.toml").ok();
+    place.hfvdb("check s.json").ok();
+    place.write("wide.toml", wide(true, true));
+    place.hfvdb("check wide.toml").fails(1, &["wide.toml", "UTF-8"]);
+}
