@@ -34,6 +34,11 @@ fn baked(name: &str, wanted: f64) -> String {
     run.stderr
 }
 
+/// Only that the frame is there.
+fn nothing_is_said(text: &str) {
+    assert!(text.starts_with("1 frame, ") && text.lines().count() == 1, "{text}");
+}
+
 fn says(text: &str, parts: &[&str]) {
     for part in parts {
         assert!(text.contains(part), "no \"{part}\" in:\n{text}");
@@ -93,7 +98,7 @@ fn prism(outline: &[[f64; 2]]) -> String {
 
 #[test]
 fn a_hole_joined_by_a_bridge_is_a_hole() {
-    assert_eq!(baked("bridged-hole.obj", 3.0), "");
+    nothing_is_said(&baked("bridged-hole.obj", 3.0));
 }
 
 #[test]
@@ -134,9 +139,9 @@ fn a_face_of_four_corners_that_crosses_itself_is_said() {
 
 #[test]
 fn no_line_is_swallowed() {
-    assert_eq!(baked("comment-ends-in-backslash.obj", 8.0), "");
-    assert_eq!(baked("byte-order-mark.obj", 8.0), "");
-    assert_eq!(baked("continuation-then-blank.obj", 8.0), "");
+    for name in ["comment-ends-in-backslash.obj", "byte-order-mark.obj", "continuation-then-blank.obj"] {
+        nothing_is_said(&baked(name, 8.0));
+    }
 }
 
 #[test]
@@ -158,9 +163,9 @@ fn vertices_are_counted_as_in_the_file() {
     let cube = kept("colour-called-diffuse.ply");
     let text = String::from_utf8(cube).expect("it is a text").replacen("-1 1 -1", "-1 nan -1", 1);
     let (_, run) = bake("m.ply", text.replace("nan", "1e40"), "");
-    run.fails(1, &["m.ply, line 15: vertex 3 (counted from 0) is at (-1, 1", "no usable position"]);
+    run.fails(1, &["m.ply, line 16: vertex 3 (counted from 0) is at (-1, inf", "no usable position"]);
     let (_, run) = bake("m.ply", text.replace("nan", "1").replace("4 3 0 4 7", "4 3 0 4 8"), "");
-    run.fails(1, &["m.ply, line 25: a face names vertex 8, but there are 8, counted from 0"]);
+    run.fails(1, &["m.ply, line 26: a face names vertex 8, but there are 8, counted from 0"]);
 }
 
 #[test]
@@ -215,7 +220,7 @@ fn linear_colours_can_be_said_to_be() {
     let text = String::from_utf8(kept("colour-called-diffuse.ply")).expect("it is a text");
     let text = text.replace("uchar diffuse_", "float ").replace("255 128 0", "3.5 0.25 0");
     let (_, run) = bake("m.ply", &text, "");
-    run.fails(1, &["m.ply, line 12: the colour (3.5, 0.25, 0) of vertex 0", "vertex_colors = \"linear\""]);
+    run.fails(1, &["m.ply, line 13: the colour (3.5, 0.25, 0) of vertex 0", "vertex_colors = \"linear\""]);
     let (place, run) = bake("m.ply", &text, "vertex_colors = 'linear'");
     run.ok();
     assert_eq!(colours(&place), [[3.5, 0.25, 0.0]; 2]);
@@ -270,7 +275,7 @@ fn what_is_wrong_with_a_ply() {
         ("property float y", "property float why", "m.ply: its vertices have no number 'y'"),
         ("property list uchar int", "property list uchar float", "m.ply: its faces' 'vertex_indices' are no list"),
         ("vertex_indices", "corners", "m.ply: its faces have no list 'vertex_indices'"),
-        ("element vertex 8", "element vertex 9", "m.ply, line 21: "),
+        ("element vertex 8", "element vertex 9", "m.ply, line 27: ends within the 6 of 'face'"),
         ("element face 6", "element face 7", "ends within the 7 of 'face': the file is cut short"),
         ("element face 6", "element tristrips 6", "m.ply: holds triangle strips ('tristrips')"),
         ("end_header\n", "", "m.ply, line 12: '-1 -1 -1' is no line of a header"),
