@@ -151,7 +151,7 @@ fn check_names(content: &[u8]) -> Result<(), Located> {
                 properties.clear();
                 (&mut elements, words.next())
             }
-            Some(b"property") => (&mut properties, words.last()),
+            Some(b"property") => (&mut properties, words.next_back()),
             Some(b"end_header") => break,
             _ => continue,
         };
