@@ -7,7 +7,9 @@ use parry3d_f64::bounding_volume::Aabb as ParryBox;
 use parry3d_f64::partitioning::{Bvh, BvhBuildStrategy, BvhNode, TraversalAction};
 
 use super::closest::{Closest, Part, closest, closest_of_sides};
+use super::copies::without_copies;
 use super::pseudonormals::Pseudonormals;
+use super::solid::boundary;
 use super::winding::Winding;
 use super::{MeshEvaluator, Problem, Topology, TriangleMesh};
 use crate::distance::{Distance, Foot};
@@ -40,12 +42,13 @@ pub struct Nearest {
 
 /// A triangle mesh as a field: the exact signed distance, positive inside, with its foot.
 ///
-/// The side is that of the closest part's angle-weighted normal where the surface is one closed manifold there, and
-/// that of the winding number elsewhere: at parts without an area, for pieces that overlap, for open meshes.
+/// A closed mesh is asked for the solid that its winding number gives ([`super::solid`] has the rules), and distances
+/// are to that solid's boundary alone. The side is that of the closest part's angle-weighted normal where the surface
+/// is one closed manifold there, and that of the winding number elsewhere: at parts without an area, where parts of
+/// crossing faces meet, for open meshes.
 #[derive(Debug)]
 pub struct MeshDistance {
     mesh: TriangleMesh,
-    topology: Topology,
     bounds: Aabb,
     normals: Pseudonormals,
     tree: Bvh,
@@ -54,6 +57,7 @@ pub struct MeshDistance {
     winding: Option<Winding>,
     /// Edges where orientations do not cancel, each with how much is left over. Empty for a closed mesh.
     rim: Vec<([DVec3; 2], f64)>,
+    notes: Vec<String>,
 }
 
 impl MeshDistance {
@@ -63,41 +67,61 @@ impl MeshDistance {
         super::convex::half_spaces(&self.mesh)
     }
 
-    /// Prepares a mesh for queries. A mesh that faces inward as a whole is turned over.
+    /// Prepares a mesh for queries. A mesh that faces inward as a whole is turned over; of a closed one what is no
+    /// boundary of its solid is left out.
     pub fn new(mut mesh: TriangleMesh, holes: Holes) -> Result<Self, Problem> {
         if mesh.volume() < 0.0 {
             mesh.flip();
         }
-        let topology = mesh.topology();
-        if holes == Holes::Refuse && !topology.is_closed() {
+        let mut topology = mesh.topology();
+        let mut notes = Vec::new();
+        if let Some((single, copies)) = without_copies(&mesh, &topology) {
+            let of_single = single.topology();
+            if of_single.is_closed() {
+                notes.push(note_on_copies(&mesh, &copies));
+                (mesh, topology) = (single, of_single);
+            }
+        }
+        let closed = topology.is_closed();
+        if holes == Holes::Refuse && !closed {
             return Err(Problem::Open {
                 boundary_edges: topology.boundary_edges,
                 inconsistent_edges: topology.inconsistent_edges,
             });
         }
-        let normals = Pseudonormals::new(&mesh, &topology);
-        let normals_decide = topology.is_closed() && !topology.components_overlap;
-        let sound = normals_decide && normals.all_trusted();
+        let mut tree = tree(&mesh);
+        let mut touched = Vec::new();
+        if closed {
+            let boundary = boundary(mesh, &topology, &tree)?;
+            notes.extend(boundary.notes);
+            (mesh, touched) = (boundary.mesh, boundary.touched);
+            if boundary.changed {
+                tree = self::tree(&mesh);
+                topology = mesh.topology();
+            }
+        }
+        let normals = Pseudonormals::new(&mesh, &topology, &touched);
+        let sound = closed && normals.all_trusted();
         Ok(Self {
             bounds: mesh.bounding_box(),
-            tree: tree(&mesh),
             winding: (!sound).then(|| Winding::new(&mesh)),
-            rim: rim(&mesh, &topology),
+            rim: if closed { Vec::new() } else { rim(&mesh, &topology) },
+            tree,
             normals,
-            normals_decide,
-            topology,
+            normals_decide: closed,
             mesh,
+            notes,
         })
     }
 
-    /// The mesh.
+    /// The mesh: of a closed one the boundary of its solid.
     pub fn mesh(&self) -> &TriangleMesh {
         &self.mesh
     }
 
-    /// How it hangs together.
-    pub fn topology(&self) -> &Topology {
-        &self.topology
+    /// What a user should know of the mesh that was given: how it differs from the boundary of its solid, and where.
+    pub fn notes(&self) -> &[String] {
+        &self.notes
     }
 
     /// The closest point of the mesh.
@@ -172,16 +196,7 @@ impl MeshDistance {
 
     /// Calls with every triangle whose box, grown by `margin`, meets the region, until told to stop.
     pub(super) fn visit(&self, region: &Aabb, margin: f64, mut stop: impl FnMut(u32) -> bool) {
-        let region = region.grown(margin);
-        self.tree.traverse(|node| {
-            let (low, high) = (node.mins().to_array(), node.maxs().to_array());
-            let apart = (0..3).any(|i| low[i] > region.max[i] || high[i] < region.min[i]);
-            match node.leaf_data() {
-                _ if apart => TraversalAction::Prune,
-                Some(triangle) if stop(triangle) => TraversalAction::EarlyExit,
-                _ => TraversalAction::Continue,
-            }
-        });
+        visit(&self.tree, region, margin, &mut stop);
     }
 
     /// The distance from a position to one triangle.
@@ -254,12 +269,7 @@ impl Field for MeshDistance {
     }
 
     fn slope(&self) -> Slope {
-        if self.is_closed() {
-            // Surfaces that lie within another piece are closer than the outer one.
-            Slope::Exact { outside: true, inside: !self.topology.components_overlap }
-        } else {
-            Slope::Unknown
-        }
+        if self.is_closed() { Slope::Exact { outside: true, inside: true } } else { Slope::Unknown }
     }
 
     fn reference(&self, position: DVec3) -> f64 {
@@ -304,6 +314,33 @@ fn tree(mesh: &TriangleMesh) -> Bvh {
         (t, ParryBox::new(low.to_array().into(), high.to_array().into()))
     });
     Bvh::from_iter(BvhBuildStrategy::Binned, boxes)
+}
+
+/// Calls with every triangle of a tree whose box, grown by `margin`, meets the region, until told to stop.
+pub(super) fn visit(tree: &Bvh, region: &Aabb, margin: f64, mut stop: impl FnMut(u32) -> bool) {
+    let region = region.grown(margin);
+    tree.traverse(|node| {
+        let (low, high) = (node.mins().to_array(), node.maxs().to_array());
+        let apart = (0..3).any(|i| low[i] > region.max[i] || high[i] < region.min[i]);
+        match node.leaf_data() {
+            _ if apart => TraversalAction::Prune,
+            Some(triangle) if stop(triangle) => TraversalAction::EarlyExit,
+            _ => TraversalAction::Continue,
+        }
+    });
+}
+
+fn note_on_copies(mesh: &TriangleMesh, copies: &[u32]) -> String {
+    let [a, b, c] = mesh.corners(copies[0] as usize);
+    let at = (a + b + c) / 3.0;
+    format!(
+        "{} triangles are there more than once, one at ({:.4}, {:.4}, {:.4}): each counts once; delete doubled faces \
+         to be rid of this",
+        copies.len(),
+        at.x,
+        at.y,
+        at.z
+    )
 }
 
 fn rim(mesh: &TriangleMesh, topology: &Topology) -> Vec<([DVec3; 2], f64)> {

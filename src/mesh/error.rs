@@ -93,6 +93,10 @@ pub enum Problem {
         /// Closed by count, but neighbours disagree about which side is out.
         inconsistent_edges: usize,
     },
+    /// Closed, but with the same side before and behind everywhere.
+    NoVolume,
+    /// Triangles cross one another too often to be cut apart.
+    Tangled,
 }
 
 impl Problem {
@@ -146,6 +150,13 @@ impl Display for Problem {
                 "is not closed, so it has no inside: {boundary_edges} boundary edges, {inconsistent_edges} edges whose \
                  neighbours face opposite ways; fill the holes and unify the normals"
             ),
+            Self::NoVolume => f.write_str(
+                "encloses no volume: every face lies on one that faces the other way; delete the doubled faces, or \
+                 give the surface a thickness",
+            ),
+            Self::Tangled => {
+                f.write_str("crosses itself millions of times, too often to find the solid it encloses; remesh it")
+            }
         }
     }
 }

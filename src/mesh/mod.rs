@@ -6,16 +6,21 @@
 //! colours to scene-linear once, and nowhere else.
 
 mod closest;
+mod contact;
 mod convex;
+mod copies;
+mod cut;
 mod distance;
 mod error;
 mod evaluator;
 mod faces;
 mod obj;
+mod pieces;
 mod ply;
 mod polygon;
 mod pseudonormals;
 mod read;
+mod solid;
 mod topology;
 mod triangles;
 mod winding;

@@ -23,7 +23,9 @@ pub(super) struct Pseudonormals {
 }
 
 impl Pseudonormals {
-    pub fn new(mesh: &TriangleMesh, topology: &Topology) -> Self {
+    /// `touched` says of each triangle, unless it is empty, whether it touches others than its neighbours: no edge between
+    /// two such is trusted.
+    pub fn new(mesh: &TriangleMesh, topology: &Topology, touched: &[bool]) -> Self {
         let count = mesh.triangles().len();
         let faces: Vec<DVec3> = (0..count).map(|t| mesh.area_normal(t).normalize_or_zero()).collect();
         let corners: Vec<[u32; 3]> =
@@ -33,7 +35,10 @@ impl Pseudonormals {
         let mut sides = vec![[u32::MAX; 3]; count];
         for (number, edge) in topology.edges.iter().enumerate() {
             let around: Vec<DVec3> = edge.uses.iter().map(|&(t, _)| faces[t as usize]).collect();
-            let sound = edge.is_regular() && around.iter().all(|&normal| normal != DVec3::ZERO);
+            let is_free = |&(t, _): &(u32, u8)| !touched.get(t as usize).is_some_and(|&touched| touched);
+            let sound = edge.is_regular()
+                && edge.uses.iter().any(is_free)
+                && around.iter().all(|&normal| normal != DVec3::ZERO);
             edges.push(if sound { around[0] + around[1] } else { DVec3::ZERO });
             for end in edge.ends {
                 trusted[end as usize] &= sound;

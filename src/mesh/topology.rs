@@ -1,4 +1,4 @@
-//! How triangles hang together: which edges are shared, where holes are, how many pieces there are.
+//! How triangles hang together: which edges are shared, where holes are.
 //!
 //! Vertices at one position count as one, so a file that splits vertices at seams of colour or texture is closed
 //! when its surface is.
@@ -6,7 +6,6 @@
 use glam::DVec3;
 
 use super::TriangleMesh;
-use crate::field::Aabb;
 
 /// An undirected edge between welded vertices, with the triangles around it.
 #[derive(Clone, Debug)]
@@ -35,10 +34,6 @@ pub struct Topology {
     pub inconsistent_edges: usize,
     /// Edges shared by more than two triangles.
     pub non_manifold_edges: usize,
-    /// Pieces that share no vertex.
-    pub components: usize,
-    /// Whether the boxes of two pieces overlap, so that one may lie in the other.
-    pub components_overlap: bool,
     /// The welded vertex of each vertex.
     pub(super) welded: Vec<u32>,
     /// How many welded vertices there are.
@@ -57,13 +52,10 @@ impl Topology {
         let (welded, welded_count) = weld(mesh.positions());
         let edges = edges(mesh, &welded);
         let odd = |edge: &&Edge| edge.uses.len() % 2 == 1;
-        let (components, components_overlap) = components(mesh, &welded, welded_count);
         Self {
             boundary_edges: edges.iter().filter(odd).count(),
             inconsistent_edges: edges.iter().filter(|edge| edge.uses.len() % 2 == 0 && edge.net != 0).count(),
             non_manifold_edges: edges.iter().filter(|edge| edge.uses.len() > 2).count(),
-            components,
-            components_overlap,
             welded,
             welded_count,
             edges,
@@ -105,47 +97,4 @@ fn edges(mesh: &TriangleMesh, welded: &[u32]) -> Vec<Edge> {
             net: group.iter().map(|use_| use_.3).sum(),
         })
         .collect()
-}
-
-/// The number of pieces, and whether the boxes of any two overlap.
-fn components(mesh: &TriangleMesh, welded: &[u32], welded_count: usize) -> (usize, bool) {
-    let mut parent: Vec<u32> = (0..welded_count as u32).collect();
-    for triangle in mesh.triangles() {
-        let [a, b, c] = triangle.map(|v| welded[v as usize]);
-        join(&mut parent, a, b);
-        join(&mut parent, b, c);
-    }
-    let mut boxes: Vec<Option<Aabb>> = vec![None; welded_count];
-    for triangle in mesh.triangles() {
-        for vertex in triangle {
-            let position = mesh.positions()[*vertex as usize];
-            let entry = &mut boxes[root(&mut parent, welded[*vertex as usize]) as usize];
-            let point = Aabb::new(position, position);
-            *entry = Some(entry.map_or(point, |all| all.union(point)));
-        }
-    }
-    let mut boxes: Vec<Aabb> = boxes.into_iter().flatten().collect();
-    (boxes.len(), any_overlap(&mut boxes))
-}
-
-/// Sweeps along x; quadratic only where many boxes share a stretch of x.
-fn any_overlap(boxes: &mut [Aabb]) -> bool {
-    boxes.sort_by(|a, b| a.min.x.total_cmp(&b.min.x));
-    boxes.iter().enumerate().any(|(i, first)| {
-        let reached = boxes[i + 1..].iter().take_while(|second| second.min.x <= first.max.x);
-        reached.into_iter().any(|second| first.intersection(*second).is_some())
-    })
-}
-
-fn root(parent: &mut [u32], mut v: u32) -> u32 {
-    while parent[v as usize] != v {
-        parent[v as usize] = parent[parent[v as usize] as usize];
-        v = parent[v as usize];
-    }
-    v
-}
-
-fn join(parent: &mut [u32], a: u32, b: u32) {
-    let (a, b) = (root(parent, a), root(parent, b));
-    parent[a.max(b) as usize] = a.min(b);
 }

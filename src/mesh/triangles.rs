@@ -97,9 +97,14 @@ impl TriangleMesh {
         (0..self.triangles.len()).map(six_times).sum::<f64>() / 6.0
     }
 
-    /// How the triangles hang together: holes, orientation, number of pieces.
+    /// How the triangles hang together: holes, orientation.
     pub fn topology(&self) -> Topology {
         Topology::of(self)
+    }
+
+    /// The mesh with other triangles on the same vertices.
+    pub(super) fn with_triangles(&self, triangles: Vec<[u32; 3]>) -> Self {
+        Self { positions: self.positions.clone(), triangles, colours: self.colours.clone() }
     }
 
     /// Turns every triangle over.

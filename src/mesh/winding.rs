@@ -32,34 +32,46 @@ struct Node {
 /// A tree of clusters over a mesh's triangles.
 #[derive(Debug)]
 pub(super) struct Winding {
-    corners: Vec<[DVec3; 3]>,
+    /// In the order of the tree, with their numbers in the mesh.
+    triangles: Vec<(u32, [DVec3; 3])>,
     nodes: Vec<Node>,
 }
 
 impl Winding {
     pub fn new(mesh: &TriangleMesh) -> Self {
-        let mut corners: Vec<[DVec3; 3]> = (0..mesh.triangles().len()).map(|t| mesh.corners(t)).collect();
+        Self::of((0..mesh.triangles().len()).map(|t| (t as u32, mesh.corners(t))).collect())
+    }
+
+    /// The same of some triangles, each with its number.
+    pub fn of(mut triangles: Vec<(u32, [DVec3; 3])>) -> Self {
         let mut nodes = Vec::new();
-        build(&mut corners, 0, &mut nodes);
-        Self { corners, nodes }
+        build(&mut triangles, 0, &mut nodes);
+        Self { triangles, nodes }
     }
 
     /// The winding number of the surface around `p`: 1 inside and 0 outside a closed mesh that faces outward.
     pub fn number(&self, p: DVec3) -> f64 {
+        self.number_without(p, FAR, &[])
+    }
+
+    /// The same without some triangles, which pass through `p`. Clusters farther than `far` radii count as one dipole.
+    pub fn number_without(&self, p: DVec3, far: f64, without: &[u32]) -> f64 {
         let mut solid_angle = 0.0;
         let mut at = 0;
         while let Some(node) = self.nodes.get(at) {
             let to = node.centre - p;
             let distance = to.length();
             let is_leaf = node.next as usize == at + 1;
-            if distance > FAR * node.radius {
+            if distance > far * node.radius {
                 solid_angle += node.dipole.dot(to) / (distance * distance * distance);
                 at = node.next as usize;
                 continue;
             }
             if is_leaf {
                 let [from, to] = node.range.map(|i| i as usize);
-                solid_angle += self.corners[from..to].iter().map(|corners| exact(corners, p)).sum::<f64>();
+                let counts = |(t, _): &&(u32, _)| !without.contains(t);
+                let triangles = self.triangles[from..to].iter().filter(counts);
+                solid_angle += triangles.map(|(_, corners)| exact(corners, p)).sum::<f64>();
             }
             at += 1;
         }
@@ -68,37 +80,37 @@ impl Winding {
 }
 
 /// Appends the subtree over some triangles, halved at the median of the longest axis.
-fn build(corners: &mut [[DVec3; 3]], first: usize, nodes: &mut Vec<Node>) {
+fn build(triangles: &mut [(u32, [DVec3; 3])], first: usize, nodes: &mut Vec<Node>) {
     let at = nodes.len();
-    nodes.push(cluster(corners, first));
-    if corners.len() > LEAF {
-        let middle = |c: &[DVec3; 3]| c[0] + c[1] + c[2];
-        let low = corners.iter().map(middle).fold(DVec3::INFINITY, DVec3::min);
-        let high = corners.iter().map(middle).fold(DVec3::NEG_INFINITY, DVec3::max);
+    nodes.push(cluster(triangles, first));
+    if triangles.len() > LEAF {
+        let middle = |(_, c): &(u32, [DVec3; 3])| c[0] + c[1] + c[2];
+        let low = triangles.iter().map(middle).fold(DVec3::INFINITY, DVec3::min);
+        let high = triangles.iter().map(middle).fold(DVec3::NEG_INFINITY, DVec3::max);
         let axis = (high - low).max_position();
-        let half = corners.len() / 2;
-        corners.select_nth_unstable_by(half, |a, b| middle(a)[axis].total_cmp(&middle(b)[axis]));
-        let (left, right) = corners.split_at_mut(half);
+        let half = triangles.len() / 2;
+        triangles.select_nth_unstable_by(half, |a, b| middle(a)[axis].total_cmp(&middle(b)[axis]));
+        let (left, right) = triangles.split_at_mut(half);
         build(left, first, nodes);
         build(right, first + half, nodes);
     }
     nodes[at].next = nodes.len() as u32;
 }
 
-fn cluster(corners: &[[DVec3; 3]], first: usize) -> Node {
+fn cluster(triangles: &[(u32, [DVec3; 3])], first: usize) -> Node {
     let mut dipole = DVec3::ZERO;
     let mut centre = DVec3::ZERO;
     let mut weight = 0.0;
-    for [a, b, c] in corners {
+    for (_, [a, b, c]) in triangles {
         let area_normal = (b - a).cross(c - a) * 0.5;
         let area = area_normal.length();
         dipole += area_normal;
         centre += (a + b + c) * (area / 3.0);
         weight += area;
     }
-    let centre = if weight > 0.0 { centre / weight } else { corners[0][0] };
-    let radius = corners.iter().flatten().map(|p| p.distance(centre)).fold(0.0, f64::max);
-    Node { centre, radius, dipole, range: [first as u32, (first + corners.len()) as u32], next: 0 }
+    let centre = if weight > 0.0 { centre / weight } else { triangles[0].1[0] };
+    let radius = triangles.iter().flat_map(|(_, corners)| corners).map(|p| p.distance(centre)).fold(0.0, f64::max);
+    Node { centre, radius, dipole, range: [first as u32, (first + triangles.len()) as u32], next: 0 }
 }
 
 /// The solid angle of one triangle, signed.

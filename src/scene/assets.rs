@@ -33,6 +33,9 @@ impl Assets {
             let shape = model.shape(id);
             if let Maker::Mesh { file, conventions, up_is_given } = &shape.maker {
                 let (mesh, mut remarks) = load_mesh(file, conventions)?;
+                for note in mesh.notes() {
+                    assets.warn_once(Diagnostic::warning(file.span, format!("{}: {note}", file.name())));
+                }
                 assets.meshes.insert(id, Arc::new(mesh));
                 remarks.retain(|remark| match remark.about {
                     About::Faces => true,
@@ -61,9 +64,13 @@ impl Assets {
             if about == About::Up {
                 warning.severity = Severity::Note;
             }
-            if self.warnings.iter().all(|known| known.message != warning.message) {
-                self.warnings.push(warning);
-            }
+            self.warn_once(warning);
+        }
+    }
+
+    fn warn_once(&mut self, warning: Diagnostic) {
+        if self.warnings.iter().all(|known| known.message != warning.message) {
+            self.warnings.push(warning);
         }
     }
 
