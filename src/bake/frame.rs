@@ -86,9 +86,12 @@ pub(super) fn warnings(computed: &Computed) -> Vec<String> {
         warnings.push(format!("the shape is cut by its bounds at {}; widen `bounds`", cut.join(", ")));
     }
     if let Some(Thin { at, .. }) = report.thin.first() {
+        let sizes = report.thin.iter().map(|thin| thin.size).filter(|&size| size > 0.0);
+        let thinnest = sizes.fold(f64::INFINITY, f64::min);
+        let enough =
+            if thinnest < f64::INFINITY { format!("voxels of {}", rounded(thinnest)) } else { "smaller voxels".into() };
         warnings.push(format!(
-            "features thinner than a voxel at {}, one near ({:.4}, {:.4}, {:.4}); \
-             they need smaller voxels to hold",
+            "features thinner than a voxel at {}, one near ({:.4}, {:.4}, {:.4}); they need {enough} to hold",
             voxels(report.thin.iter().map(|thin| u64::from(thin.voxels)).sum()),
             at.x,
             at.y,
@@ -112,6 +115,11 @@ pub(super) fn warnings(computed: &Computed) -> Vec<String> {
         ));
     }
     warnings
+}
+
+/// A size to two digits, which is more than is known of it.
+fn rounded(size: f64) -> f64 {
+    format!("{size:.1e}").parse().unwrap_or(size)
 }
 
 /// So many voxels, in words.

@@ -53,7 +53,7 @@ pub struct Report {
     pub cut_voxels: [u64; 6],
 }
 
-/// Voxels of a block beside a surface with the same sign all around them: features thinner than a voxel.
+/// Voxels of a block beside features thinner than a voxel: with the same sign all around them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Thin {
     /// The block's least corner.
@@ -62,6 +62,8 @@ pub struct Thin {
     pub voxels: u32,
     /// Where one of them is, world units.
     pub at: DVec3,
+    /// About how thick the feature is there, world units; 0 where that is not known.
+    pub size: f64,
 }
 
 /// A measured band, what the visitors made of its blocks (in the band's order), and what to tell about it.

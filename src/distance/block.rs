@@ -7,7 +7,7 @@ use glam::{DVec3, IVec3, Vec3};
 
 use crate::{
     field::{Aabb, BATCH, Evaluator, Field, Gradients, Points, Slope},
-    grid::{BLOCK_EDGE, BLOCK_VOXELS, mask, node_origin},
+    grid::{BLOCK_EDGE, BLOCK_VOXELS, BlockMask, mask, node_origin},
 };
 
 use super::{
@@ -251,32 +251,83 @@ impl<'a> Meter<'a> {
         self.count_thin(out);
     }
 
-    /// Counts voxels beside a surface with the same sign again a voxel behind it: a feature thinner than a voxel.
+    /// Counts voxels beside a feature thinner than a voxel: those with the same sign again a voxel behind the surface, and
+    /// those on it with no inside around them.
     ///
     /// Any piece of surface is within half a voxel's diagonal of a voxel. Most voxels that near have a neighbour of
     /// the other sign, and only the others are probed.
     fn count_thin(&mut self, out: &mut Staged) {
         out.thin = 0;
         out.thin_at = None;
+        out.thin_size = 0.0;
         let voxel = self.voxel();
         let beside = lanes::beside_surface(&self.at_voxels.value, &self.distances, voxel);
-        let probes = &mut self.some_queries;
-        probes.origin = self.points.origin;
-        probes.len = 0;
-        for i in mask::places(&beside) {
-            let (point, foot) = (self.points.offset(i), self.feet.offset(i));
-            probes.push(foot + (foot - point) * (voxel / self.distances[i]));
-        }
-        if probes.len == 0 {
+        if beside == [0; 8] {
             return;
         }
-        self.evaluator.values(probes, &mut self.some_distances);
-        let inside = |value: f32| value >= 0.0;
+        let (ways, is_on) = self.ways_through(&beside);
+        self.probe(ways.iter().map(|&(from, way)| from + way * voxel));
+        let values = *self.some_distances;
         for (lane, i) in mask::places(&beside).enumerate() {
-            if inside(self.some_distances[lane]) == inside(self.at_voxels.value[i]) {
+            let is_thin = if is_on[lane] {
+                !self.is_deep(i, values[lane]) && !self.has_inside_around(i)
+            } else {
+                (values[lane] >= 0.0) == (self.at_voxels.value[i] >= 0.0)
+            };
+            if is_thin {
+                if out.thin == 0 {
+                    out.thin_at = Some(self.points.position(i));
+                    out.thin_size = self.thickness(ways[lane], is_on[lane] || self.at_voxels.value[i] < 0.0);
+                }
                 out.thin += 1;
-                out.thin_at.get_or_insert(self.points.position(i));
             }
         }
+    }
+
+    /// For each voxel beside the surface a point on it and the unit vector on through it; and whether the voxel is on it,
+    /// where the way is the inward one.
+    fn ways_through(&self, beside: &BlockMask) -> (Vec<(Vec3, Vec3)>, Vec<bool>) {
+        let voxel = self.voxel();
+        let way = |i: usize| {
+            let (point, foot) = (self.points.offset(i), self.feet.offset(i));
+            if self.distances[i] < lanes::ON_SURFACE * voxel {
+                ((point, self.at_voxels.gradient(i).normalize_or_zero()), true)
+            } else {
+                ((foot, (foot - point) / self.distances[i]), false)
+            }
+        };
+        mask::places(beside).map(way).unzip()
+    }
+
+    /// Puts F at some points, as offsets in the block, into `some_distances`.
+    fn probe(&mut self, points: impl Iterator<Item = Vec3>) {
+        self.some_queries.origin = self.points.origin;
+        self.some_queries.len = 0;
+        points.for_each(|point| self.some_queries.push(point));
+        self.evaluator.values(&self.some_queries, &mut self.some_distances);
+    }
+
+    /// Whether F is that of a point that its voxel holds, near a voxel on the surface.
+    fn is_deep(&self, i: usize, value: f32) -> bool {
+        value > lanes::ON_SURFACE * self.voxel() * self.at_voxels.gradient(i).length()
+    }
+
+    /// Whether one of the 26 places of a voxel's neighbours is inside: some of them are in other blocks.
+    fn has_inside_around(&mut self, i: usize) -> bool {
+        let (point, voxel) = (self.points.offset(i), self.voxel());
+        let step = |k: usize| Vec3::new((k / 9) as f32, (k / 3 % 3) as f32, (k % 3) as f32) - 1.0;
+        self.probe((0..27).map(|k| point + step(k) * voxel));
+        (0..27).any(|k| k != 13 && self.is_deep(i, self.some_distances[k]))
+    }
+
+    /// How far it is through a feature thinner than a voxel, about: of halves of a voxel the longest that is still in it.
+    /// 0 where even the shortest is not.
+    fn thickness(&mut self, (from, way): (Vec3, Vec3), is_inside: bool) -> f32 {
+        const HALVINGS: usize = 16;
+        let voxel = self.voxel();
+        let along = |k: usize| voxel * 0.5_f32.powi(k as i32 + 1);
+        self.probe((0..HALVINGS).map(|k| from + way * along(k)));
+        let is_in = |k: &usize| if is_inside { self.some_distances[*k] > 0.0 } else { self.some_distances[*k] < 0.0 };
+        (0..HALVINGS).find(is_in).map_or(0.0, along)
     }
 }

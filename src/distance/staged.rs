@@ -70,6 +70,8 @@ pub struct Staged {
     pub thin: u32,
     /// One of them.
     pub thin_at: Option<DVec3>,
+    /// About how thick the feature is there, world units; 0 where that is not known.
+    pub thin_size: f32,
 }
 
 impl Staged {
@@ -83,6 +85,7 @@ impl Staged {
             sides: [Side::NONE; 6],
             thin: 0,
             thin_at: None,
+            thin_size: 0.0,
         }
     }
 

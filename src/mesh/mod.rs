@@ -28,6 +28,8 @@ mod winding;
 #[cfg(test)]
 mod shapes;
 #[cfg(test)]
+mod solid_tests;
+#[cfg(test)]
 mod tests;
 
 pub use distance::{Holes, MeshDistance, Nearest};

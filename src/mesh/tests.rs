@@ -11,10 +11,10 @@ use crate::distance::Distance;
 use crate::field::{Aabb, BATCH, Evaluator, Field, Gradients, Points, Slope};
 
 /// A repeatable run of numbers in −1 … 1 (SplitMix64).
-struct Numbers(u64);
+pub(super) struct Numbers(pub u64);
 
 impl Numbers {
-    fn next(&mut self) -> f64 {
+    pub fn next(&mut self) -> f64 {
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let mut z = self.0;
         z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
@@ -22,7 +22,7 @@ impl Numbers {
         ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 52) as f64 - 1.0
     }
 
-    fn position(&mut self) -> DVec3 {
+    pub fn position(&mut self) -> DVec3 {
         DVec3::new(self.next(), self.next(), self.next())
     }
 }
@@ -41,7 +41,7 @@ fn brute_force(mesh: &TriangleMesh, p: DVec3) -> f64 {
 }
 
 /// Whether a point is behind every face of a convex mesh.
-fn in_convex(mesh: &TriangleMesh, p: DVec3) -> bool {
+pub(super) fn in_convex(mesh: &TriangleMesh, p: DVec3) -> bool {
     (0..mesh.triangles().len()).all(|t| mesh.area_normal(t).dot(p - mesh.corners(t)[0]) <= 0.0)
 }
 

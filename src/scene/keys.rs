@@ -393,7 +393,9 @@ pub const MAKERS: &[Maker] = &[
             "mesh",
             Kind::Path,
             Required,
-            "A closed mesh: OBJ, PLY. The colours of its vertices, or of its faces (PLY), are its colour where `color` is left out; materials are not read.",
+            "A closed mesh: OBJ, PLY. Inside is where its winding number is not 0: pieces that overlap or cross \
+             themselves are one solid, a piece wound inward is a hollow in the one around it, and apart from others it is \
+             turned over. The colours of its vertices, or of its faces (PLY), are its colour where `color` is left out; materials are not read.",
         ),
         parameters: &[
             Key::new(
@@ -410,7 +412,7 @@ pub const MAKERS: &[Maker] = &[
             )
             .also(&["vertex_colours"]),
         ],
-        formula: "the signed distance to it",
+        formula: "the signed distance to the boundary of that solid",
     },
     Maker {
         key: Key::new(

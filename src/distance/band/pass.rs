@@ -216,7 +216,12 @@ where
     fn finish(&mut self, staged: &[Staged]) -> Vec<Outcome<T>> {
         for block in staged {
             if let Some(at) = block.thin_at {
-                self.measured.report.thin.push(Thin { origin: block.origin, voxels: block.thin, at });
+                self.measured.report.thin.push(Thin {
+                    origin: block.origin,
+                    voxels: block.thin,
+                    at,
+                    size: f64::from(block.thin_size),
+                });
             }
         }
         let visitor = || self.visitors.take(self.visitor);

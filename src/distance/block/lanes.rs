@@ -84,13 +84,16 @@ pub fn normals(
     }
 }
 
-/// Voxels within half a voxel's diagonal of the surface (and not on it) that have no neighbour in the block on the
-/// other side of it.
+/// Distances to the surface below this, in voxels, count as on it: what lies no deeper is not held by its voxel.
+pub const ON_SURFACE: f32 = 0.05;
+
+/// Voxels within half a voxel's diagonal of the surface that have no neighbour in the block on the other side of it.
+/// Those on the surface count as outside: a feature that none but they see has no inside in the grid.
 #[multiversion(targets = "simd")]
 pub fn beside_surface(values: &[f32; BLOCK_VOXELS], distances: &[f32; BLOCK_VOXELS], voxel: f32) -> BlockMask {
     let mut near = [0; BLOCK_VOXELS];
     for i in 0..BLOCK_VOXELS {
-        near[i] = u8::from((distances[i] <= 0.87 * voxel) & (distances[i] >= 0.05 * voxel));
+        near[i] = u8::from(distances[i] <= 0.87 * voxel);
     }
     let near = mask::pack(&near);
     if near == [0; 8] {
@@ -98,7 +101,7 @@ pub fn beside_surface(values: &[f32; BLOCK_VOXELS], distances: &[f32; BLOCK_VOXE
     }
     let mut inside = [0; BLOCK_VOXELS];
     for i in 0..BLOCK_VOXELS {
-        inside[i] = u8::from(values[i] >= 0.0);
+        inside[i] = u8::from((values[i] >= 0.0) & (distances[i] >= ON_SURFACE * voxel));
     }
     let inside = mask::pack(&inside);
     let (by_inside, by_outside) = (mask::dilated(&inside), mask::dilated(&inside.map(|word| !word)));
