@@ -123,10 +123,9 @@ impl Contacts {
             let [a, b, c] = face.corners;
             visit(tree, &Aabb::new(a.min(b).min(c), a.max(b).max(c)), tolerance, |other| {
                 let other_face = &faces[other as usize];
-                if other as usize != t && other_face.normal != DVec3::ZERO {
-                    if face.meets(other_face, tolerance, &mut cuts) {
-                        met.push(other);
-                    }
+                let is_other = other as usize != t && other_face.normal != DVec3::ZERO;
+                if is_other && face.meets(other_face, tolerance, &mut cuts) {
+                    met.push(other);
                 }
                 cuts.len() > MOST_CUTS
             });
@@ -156,8 +155,8 @@ impl Contacts {
 
     /// Says what of the mesh is not boundary, and why.
     fn note(&self, outcomes: &[Outcome], pieces: &[Piece], mesh: &TriangleMesh, notes: &mut Vec<String>) {
-        let is_gone = |&&t: &&u32| matches!(outcomes[t as usize], Outcome::Gone);
-        let lies_in = |piece: &&Piece| piece.volume != 0.0 && piece.triangles.iter().all(|t| is_gone(&t));
+        let is_gone = |&t: &u32| matches!(outcomes[t as usize], Outcome::Gone);
+        let lies_in = |piece: &&Piece| piece.triangles.iter().all(is_gone);
         let inner: Vec<&Piece> = pieces.iter().filter(lies_in).collect();
         let is_whole = |t: u32| matches!(outcomes[t as usize], Outcome::Whole { .. });
         if let Some((_, segments)) = self.cuts.iter().find(|(t, _)| !is_whole(*t)) {
@@ -217,7 +216,8 @@ impl Sides<'_> {
         let jump: f64 = through.iter().map(|&(_, same)| if same { 1.0 } else { -1.0 }).sum();
         let is_in = |number: f64| number.round() != 0.0;
         let (before, behind) = (is_in(rest - 0.5 * jump), is_in(rest + 0.5 * jump));
-        (before != behind && through[0].0 == triangle).then_some(before)
+        let is_first = through.first().is_some_and(|&(first, _)| first == triangle);
+        (before != behind && is_first).then_some(before)
     }
 
     /// A part of a triangle; `None` where it is too narrow to tell: then its neighbours are as near.

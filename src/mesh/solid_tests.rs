@@ -50,8 +50,8 @@ impl Pieces {
                     for j in 0..=cuts - i {
                         let [v, w] = [i, j].map(|k| f64::from(k) / f64::from(cuts));
                         // Off the edges, where either side may be that of another face.
-                        let p = (a + (b - a) * v + (c - a) * w).lerp((a + b + c) / 3.0, 1e-4);
-                        if self.holds(p + normal * 1e-5) != self.holds(p - normal * 1e-5) {
+                        let p = (a + (b - a) * v + (c - a) * w).lerp((a + b + c) / 3.0, 1e-6);
+                        if self.holds(p + normal * 1e-6) != self.holds(p - normal * 1e-6) {
                             samples.push(p);
                         }
                     }
@@ -138,12 +138,18 @@ fn any_pieces_give_the_solid_of_their_winding_and_the_distance_to_its_boundary()
                 inside += usize::from(foot.distance > 0.0);
             }
             if i % 3 == 0 {
+                // No farther than any of the samples, and to a point with both sides around it.
                 let nearest = samples.iter().map(|s| s.distance_squared(p)).fold(f64::INFINITY, f64::min).sqrt();
-                let distance = foot.distance.abs();
-                assert!(
-                    distance < nearest + 1e-4 && distance > nearest - 0.03,
-                    "case {case} at {p}: {distance} for {nearest}"
-                );
+                assert!(foot.distance.abs() < nearest + 1e-5, "case {case} at {p}: {} for {nearest}", foot.distance);
+                assert!((foot.point.distance(p) - foot.distance.abs()).abs() < 1e-9);
+                let mut seen = [false; 2];
+                for _ in 0..2000 {
+                    seen[usize::from(pieces.holds(foot.point + numbers.position() * 1e-4))] = true;
+                    if seen == [true; 2] {
+                        break;
+                    }
+                }
+                assert_eq!(seen, [true; 2], "case {case} at {p}: {} is not on the boundary", foot.point);
             }
         }
     }
