@@ -48,11 +48,11 @@ pub(super) fn boundary(mesh: TriangleMesh, topology: &Topology, tree: &Bvh) -> R
     let size = mesh.bounding_box().size().max_element();
     let farthest = mesh.positions().iter().fold(0.0_f64, |most, p| most.max(p.abs().max_element()));
     let tolerance = TOLERANCE * size + 1e-14 * farthest;
-    let contacts = Contacts::of(&mesh, topology, tree, tolerance)?;
     let pieces = pieces(&mesh, topology);
     let mut notes = Vec::new();
     let mesh = turned_over(mesh, &pieces, &mut notes);
     let turned = !notes.is_empty();
+    let contacts = Contacts::of(&mesh, topology, tree, tolerance)?;
     if !contacts.any && !any_overlap(&pieces) {
         return Ok(Boundary { mesh, changed: turned, touched: Vec::new(), notes });
     }

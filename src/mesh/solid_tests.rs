@@ -115,13 +115,13 @@ fn random_pieces(numbers: &mut Numbers) -> Pieces {
 fn any_pieces_give_the_solid_of_their_winding_and_the_distance_to_its_boundary() {
     let mut numbers = Numbers(43);
     let (mut inside, mut cut) = (0, 0);
-    for case in 0..120 {
+    for case in 0..60 {
         let pieces = random_pieces(&mut numbers);
         let mesh = pieces.mesh();
         let field = MeshDistance::new(mesh.clone(), Holes::Refuse).unwrap_or_else(|error| panic!("{case}: {error}"));
         assert_eq!(field.slope(), Slope::Exact { outside: true, inside: true });
         cut += usize::from(field.mesh().triangles().len() != mesh.triangles().len());
-        let samples = pieces.samples(0.03);
+        let samples = pieces.samples(0.05);
         let centre = mesh.bounding_box().centre();
         let size = mesh.bounding_box().size() * 0.6;
         for i in 0..300 {
@@ -153,7 +153,7 @@ fn any_pieces_give_the_solid_of_their_winding_and_the_distance_to_its_boundary()
             }
         }
     }
-    assert!(inside > 5000 && cut > 60, "{inside} points inside, {cut} meshes cut");
+    assert!(inside > 3000 && cut > 12, "{inside} points inside, {cut} meshes cut");
 }
 
 /// A star drawn in one stroke, as a prism: it goes round its middle twice.
