@@ -219,7 +219,7 @@ fn jumps_on_planes_of_voxels_are_surfaces_there() {
         for offset in [0.0, 0.03, 0.05] {
             let mut graph = Graph::new();
             let names = Names::space(&mut graph);
-            let node = Formula::parse(text).unwrap().compile(&mut graph, &names).unwrap();
+            let node = Formula::parse(text).compile(&mut graph, &names).unwrap();
             let node = graph.transform(node, &DAffine3::from_translation(DVec3::X * offset)).unwrap();
             let frame = graph.cuboid(DVec3::new(8.0, 3.0, 3.0));
             let node = graph.intersection(SetSystem::R0, &[node, frame]);

@@ -7,7 +7,7 @@ use glam::{DMat3, DVec3, EulerRot};
 
 use super::shapes::{ball, both, cube};
 use super::tests::{Numbers, in_convex};
-use super::{Holes, MeshDistance, Problem, TriangleMesh, read};
+use super::{Conventions, Holes, MeshDistance, Problem, TriangleMesh, read};
 use crate::distance::Distance;
 use crate::field::{Field, Slope};
 
@@ -190,7 +190,9 @@ fn field_volume(inner: f64) -> f64 {
 }
 
 fn case(name: &str) -> MeshDistance {
-    let mesh = read(&Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data").join(name)).unwrap();
+    let mesh = read(&Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data").join(name), &Conventions::default())
+        .unwrap()
+        .mesh;
     MeshDistance::new(mesh, Holes::Refuse).unwrap()
 }
 

@@ -254,8 +254,8 @@ fn many_errors_stay_within_two_kilobytes() {
     assert!(load_text(&hostile, &Overrides::default()).unwrap_err().render(false).len() <= 2048);
     // One alone is never only counted, whatever is in it.
     for long in ["z".repeat(9000), "\u{1b}".repeat(9000), "ö→".repeat(3000)] {
-        let problem = Diagnostic::error(crate::scene::Span::new(0, 0..1), format!("first {long} last")).help(long);
-        let mut sources = crate::scene::source::Sources::default();
+        let problem = Diagnostic::error(Span::new(0, 0..1), format!("first {long} last")).help(long);
+        let mut sources = source::Sources::default();
         sources.add("a.toml", "a = 1");
         let report = Diagnostics::new(vec![problem], Arc::new(sources)).render(false);
         assert!(report.len() <= 2048 && report.contains("a.toml:1:1"), "{report}");
