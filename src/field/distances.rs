@@ -164,9 +164,10 @@ mod tests {
         let distance = graph.distance(rest, Side::Inside, &BTreeMap::new()).expect("nothing is measured");
         assert!((Expression::new(&graph, distance).reference(DVec3::X * -0.8) - 0.2).abs() < 1e-12);
         assert!((Expression::new(&graph, distance).reference(DVec3::X * -0.6) - 0.1).abs() < 1e-12);
-        assert_eq!(graph.to_measure(other, Side::Inside).as_slice(), [(egg, Side::Outside)]);
+        let parts = graph.to_measure(other, Side::Inside);
+        assert_eq!(parts.len(), 1);
         assert_eq!(graph.distance(other, Side::Inside, &BTreeMap::new()), None);
-        let measured = BTreeMap::from([((egg, Side::Outside), b)]);
+        let measured = BTreeMap::from([(parts[0], graph.neg(b))]);
         assert_eq!(graph.distance(other, Side::Inside, &measured), Some(distance));
     }
 

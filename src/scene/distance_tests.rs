@@ -144,8 +144,9 @@ fn nothing_finite_is_refused_for_bounds() {
     let parts = "[shape.one]\nellipsoid = [1, 0.6, 0.6]\n[shape.two]\nmesh = 'cube.obj'\nmove = [0.9, 0.2, 0.1]\n\
                  [shape.three]\nheart = 1\nmove = [0, 1, 0]\n";
     let modifiers = ["shell = 0.1", "offset = 0.1", "offset = -0.1", "displace = 'bump'\nattribute.bump = 0.1"];
-    for maker in makers {
-        for modifier in modifiers {
+    for (place, maker) in makers.into_iter().enumerate() {
+        // Every modifier often enough, and the first with every maker.
+        for modifier in [modifiers[0], modifiers[1 + place % 3]] {
             let text = format!("[output]\nshape = 's'\n[shape.s]\n{maker}\n{modifier}\n{parts}");
             let result = prepared_at(Sampling::Resolution(12), Arc::default(), &text);
             assert!(result.is_ok(), "{maker} {modifier}: {}", result.err().unwrap());

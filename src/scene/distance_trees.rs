@@ -14,7 +14,7 @@ use crate::field::{Aabb, Points, rotation};
 use crate::grid::{BLOCK_VOXELS, Band, is_active};
 
 /// Random trees.
-const TREES: u64 = 24;
+const TREES: u64 = 8;
 /// The share of operations whose operands share a face.
 const SHARED_FACES: f64 = 0.0;
 /// Voxels along the longest side.
