@@ -185,7 +185,7 @@ for frame in (1, 2):
     place.hfvdb("check skin.0001.vdb").fails(1, &["nothing is inside", "0.02 voxels below the surface"]);
     place
         .hfvdb("preview skin.0001.vdb -o skin.png --size 64")
-        .fails(1, &["skin.0001 has nothing inside", "nothing is inside in any frame", "--allow-empty"]);
+        .fails(1, &["frame 1 has nothing inside", "nothing is inside in any frame", "--allow-empty"]);
     assert!(!place.path("skin.png").exists());
     place.hfvdb("preview skin.####.vdb -o skin.png --size 64").fails(1, &["frame 1 has nothing inside", "frame 2 has"]);
     place.hfvdb("preview skin.0001.vdb -o skin.png --size 64 --allow-empty").ok();
