@@ -5,6 +5,7 @@ mod support;
 
 use std::collections::BTreeSet;
 use std::ops::Range;
+use std::panic::AssertUnwindSafe;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -125,7 +126,9 @@ fn every_number_of_every_built_in_scene() {
             return;
         }
         let (what, model) = sound.swap_remove(turn % sound.len());
-        let Ok(problem) = std::panic::catch_unwind(|| prepare(model)) else { panic!("{what}: a panic") };
+        let Ok(problem) = std::panic::catch_unwind(AssertUnwindSafe(|| prepare(model))) else {
+            panic!("{what}: a panic")
+        };
         let problem = problem.unwrap_or_else(|| format!("{name}.toml"));
         assert!(problem.contains(&format!("{name}.toml")), "{what}: {problem}");
     });
