@@ -35,9 +35,10 @@ pub enum Source {
 }
 
 impl Source {
-    /// What an argument of the command line means: a built-in scene's name where no such file exists.
+    /// What an argument of the command line means: a built-in scene's name where no such file exists. (A folder is none.)
     pub fn of_argument(argument: &str) -> Self {
-        let is_name = builtin_text(argument).is_some() && !Path::new(argument).exists();
+        let path = Path::new(argument);
+        let is_name = builtin_text(argument).is_some() && (path.is_dir() || !path.exists());
         if is_name { Self::Builtin(argument.into()) } else { Self::Path(argument.into()) }
     }
 }

@@ -159,7 +159,7 @@ fn wrong_types_and_ranges() {
     only("shape = 3\n", "1:9 `shape` must be a table");
     only(
         "[shape.a]\nsphere=1\nbounds=[[0,0,0],[1,0,1]]\n",
-        "3:8 `shape.a.bounds` must be a box; an edge length, three edge lengths, or [[least x, y, z], [greatest x, y, z]]",
+        "3:8 `shape.a.bounds` must be a box; an edge length, three edge lengths, or [[least x, y, z], [greatest x, y, z]], of at most 1e15",
     );
     only(
         "[shape.a]\nsphere=1\n[output]\nvoxel_size=0.1\nresolution=64",
