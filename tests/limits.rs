@@ -152,7 +152,7 @@ fn shapes_that_many_share_are_looked_at_once() {
         "chain.toml",
         doubled(199, &|level| format!("union = [\"s{}\"]\nmove = [0.001, \"0.001*t\", 0]", level - 1)),
     );
-    in_time("chain", || place.hfvdb("bake chain.toml -o out.vdb --resolution 16 --overwrite")).ok();
+    in_time("chain", || place.hfvdb("bake chain.toml -o chain.vdb --resolution 16 --overwrite")).ok();
 }
 
 #[test]

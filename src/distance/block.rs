@@ -257,6 +257,8 @@ impl<'a> Meter<'a> {
     /// Any piece of surface is within half a voxel's diagonal of a voxel. Most voxels that near have a neighbour of
     /// the other sign, and only the others are probed.
     fn count_thin(&mut self, out: &mut Staged) {
+        /// Of so many of a block's voxels the thickness is asked for until one tells it.
+        const MEASURED: u32 = 16;
         out.thin = 0;
         out.thin_at = None;
         out.thin_size = 0.0;
@@ -275,8 +277,9 @@ impl<'a> Meter<'a> {
                 (values[lane] >= 0.0) == (self.at_voxels.value[i] >= 0.0)
             };
             if is_thin {
-                if out.thin == 0 {
-                    out.thin_at = Some(self.points.position(i));
+                out.thin_at.get_or_insert(self.points.position(i));
+                // Across a sharp edge the way leads out again at once.
+                if out.thin_size == 0.0 && out.thin < MEASURED {
                     out.thin_size = self.thickness(ways[lane], is_on[lane] || self.at_voxels.value[i] < 0.0);
                 }
                 out.thin += 1;

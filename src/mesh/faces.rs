@@ -44,16 +44,42 @@ impl Faces {
         &self.corners[start..self.ends[face]]
     }
 
-    /// The mesh of these faces. Colours of vertices come before those of faces.
+    /// The mesh of these faces. Colours of vertices come before those of faces. Faces that are there twice are taken once,
+    /// unless the surface is closed by both alone: where it crosses itself some belong to two of its sheets.
     pub fn mesh(
         self,
+        positions: Vec<DVec3>,
+        colours: Option<Vec<[f32; 3]>>,
+        conventions: &Conventions,
+        remarks: &mut Vec<Remark>,
+    ) -> Result<TriangleMesh, Located> {
+        self.check_vertices(positions.len())?;
+        let mut of_single = Vec::new();
+        let is_copy = self.copies(&positions, &mut of_single);
+        if !is_copy.contains(&true) {
+            return self.without(&is_copy, positions, colours, conventions, remarks);
+        }
+        let single = self.without(&is_copy, positions.clone(), colours.clone(), conventions, &mut of_single)?;
+        if !single.topology().is_closed() {
+            let mut of_all = Vec::new();
+            let all = self.without(&vec![false; self.len()], positions, colours, conventions, &mut of_all)?;
+            if all.topology().is_closed() {
+                remarks.extend(of_all);
+                return Ok(all);
+            }
+        }
+        remarks.extend(of_single);
+        Ok(single)
+    }
+
+    fn without(
+        &self,
+        is_copy: &[bool],
         mut positions: Vec<DVec3>,
         mut colours: Option<Vec<[f32; 3]>>,
         conventions: &Conventions,
         remarks: &mut Vec<Remark>,
     ) -> Result<TriangleMesh, Located> {
-        self.check_vertices(positions.len())?;
-        let is_copy = self.copies(&positions, remarks);
         let mut by_face = (colours.is_none() && !self.colours.is_empty()).then(|| OneColour::new(&positions));
         let (mut triangles, mut ring, mut places, mut cut) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
         let (mut short, mut crossing) = (Vec::new(), Vec::new());

@@ -134,7 +134,7 @@ pub fn read(file: &Path, conventions: &Conventions) -> Result<Imported, MeshErro
         "ply" => ply::parse,
         _ => return Err(error(Problem::UnknownFormat(ending).into())),
     };
-    let content = content(file).map_err(|e| error(Problem::Unreadable(e).into()))?;
+    let content = crate::disk::read(file).map_err(|e| error(Problem::Unreadable(e).into()))?;
     parse(&content, conventions).map_err(error)
 }
 
@@ -146,14 +146,6 @@ pub fn read_obj(content: &[u8], conventions: &Conventions) -> Result<Imported, P
 /// Reads the content of a PLY file: text, or binary of either byte order.
 pub fn read_ply(content: &[u8], conventions: &Conventions) -> Result<Imported, Problem> {
     ply::parse(content, conventions).map_err(|located| located.problem)
-}
-
-/// A whole regular file: a pipe or a device might never end.
-fn content(file: &Path) -> std::io::Result<Vec<u8>> {
-    if !std::fs::metadata(file)?.is_file() {
-        return Err(std::io::Error::new(std::io::ErrorKind::InvalidInput, "it is not a regular file"));
-    }
-    crate::disk::read(file)
 }
 
 /// A file's content without the byte order mark of UTF-8. Refuses UTF-16, which some editors save.

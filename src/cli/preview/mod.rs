@@ -147,6 +147,12 @@ fn show(
             global.warn(&format!("{} has nothing inside: a picture shows nothing", source.named(place)));
             hollow.push(place);
         }
+        // A picture of nothing is no answer; a slice shows the distances all the same.
+        if hollow.len() == count && arguments.slice.is_none() && !arguments.allow_empty {
+            let problem = "nothing is inside in any frame, so there is nothing to show; `hfvdb check` says more, and \
+                           --allow-empty makes the picture all the same";
+            return Err(Failure::work(format!("{}: {problem}", source.name)));
+        }
         let mut image = None;
         if with_picture {
             image = writer.take(&mut painter, &shown, source.numbers[place])?;
@@ -165,12 +171,6 @@ fn show(
     }
     if let Some(caption) = painter.caption() {
         sheet.title = format!("{}: {caption}", sheet.title);
-    }
-    // A picture of nothing is no answer; a slice shows the distances all the same.
-    if hollow.len() == count && arguments.slice.is_none() && !arguments.allow_empty {
-        let problem = "nothing is inside in any frame, so there is nothing to show; `hfvdb check` says more, and \
-                       --allow-empty makes the picture all the same";
-        return Err(Failure::work(format!("{}: {problem}", source.name)));
     }
     let paths = writer.finish(&sheet)?;
     report(&paths, &sheet, global)

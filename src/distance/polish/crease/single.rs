@@ -84,7 +84,7 @@ impl Polisher {
         best: &mut Best,
     ) {
         let lanes = &*self.lanes;
-        let Scratch { singles, parts, values: [behind, before], sides, .. } = &mut self.crease;
+        let Scratch { parts, values: [behind, before], sides, .. } = &mut self.crease;
         evaluator.branch(branch, &lanes.points, &mut parts[0]);
         sides.zeros.clear(lanes.points.origin);
         for lane in mask::places(one_sided) {
@@ -95,8 +95,12 @@ impl Polisher {
                 sides.zeros.push(rows.query(lane), lanes.points.offset(lane), Vec3::new(x[lane], y[lane], z[lane]));
             }
         }
+        if sides.zeros.points.len == 0 || !self.any_sheet(evaluator, request, queries, branch) {
+            return;
+        }
         let resolution = request.resolution();
-        let bounds = lanes.bounds.map(Vec3::from_array);
+        let bounds = self.lanes.bounds.map(Vec3::from_array);
+        let Scratch { singles, sides, .. } = &mut self.crease;
         let crossed = sides.crossed(evaluator, resolution, bounds, |query| queries.inside[query]);
         for lane in (0..sides.zeros.points.len).filter(|&lane| crossed[lane]) {
             let query = usize::from(sides.zeros.of[lane]);
@@ -106,6 +110,36 @@ impl Polisher {
         if sides.zeros.points.len > 0 {
             self.take_beside(evaluator, request, queries, branch, best);
         }
+    }
+
+    /// Whether there is a sheet at some of the zeros (in `sides`), or beside them. The usual answer is no: pieces of a union
+    /// share a wall, which is flat. So only a few zeros are looked at, all places in one batch.
+    fn any_sheet(
+        &mut self,
+        evaluator: &mut dyn Evaluator,
+        request: &Request,
+        queries: &Queries,
+        branch: usize,
+    ) -> bool {
+        let Scratch { parts: [part, ..], sides, touching, .. } = &mut self.crease;
+        touching.clone_from(&sides.zeros);
+        sides.zeros.clear(touching.points.origin);
+        let stride = touching.points.len.div_ceil(SAMPLES);
+        for lane in (0..touching.points.len).step_by(stride) {
+            let (at, onward) = (touching.points.offset(lane), touching.step(lane));
+            sides.zeros.push(touching.of[lane].into(), at, onward);
+            for direction in 0..DIRECTIONS {
+                let point = at + beside(onward, direction) * (BESIDE * request.unit);
+                sides.zeros.push(touching.of[lane].into(), point, onward);
+            }
+        }
+        let bounds = self.lanes.bounds.map(Vec3::from_array);
+        evaluator.branch(branch, &sides.zeros.points, part);
+        sides.zeros.project(part, bounds);
+        let crossed = sides.crossed(evaluator, request.resolution(), bounds, |query| queries.inside[query]);
+        let any = crossed[..sides.zeros.points.len].contains(&true);
+        sides.zeros.clone_from(touching);
+        any
     }
 
     /// Where two surfaces touch in a point or along a curve, a sheet begins beside it: takes the points nearest to the zeros
@@ -130,10 +164,8 @@ impl Polisher {
                 let mut from = [0; BATCH];
                 for lane in (0..touching.points.len).filter(|&lane| open[lane]) {
                     let onward = touching.step(lane);
-                    let (u, v) = onward.normalize_or(Vec3::Z).any_orthonormal_pair();
-                    let (sin, cos) = (SINES[direction], SINES[(direction + DIRECTIONS / 4) % DIRECTIONS]);
                     from[sides.zeros.points.len] = lane;
-                    let point = touching.points.offset(lane) + (u * cos + v * sin) * reach;
+                    let point = touching.points.offset(lane) + beside(onward, direction) * reach;
                     sides.zeros.push(touching.of[lane].into(), point, onward);
                 }
                 if sides.zeros.points.len == 0 {
@@ -154,6 +186,15 @@ impl Polisher {
         }
     }
 }
+
+/// A unit vector square to a step, in one of the directions.
+fn beside(step: Vec3, direction: usize) -> Vec3 {
+    let (u, v) = step.normalize_or(Vec3::Z).any_orthonormal_pair();
+    u * SINES[(direction + DIRECTIONS / 4) % DIRECTIONS] + v * SINES[direction]
+}
+
+/// So many zeros of a batch are looked at first. Fewer miss sheets in blocks where there are walls too.
+const SAMPLES: usize = 8;
 
 /// How far beside a place where two surfaces touch a sheet is looked for first, in units, and how often half as far after
 /// that. Farther meets other parts of the surface; less misses what two large balls leave between them.
