@@ -19,7 +19,7 @@ const EXTREMES: [&str; 9] =
     ["1e308", "-1e308", "1e-308", "9223372036854775807", "9223372036854775808", "nan", "inf", "-0.0", "0"];
 
 /// A scene stops here where it hangs.
-const PATIENCE: Duration = Duration::from_secs(20);
+const PATIENCE: Duration = Duration::from_secs(60);
 
 /// Making all places ready takes many minutes, most of them for the same large scenes.
 const PREPARED: usize = 7;

@@ -113,7 +113,7 @@ impl Zeros {
         }
     }
 
-    pub fn keep(&mut self, passes: impl Fn(usize) -> bool) {
+    pub fn keep(&mut self, mut passes: impl FnMut(usize) -> bool) {
         let mut kept = 0;
         for lane in 0..self.points.len {
             if passes(lane) {
@@ -220,7 +220,14 @@ impl Sides {
         evaluator.values(probes, low);
         zeros.stepped(|lane| inner(&ranges[lane], SECTION), bounds, probes);
         evaluator.values(probes, high);
-        for _ in 0..NARROWINGS {
+        // Of walls and skins F is two lines that meet at zero: hardly ever is there more to find.
+        let share = resolution.share();
+        let any = (0..len).any(|lane| {
+            let [before, behind, low, high] =
+                [ends[0][lane], ends[1][lane], low[lane], high[lane]].map(|value| value * sign(lane));
+            low.min(high).min(meeting([before, low, high, behind])) < -0.5 * share * before.abs().max(behind.abs())
+        });
+        for _ in 0..if any { NARROWINGS } else { 0 } {
             // The least of F by the sign of the sides is on that side of one of the two places where it is less.
             let mut lower = [false; BATCH];
             for lane in 0..len {
@@ -255,6 +262,17 @@ impl Default for Sides {
     fn default() -> Self {
         Self::new()
     }
+}
+
+/// Where two lines meet: one through the first two of four values along a search, one through the last two; the lesser of
+/// the inner ones where they do not meet between these.
+fn meeting([before, low, high, behind]: [f32; 4]) -> f32 {
+    // The ends are at ∓1, the inner places at ∓INNER.
+    const INNER: f32 = 2.0 * SECTION - 1.0;
+    let (falls, rises) = ((low - before) / (1.0 - INNER), (behind - high) / (1.0 - INNER));
+    // low + falls·(t + INNER) = high + rises·(t − INNER)
+    let at = (high - low - INNER * (falls + rises)) / (falls - rises);
+    if at.abs() <= INNER { low + falls * (at + INNER) } else { low.min(high) }
 }
 
 /// Whether F is zero at a point but for rounding, by its slope there.

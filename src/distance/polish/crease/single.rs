@@ -87,15 +87,32 @@ impl Polisher {
         let Scratch { parts, values: [behind, before], sides, .. } = &mut self.crease;
         evaluator.branch(branch, &lanes.points, &mut parts[0]);
         sides.zeros.clear(lanes.points.origin);
+        let mut lane_of = [0; BATCH];
         for lane in mask::places(one_sided) {
             // The others are hidden: F is far from 0 there by the slope of the branch.
             let near = STEEPER * ACROSS * request.unit * parts[0].gradient(lane).length();
             if before[lane].abs().max(behind[lane].abs()) <= near {
                 let [x, y, z] = &lanes.normal_step;
+                lane_of[sides.zeros.points.len] = lane;
                 sides.zeros.push(rows.query(lane), lanes.points.offset(lane), Vec3::new(x[lane], y[lane], z[lane]));
             }
         }
-        if sides.zeros.points.len == 0 || !self.any_sheet(evaluator, request, queries, branch) {
+        if sides.zeros.points.len == 0 {
+            return;
+        }
+        // So are those at which F is not 0. On a wall or skin F is as far from zero before as behind; a sheet lies on one
+        // side of its zeros.
+        let (even, mut uneven) = (2.0 * request.resolution().share(), false);
+        let mut at_zeros = [0.0; BATCH];
+        evaluator.values(&sides.zeros.points, &mut at_zeros);
+        sides.zeros.keep(|zero| {
+            let (before, behind) = (before[lane_of[zero]].abs(), behind[lane_of[zero]].abs());
+            let most = before.max(behind);
+            let is_zero = at_zeros[zero].abs() <= ZERO * most;
+            uneven |= is_zero && (before - behind).abs() > even * most;
+            is_zero
+        });
+        if !uneven || !self.any_sheet(evaluator, request, queries, branch) {
             return;
         }
         let resolution = request.resolution();
@@ -193,8 +210,11 @@ fn beside(step: Vec3, direction: usize) -> Vec3 {
     u * SINES[(direction + DIRECTIONS / 4) % DIRECTIONS] + v * SINES[direction]
 }
 
+/// F at a zero, by what it is a step away. Less rejects zeros that are a little off, more takes what lies beside them.
+const ZERO: f32 = 0.2;
+
 /// So many zeros of a batch are looked at first. Fewer miss sheets in blocks where there are walls too.
-const SAMPLES: usize = 8;
+const SAMPLES: usize = 4;
 
 /// How far beside a place where two surfaces touch a sheet is looked for first, in units, and how often half as far after
 /// that. Farther meets other parts of the surface; less misses what two large balls leave between them.
