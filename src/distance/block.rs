@@ -278,7 +278,6 @@ impl<'a> Meter<'a> {
             };
             if is_thin {
                 out.thin_at.get_or_insert(self.points.position(i));
-                // Across a sharp edge the way leads out again at once.
                 if out.thin_size == 0.0 && out.thin < MEASURED {
                     out.thin_size = self.thickness(ways[lane], is_on[lane] || self.at_voxels.value[i] < 0.0);
                 }
@@ -318,19 +317,27 @@ impl<'a> Meter<'a> {
     /// Whether one of the 26 places of a voxel's neighbours is inside: some of them are in other blocks.
     fn has_inside_around(&mut self, i: usize) -> bool {
         let (point, voxel) = (self.points.offset(i), self.voxel());
-        let step = |k: usize| Vec3::new((k / 9) as f32, (k / 3 % 3) as f32, (k % 3) as f32) - 1.0;
-        self.probe((0..27).map(|k| point + step(k) * voxel));
+        self.probe((0..27).map(|k| point + neighbour(k) * voxel));
         (0..27).any(|k| k != 13 && self.is_deep(i, self.some_distances[k]))
     }
 
-    /// How far it is through a feature thinner than a voxel, about: of halves of a voxel the longest that is still in it.
-    /// 0 where even the shortest is not.
+    /// How far it is through a feature thinner than a voxel, about: of halves of a voxel the longest that is still in it, on
+    /// the way or towards a neighbour's place (across a sharp edge the way leads out again at once). 0 where even the shortest is not.
     fn thickness(&mut self, (from, way): (Vec3, Vec3), is_inside: bool) -> f32 {
         const HALVINGS: usize = 16;
         let voxel = self.voxel();
         let along = |k: usize| voxel * 0.5_f32.powi(k as i32 + 1);
-        self.probe((0..HALVINGS).map(|k| from + way * along(k)));
-        let is_in = |k: &usize| if is_inside { self.some_distances[*k] > 0.0 } else { self.some_distances[*k] < 0.0 };
-        (0..HALVINGS).find(is_in).map_or(0.0, along)
+        let ways: [Vec3; 27] = std::array::from_fn(|i| if i == 13 { way } else { neighbour(i).normalize() });
+        self.probe((0..HALVINGS).flat_map(|k| ways.map(|way| from + way * along(k))));
+        let is_in = |probe: &usize| {
+            let value = self.some_distances[*probe];
+            if is_inside { value > 0.0 } else { value < 0.0 }
+        };
+        (0..HALVINGS * ways.len()).find(is_in).map_or(0.0, |probe| along(probe / ways.len()))
     }
+}
+
+/// The way to one of the 27 places of a voxel and its neighbours, in voxels; 13 is its own.
+fn neighbour(k: usize) -> Vec3 {
+    Vec3::new((k / 9) as f32, (k / 3 % 3) as f32, (k % 3) as f32) - 1.0
 }

@@ -33,6 +33,13 @@ pub(super) fn is_inside(value: f32, other: f32, resolution: Resolution) -> Optio
     (value.abs() > rounding).then_some(value >= 0.0)
 }
 
+/// Whether F is nearer to zero a step before a zero than behind, or farther. On a wall or skin it is as far; a sheet lies
+/// on one side of its zeros.
+pub(super) fn is_uneven(before: f32, behind: f32, resolution: Resolution) -> bool {
+    let (before, behind) = (before.abs(), behind.abs());
+    (before - behind).abs() > 2.0 * resolution.share() * before.max(behind)
+}
+
 /// What F resolves.
 #[derive(Clone, Copy, Debug)]
 pub struct Resolution {
@@ -195,6 +202,18 @@ impl Sides {
             self.zeros.stepped(|_| share, bounds, &mut self.probes);
             evaluator.values(&self.probes, ends);
         }
+    }
+
+    /// Whether F is uneven beside any of the zeros.
+    pub(super) fn any_uneven(
+        &mut self,
+        evaluator: &mut dyn Evaluator,
+        resolution: Resolution,
+        bounds: [Vec3; 2],
+    ) -> bool {
+        self.find_ends(evaluator, bounds);
+        let [before, behind] = &self.ends;
+        (0..self.zeros.points.len).any(|lane| is_uneven(before[lane], behind[lane], resolution))
     }
 
     /// The zeros at which the surface is crossed, coming from the inside where `inside` says so of a zero's number: F is of

@@ -13,7 +13,7 @@ use crate::{
         Polisher, Request, kernel,
         lanes::{Lane, Lanes},
         rows::{ROW, Rows},
-        sides::{ACROSS, Resolution},
+        sides::{ACROSS, Resolution, is_uneven},
     },
     field::{BATCH, Evaluator, Points},
     grid::{BlockMask, mask},
@@ -100,22 +100,19 @@ impl Polisher {
         if sides.zeros.points.len == 0 {
             return;
         }
-        // So are those at which F is not 0. On a wall or skin F is as far from zero before as behind; a sheet lies on one
-        // side of its zeros.
-        let (even, mut uneven) = (2.0 * request.resolution().share(), false);
+        // So are those at which F is not 0.
+        let (resolution, mut uneven) = (request.resolution(), false);
         let mut at_zeros = [0.0; BATCH];
         evaluator.values(&sides.zeros.points, &mut at_zeros);
         sides.zeros.keep(|zero| {
-            let (before, behind) = (before[lane_of[zero]].abs(), behind[lane_of[zero]].abs());
-            let most = before.max(behind);
-            let is_zero = at_zeros[zero].abs() <= ZERO * most;
-            uneven |= is_zero && (before - behind).abs() > even * most;
+            let (before, behind) = (before[lane_of[zero]], behind[lane_of[zero]]);
+            let is_zero = at_zeros[zero].abs() <= ZERO * before.abs().max(behind.abs());
+            uneven |= is_zero && is_uneven(before, behind, resolution);
             is_zero
         });
-        if !uneven || !self.any_sheet(evaluator, request, queries, branch) {
+        if self.crease.sides.zeros.points.len == 0 || !self.any_sheet(evaluator, request, queries, branch, uneven) {
             return;
         }
-        let resolution = request.resolution();
         let bounds = self.lanes.bounds.map(Vec3::from_array);
         let Scratch { singles, sides, .. } = &mut self.crease;
         let crossed = sides.crossed(evaluator, resolution, bounds, |query| queries.inside[query]);
@@ -137,6 +134,7 @@ impl Polisher {
         request: &Request,
         queries: &Queries,
         branch: usize,
+        uneven: bool,
     ) -> bool {
         let Scratch { parts: [part, ..], sides, touching, .. } = &mut self.crease;
         touching.clone_from(&sides.zeros);
@@ -153,8 +151,9 @@ impl Polisher {
         let bounds = self.lanes.bounds.map(Vec3::from_array);
         evaluator.branch(branch, &sides.zeros.points, part);
         sides.zeros.project(part, bounds);
-        let crossed = sides.crossed(evaluator, request.resolution(), bounds, |query| queries.inside[query]);
-        let any = crossed[..sides.zeros.points.len].contains(&true);
+        let (resolution, len) = (request.resolution(), sides.zeros.points.len);
+        let any = (uneven || sides.any_uneven(evaluator, resolution, bounds))
+            && sides.crossed(evaluator, resolution, bounds, |query| queries.inside[query])[..len].contains(&true);
         sides.zeros.clone_from(touching);
         any
     }
