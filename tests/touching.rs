@@ -15,8 +15,10 @@ const VOXEL: f64 = 1.0 / 13.0;
 /// How far a closest point may be off, in voxels.
 const TOLERANCE: f64 = 0.05;
 
+type Primitive = fn(&mut Graph) -> Node;
+
 /// Primitives about the origin whose tops are at z = 1/2.
-const PRIMITIVES: [(&str, fn(&mut Graph) -> Node); 8] = [
+const PRIMITIVES: [(&str, Primitive); 8] = [
     ("sphere", |graph| graph.sphere(0.5)),
     ("box", |graph| graph.cuboid(DVec3::new(1.2, 0.8, 1.0))),
     ("cylinder", |graph| graph.cylinder(0.45, 1.0)),
@@ -90,7 +92,7 @@ fn fault(field: &Expression, voxel_size: f64, offset: usize) -> Result<usize, St
     for ((origin, distances), (active, normals)) in
         band.origins.iter().zip(&band.distances).zip(band.active.iter().zip(&measured.visits))
     {
-        for i in (0..BLOCK_VOXELS).filter(|i| (i * 7 + offset) % 11 == 0) {
+        for i in (0..BLOCK_VOXELS).filter(|i| (i * 7 + offset).is_multiple_of(11)) {
             let place = IVec3::new(i as i32 >> 6, i as i32 >> 3 & 7, i as i32 & 7);
             let p = lattice.centre(*origin + place);
             let (distance, value) = (f64::from(distances[i]), field.reference(p));

@@ -108,7 +108,7 @@ impl Settings {
     }
 
     /// How far a distance is from those that are asked for.
-    fn from_levels(&self, distance: f64) -> f64 {
+    fn beyond_levels(&self, distance: f64) -> f64 {
         (self.levels.lo - distance).max(distance - self.levels.hi).max(0.0)
     }
 }

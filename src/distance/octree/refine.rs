@@ -82,7 +82,7 @@ fn miss_at(patch: &Patch, halves: [u32; 3], sample: &Sample) -> f64 {
 
 /// Whether a cell is large beside the distance of its middle to the levels, so that its patch must be right.
 fn is_near(cell: &Cell, middle: f64, settings: &Settings) -> bool {
-    f64::from(cell.size) * settings.smallest_cell > settings.ratio * settings.from_levels(middle)
+    f64::from(cell.size) * settings.smallest_cell > settings.ratio * settings.beyond_levels(middle)
 }
 
 /// What is to be done with a cell whose corners and middle have samples.
@@ -101,7 +101,7 @@ fn judged(cell: &Cell, patch: impl Fn() -> Patch, middle: &Sample, settings: &Se
     let edge = f64::from(cell.size) * settings.smallest_cell;
     if is_near(cell, middle.value, settings) {
         Verdict::Near
-    } else if edge > settings.ratio_across * settings.from_levels(middle.value)
+    } else if edge > settings.ratio_across * settings.beyond_levels(middle.value)
         && is_within(cell, around)
         && miss_at(&patch(), [1; 3], middle) > settings.tolerance_across
     {
@@ -165,7 +165,7 @@ pub fn refine(
         let try_out = |(node, cell, verdict): &(u32, Cell, Verdict)| {
             let points = sampled_middles(cell, samples);
             // The surface may pass through a cell whose middle is nearer to it than a corner.
-            let at_surface = settings.from_levels(samples.numbered(points[point_at([1; 3])]).value) <= 0.87 * edge;
+            let at_surface = settings.beyond_levels(samples.numbered(points[point_at([1; 3])]).value) <= 0.87 * edge;
             let splits = *verdict == Verdict::Across
                 || (at_surface && size > LARGEST_AT_SURFACE)
                 || miss(&lone_patch_of(tree, *node, samples, edge), &points, samples) > settings.tolerance;
