@@ -271,7 +271,7 @@ fn judged(band: &Band, solid: &Solid, moved: DVec3) -> (usize, usize) {
 }
 
 #[test]
-#[ignore = "takes longer than an ordinary run may: cargo test --lib distance_trees -- --ignored"]
+#[ignore = "does not hold yet: measured distances round creases by a cell, 4 % of the voxels of tree 0 miss by more"]
 fn trees_with_offsets_and_walls_are_as_far_as_brute_force_says() {
     let mut baked = 0;
     for seed in 0..TREES {
