@@ -6,6 +6,7 @@
 
 mod combine;
 mod single;
+mod thin;
 
 use glam::{DVec3, Vec3};
 
