@@ -14,13 +14,15 @@ use crate::field::{Aabb, Points, rotation};
 use crate::grid::{BLOCK_VOXELS, Band, is_active};
 
 /// Random trees.
-const TREES: u64 = 8;
+const TREES: u64 = 6;
 /// The share of operations whose operands share a face.
-const SHARED_FACES: f64 = 0.0;
+const SHARED_FACES: f64 = 0.3;
 /// Voxels along the longest side.
-const RESOLUTION: u32 = 40;
+const RESOLUTION: u32 = 24;
 /// The spacing of points on a boundary, in voxels.
 const SPACING: f64 = 0.2;
+/// The same on the boundary of an operand: an offset of it is short beyond creases by as much.
+const SPACING_OF_OPERANDS: f64 = 0.1;
 /// How far distances may be from those to the points, in voxels, beside the spacing.
 const TOLERANCE: f64 = 0.1;
 /// The share of voxels that may be further from them: those beside creases and slivers, which measuring rounds.
@@ -271,11 +273,10 @@ fn judged(band: &Band, solid: &Solid, moved: DVec3) -> (usize, usize) {
 }
 
 #[test]
-#[ignore = "does not hold yet: measured distances round creases by a cell, 4 % of the voxels of tree 0 miss by more"]
 fn trees_with_offsets_and_walls_are_as_far_as_brute_force_says() {
     let mut baked = 0;
     for seed in 0..TREES {
-        let spacing = SPACING * 2.5 / f64::from(RESOLUTION);
+        let spacing = SPACING_OF_OPERANDS * 2.5 / f64::from(RESOLUTION);
         let random = Random(seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) | 1);
         let mut trees = Trees { random, text: String::new(), shapes: 0, spacing };
         (0..8).for_each(|_| _ = trees.random.next());
@@ -297,6 +298,7 @@ fn trees_with_offsets_and_walls_are_as_far_as_brute_force_says() {
             }
         };
         let (voxels, wrong) = judged(&band_of(&scene, 1), &solid, moved);
+        println!("T {seed} {wrong} of {voxels}");
         assert!((wrong as f64) < BESIDE_CREASES * voxels as f64, "{wrong} of {voxels} voxels of tree {seed}:\n{text}");
         baked += 1;
     }

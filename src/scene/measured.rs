@@ -26,6 +26,9 @@ const LEAST_SEEDS: f64 = 64.0;
 /// How far a distance at the levels may be wrong, in voxels.
 const TOLERANCE: f64 = 0.02;
 
+/// The smallest cells, in voxels. They stand at creases of the levels only, which they round by about as much.
+const AT_CREASES: f64 = 0.25;
+
 /// Parts of a solid are measured one by one where they are no more than these: their edges stay sharp. More take longer
 /// than the whole.
 const MOST_PARTS: usize = 4;
@@ -46,7 +49,7 @@ pub(super) fn measured(
     let seeds = smallest_cell(voxel.min(solid.size().max_element() / LEAST_SEEDS), &solid);
     let feet = FieldFeet::new(field, &solid, seeds, &watch)?;
     let reach = reach(solid, levels);
-    let mut settings = octree::Settings::new(reach, smallest_cell(voxel, &reach));
+    let mut settings = octree::Settings::new(reach, smallest_cell(AT_CREASES * voxel, &reach));
     settings.levels = levels;
     settings.tolerance = TOLERANCE * voxel;
     DistanceObject::build(&feet, &settings, &watch)
