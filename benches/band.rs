@@ -12,7 +12,7 @@ use common::memory::resident;
 use common::report::{Goal, Row};
 use common::scenes::{self, Sampling};
 use hfvdb::distance::band::Measured;
-use hfvdb::scene::{FrameContent, Prepared};
+use hfvdb::shot::{FrameContent, Prepared};
 use rayon::{ThreadPool, prelude::*};
 
 const PAIRS: usize = 5;

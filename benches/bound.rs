@@ -30,7 +30,7 @@ use hfvdb::attribute::Colour;
 use hfvdb::distance::band::{MeasuredBlock, Settings, measure};
 use hfvdb::distance::descent::{Scope, descend};
 use hfvdb::field::{Aabb, BATCH, Evaluator, Field, Gradients, Interval, Points, Slope};
-use hfvdb::scene::{FrameContent, Prepared};
+use hfvdb::shot::{FrameContent, Prepared};
 use rayon::prelude::*;
 
 const ROUNDS: usize = 9;

@@ -8,11 +8,11 @@
 //! * **Positions.** World positions are [`glam::DVec3`], voxel (index) positions are [`glam::IVec3`], a voxel's
 //!   edge is a [`grid::VoxelSize`]. Batches hold an `f64` origin and small `f32` offsets ([`field::Points`]), so
 //!   that a surface far from the world's origin keeps its accuracy.
-//! * **Time.** A scene's frames map to t in \[0, 1\]; nothing below the `scene` room knows frames.
+//! * **Time.** A scene's frames map to t in \[0, 1\]; nothing below the `shot` room knows frames.
 //!
 //! # Layers
 //!
-//! `cli → bake, render → scene → morph, attribute → distance, mesh → field, grid`; `vdb → grid`. An arrow never points
+//! `cli → bake, render → shot → node → text; node → morph, attribute → distance, mesh → field, grid`; `vdb → grid`. An arrow never points
 //! the other way. Whatever reads or writes files uses `disk`, whatever prints text of others `terminal`.
 
 pub mod attribute;
@@ -24,7 +24,9 @@ pub mod field;
 pub mod grid;
 pub mod mesh;
 pub mod morph;
+pub mod node;
 pub mod render;
-pub mod scene;
+pub mod shot;
 pub mod terminal;
+pub mod text;
 pub mod vdb;

@@ -16,7 +16,9 @@ use std::sync::Arc;
 use glam::DVec3;
 use hfvdb::attribute::{LinearRgb, Sampler};
 use hfvdb::field::{BATCH, Evaluator, Gradients, Points};
-use hfvdb::scene::{self, FrameContent, Overrides, PrepareOptions, Prepared, Source};
+use hfvdb::node::Source;
+use hfvdb::shot::{FrameContent, PrepareOptions, Prepared};
+use hfvdb::text::Overrides;
 use rayon::prelude::*;
 use support::{Run, Workplace};
 
@@ -41,7 +43,7 @@ fn check_in_blender(python: &str, place: &Workplace, folder: &str, options: &[&s
 }
 
 fn prepare(scene: &str) -> Prepared {
-    let model = scene::load(&Source::Builtin(scene.into()), &Overrides::default()).expect("a built-in scene");
+    let model = node::load(&Source::Builtin(scene.into()), &Overrides::default()).expect("a built-in scene");
     let options = PrepareOptions {
         voxel_size: None,
         resolution: Some(RESOLUTION),

@@ -11,7 +11,9 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-use hfvdb::scene::{self, Error, Model, Overrides, PrepareOptions, Source, builtin_names, builtin_text};
+use hfvdb::node::{Model, Source};
+use hfvdb::shot::{Error, PrepareOptions};
+use hfvdb::text::{Overrides, builtin_names, builtin_text};
 use rayon::prelude::*;
 use support::Workplace;
 
@@ -63,7 +65,7 @@ fn load(name: &str, text: &str, variant: &Option<String>) -> Result<Model, Strin
     let folder = PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/scenes"));
     let source = Source::Text { name: format!("{name}.toml"), text: text.into(), folder };
     let overrides = Overrides { set: Vec::new(), variant: variant.clone() };
-    scene::load(&source, &overrides).map_err(|problems| problems.to_string())
+    hfvdb::node::load(&source, &overrides).map_err(|problems| problems.to_string())
 }
 
 /// Makes a model ready, coarsely; the error in words.

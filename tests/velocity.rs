@@ -8,7 +8,9 @@ use glam::{DMat3, DVec3, Vec3};
 use hfvdb::bake::{Bytes, Computed, Interrupt, compute_frame, estimate};
 use hfvdb::field::{Field, Gradients, Points};
 use hfvdb::grid::{block_origin, is_active, voxel_offset};
-use hfvdb::scene::{Overrides, PrepareOptions, Prepared, Source, load};
+use hfvdb::node::{Source, load};
+use hfvdb::shot::{PrepareOptions, Prepared};
+use hfvdb::text::Overrides;
 use support::Workplace;
 
 const VOXEL: f64 = 1.0 / 24.0;

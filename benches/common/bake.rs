@@ -5,7 +5,7 @@ use std::path::Path;
 use hfvdb::bake::{
     self, Bytes, Computed, Existing, FramePattern, Identity, Interrupt, Output, Record, Sampling, Sequence,
 };
-use hfvdb::scene::Prepared;
+use hfvdb::shot::Prepared;
 use hfvdb::vdb::{Compression, Frame, Grid};
 
 /// Computes one frame with its colour.

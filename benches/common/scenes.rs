@@ -8,7 +8,9 @@ use glam::DVec3;
 use hfvdb::distance::accuracy::ball;
 use hfvdb::distance::band::{Measured, MeasuredBlock, Settings, measure};
 use hfvdb::field::{Aabb, Expression, Graph, Node, SetSystem};
-use hfvdb::scene::{FrameContent, Overrides, PrepareOptions, Prepared, Source, load};
+use hfvdb::node::{Source, load};
+use hfvdb::shot::{FrameContent, PrepareOptions, Prepared};
+use hfvdb::text::Overrides;
 
 /// The half width of all bands, in voxels.
 pub const HALF_WIDTH: f64 = 3.0;
@@ -30,7 +32,7 @@ pub fn text(name: &str) -> String {
 
 /// A scene made ready: one of `benches/scenes`, or a built-in one.
 pub fn prepare(name: &str, sampling: Sampling) -> Prepared {
-    let source = match hfvdb::scene::builtin_text(name) {
+    let source = match hfvdb::text::builtin_text(name) {
         Some(_) => Source::Builtin(name.into()),
         None => Source::Text { name: format!("{name}.toml"), text: text(name), folder: "benches/scenes".into() },
     };

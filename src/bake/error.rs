@@ -5,13 +5,13 @@ use std::fmt;
 use super::Bytes;
 use super::compute::ComputeError;
 use crate::distance::band;
-use crate::{disk, scene, vdb};
+use crate::{disk, shot, vdb};
 
 /// Why a frame, or all of them, could not be baked.
 #[derive(Debug)]
 pub enum Error {
     /// The scene gives no such frame.
-    Scene(scene::Error),
+    Scene(shot::Error),
     /// A frame could not be computed.
     Frame(i64, ComputeError),
     /// A file could not be written.

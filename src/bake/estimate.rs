@@ -3,7 +3,7 @@
 use super::{Bytes, Error, velocity};
 use crate::distance::descent::Scope;
 use crate::distance::extent::{BandBoxes, Effort};
-use crate::scene::{FrameContent, Prepared};
+use crate::shot::{FrameContent, Prepared};
 
 /// What a frame will take, estimated before anything is allocated.
 #[derive(Clone, Copy, Debug)]

@@ -1,5 +1,6 @@
 //! One frame of a scene: computed, with what there is to say about it, and written.
 
+use crate::shot;
 use std::time::{Duration, Instant};
 
 use super::compute::{Attributes, ComputeError, Computed, Ranges, compute};
@@ -9,7 +10,7 @@ use super::sealed::{self, hexadecimal};
 use super::{Bytes, Error, Interrupt, Output, Velocities};
 use crate::distance::band::{self, Settings, Thin};
 use crate::grid::Band;
-use crate::scene::{self, Prepared};
+use crate::shot::Prepared;
 use crate::vdb;
 
 /// Computes one frame of a scene, in a job that has so many in flight and no more memory than the limit.
@@ -50,9 +51,9 @@ pub fn compute_frame(
     })
 }
 
-fn of_scene(error: scene::Error) -> Error {
+fn of_scene(error: shot::Error) -> Error {
     match error {
-        scene::Error::Cancelled => Error::Interrupted,
+        shot::Error::Cancelled => Error::Interrupted,
         error => Error::Scene(error),
     }
 }

@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 use std::fmt;
 use std::str::FromStr;
 
-use crate::scene::{BadRange, FrameRange};
+use crate::text::{BadRange, FrameRange};
 
 /// More frames than this in one call are taken for a mistake.
 const MOST_FRAMES: u64 = 1_000_000;

@@ -4,7 +4,7 @@ use std::time::Instant;
 
 use super::frame::{compute_frame, vdb_frame};
 use super::{Bytes, Error, Estimate, Interrupt, Output};
-use crate::scene::Prepared;
+use crate::shot::Prepared;
 use crate::vdb;
 
 /// The most voxels of a frame that is baked for an estimate; above, a coarser one stands in for it. Some seconds' work.

@@ -9,7 +9,7 @@ use super::identity::Identity;
 use super::range::Range;
 use super::velocity::Velocities;
 use crate::grid::measure;
-use crate::scene::MorphReport;
+use crate::shot::MorphReport;
 
 /// A frame that was written.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

@@ -15,7 +15,7 @@ use super::sealed;
 use super::sequence::Sequence;
 use super::{Bytes, Error, Interrupt};
 use crate::disk::{self, FileLock};
-use crate::scene::Prepared;
+use crate::shot::Prepared;
 use crate::vdb;
 
 /// What to do with files that exist.

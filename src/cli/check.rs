@@ -1,5 +1,7 @@
 //! `hfvdb check`: is the scene right, and what would it take? Is the file sound?
 
+use crate::shot;
+use crate::text;
 use std::fmt::Write;
 use std::path::Path;
 
@@ -12,8 +14,10 @@ use super::paths;
 use super::progress::Progress;
 use super::{files, job};
 use crate::bake;
-use crate::scene::{self, Model, MorphReport, Origin};
+use crate::node::Model;
+use crate::shot::MorphReport;
 use crate::terminal;
+use crate::text::Origin;
 use crate::vdb::{self, Client, Finding, Lint, Severity};
 
 /// Arguments of `hfvdb check`.
@@ -49,7 +53,7 @@ pub struct Arguments {
 pub fn run(arguments: &Arguments, global: &Global) -> Result<(), Failure> {
     let is_files = |input: &String| {
         // A folder may have the name of a built-in scene: with a slash behind it is the folder.
-        files::is_vdb(input) || (Path::new(input).is_dir() && !scene::builtin_names().any(|name| name == input))
+        files::is_vdb(input) || (Path::new(input).is_dir() && !text::builtin_names().any(|name| name == input))
     };
     if arguments.inputs.iter().all(is_files) {
         let paths = files::of_all(&arguments.inputs)?;
@@ -165,7 +169,7 @@ fn of_scene(arguments: &Arguments, global: &Global) -> Result<(), Failure> {
     // Measured only where it is asked for: it takes about as long as a preview.
     let numbers: Vec<(i64, MorphReport)> = if global.verbose {
         let of_frame = |frame| Ok(prepared.report(frame)?.map(|report| (frame, report)));
-        (shot.first..=shot.last).map(of_frame).filter_map(Result::transpose).collect::<Result<_, scene::Error>>()?
+        (shot.first..=shot.last).map(of_frame).filter_map(Result::transpose).collect::<Result<_, shot::Error>>()?
     } else {
         Vec::new()
     };

@@ -12,7 +12,7 @@ use super::options::{Global, Sampling};
 use super::progress::Progress;
 use crate::bake::{self, Bytes, Existing, Interrupt, Known, Output, Probe, State, Wish, judge_all, refusal};
 use crate::disk::free_bytes;
-use crate::scene::Model;
+use crate::node::Model;
 
 /// Says what would be written.
 pub fn run(

@@ -1,7 +1,7 @@
 //! What went wrong, and the exit code that goes with it.
 
 use super::events;
-use crate::{bake, scene, terminal};
+use crate::{bake, shot, terminal, text};
 
 /// A failure with its exit code.
 #[derive(Debug)]
@@ -96,20 +96,20 @@ impl From<bake::PatternError> for Failure {
     }
 }
 
-impl From<scene::Diagnostics> for Failure {
-    fn from(diagnostics: scene::Diagnostics) -> Self {
+impl From<text::Diagnostics> for Failure {
+    fn from(diagnostics: text::Diagnostics) -> Self {
         Self::rendered(diagnostics.render(super::job::styled() && !events::on()))
     }
 }
 
-impl From<scene::Error> for Failure {
-    fn from(error: scene::Error) -> Self {
+impl From<shot::Error> for Failure {
+    fn from(error: shot::Error) -> Self {
         match error {
-            scene::Error::Scene(diagnostics) => diagnostics.into(),
-            scene::Error::Memory { needed, limit, voxels } => {
+            shot::Error::Scene(diagnostics) => diagnostics.into(),
+            shot::Error::Memory { needed, limit, voxels } => {
                 bake::Error::Memory { needed: bake::Bytes(needed), limit: bake::Bytes(limit), voxels }.into()
             }
-            error @ scene::Error::Cancelled => Self::work(error.to_string()),
+            error @ shot::Error::Cancelled => Self::work(error.to_string()),
         }
     }
 }

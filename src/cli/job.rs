@@ -1,5 +1,8 @@
 //! From arguments to a scene made ready: what `bake`, `morph`, `check` and `preview` have in common.
 
+use crate::node;
+use crate::shot;
+use crate::text;
 use std::sync::Arc;
 
 use super::events;
@@ -7,8 +10,10 @@ use super::failure::Failure;
 use super::options::{Global, Sampling, SceneArguments};
 use super::progress::{PREPARING, Progress};
 use crate::bake::{Bytes, Frames, Interrupt, default_limit};
-use crate::scene::{self, Model, Overrides, PrepareOptions, Prepared, Source};
+use crate::node::{Model, Source};
+use crate::shot::{PrepareOptions, Prepared};
 use crate::terminal;
+use crate::text::Overrides;
 
 /// Starts to listen for signals.
 pub fn interrupt() -> Result<Interrupt, Failure> {
@@ -18,13 +23,13 @@ pub fn interrupt() -> Result<Interrupt, Failure> {
 /// Reads a scene and says what is worth saying about it.
 pub fn load(arguments: &SceneArguments, global: &Global) -> Result<Arc<Model>, Failure> {
     let overrides = Overrides { set: arguments.changes.set.clone(), variant: arguments.changes.variant.clone() };
-    let model = scene::load(&Source::of_argument(&arguments.scene), &overrides)?;
+    let model = node::load(&Source::of_argument(&arguments.scene), &overrides)?;
     warn(&model.warnings, global);
     Ok(Arc::new(model))
 }
 
 /// Prints a scene's warnings.
-fn warn(warnings: &scene::Diagnostics, global: &Global) {
+fn warn(warnings: &text::Diagnostics, global: &Global) {
     if warnings.is_empty() {
         return;
     }
@@ -59,7 +64,7 @@ pub fn prepare(
         progress: &|share| progress.of_preparing(share),
     };
     let prepared = model.prepare(&options).map_err(|error| match error {
-        error @ scene::Error::Memory { .. } => failure_of(error, interrupt).about(&model.name),
+        error @ shot::Error::Memory { .. } => failure_of(error, interrupt).about(&model.name),
         error => failure_of(error, interrupt),
     })?;
     warn(&prepared.warnings, global);

@@ -1,5 +1,6 @@
 //! `hfvdb morph`: one mesh becomes another, without a scene file.
 
+use crate::node;
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -10,7 +11,7 @@ use super::options::{Global, Sampling, Writing};
 use super::paths;
 use super::writing::{Request, write_frames};
 use crate::bake::{FramePattern, Source};
-use crate::scene::{self, FrameRange, Overrides};
+use crate::text::{FrameRange, Overrides};
 
 /// Arguments of `hfvdb morph`.
 #[derive(Args)]
@@ -70,7 +71,7 @@ pub fn run(arguments: &Arguments, global: &Global) -> Result<(), Failure> {
         .collect(),
         variant: None,
     };
-    let model = scene::morph_of_meshes(&arguments.from, &arguments.to, arguments.shot, &overrides)?;
+    let model = node::morph_of_meshes(&arguments.from, &arguments.to, arguments.shot, &overrides)?;
     let source = Source {
         scene: format!("morph of {} and {}", arguments.from.display(), arguments.to.display()),
         variant: None,

@@ -7,7 +7,7 @@ use serde_json::json;
 
 use super::{events, paths};
 use crate::bake::{Bytes, Existing, Frames};
-use crate::scene::keys::GREATEST;
+use crate::text::key::GREATEST;
 
 /// Options of every subcommand.
 #[derive(Args, Clone, Debug)]

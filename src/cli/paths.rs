@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use clap::builder::{OsStringValueParser, StringValueParser, TypedValueParser};
 
-use crate::scene::expand;
+use crate::text::expand;
 
 /// Reads a path.
 pub fn path() -> impl TypedValueParser<Value = PathBuf> {

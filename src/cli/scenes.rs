@@ -4,7 +4,7 @@ use clap::Args;
 
 use super::failure::Failure;
 use super::options::Global;
-use crate::scene;
+use crate::text;
 
 /// Arguments of `hfvdb scenes`.
 #[derive(Args)]
@@ -19,8 +19,8 @@ pub fn run(arguments: &Arguments, global: &Global) -> Result<(), Failure> {
     let Some(name) = &arguments.name else {
         return list(global);
     };
-    let text = scene::builtin_text(name).ok_or_else(|| {
-        let known: Vec<_> = scene::builtin_names().collect();
+    let text = text::builtin_text(name).ok_or_else(|| {
+        let known: Vec<_> = text::builtin_names().collect();
         Failure::work(format!("there is no built-in scene \"{name}\"; there are {}", known.join(", ")))
     })?;
     if global.json {
@@ -30,7 +30,7 @@ pub fn run(arguments: &Arguments, global: &Global) -> Result<(), Failure> {
 }
 
 fn list(global: &Global) -> Result<(), Failure> {
-    let scenes = scene::builtin_names().map(|name| (name, scene::builtin_line(name).unwrap_or_default()));
+    let scenes = text::builtin_names().map(|name| (name, text::builtin_line(name).unwrap_or_default()));
     if global.json {
         let scenes: Vec<_> = scenes.map(|(name, line)| serde_json::json!({ "name": name, "about": line })).collect();
         return super::print_json(&serde_json::json!({ "scenes": scenes }));

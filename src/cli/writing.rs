@@ -15,7 +15,7 @@ use crate::bake::{
     self, Baked, Bytes, Claim, Event, FramePattern, Frames, Identity, Interrupt, Output, Record, Sequence, Source,
     State, Wish, judge_all,
 };
-use crate::scene::Model;
+use crate::node::Model;
 use crate::vdb;
 
 /// The most failed frames that are told of one by one.

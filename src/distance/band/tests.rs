@@ -13,7 +13,9 @@ use crate::{
     },
     field::Points,
     grid::{VoxelSize, mask},
-    scene::{Overrides, PrepareOptions, Prepared, Source, load},
+    node::{Source, load},
+    shot::{PrepareOptions, Prepared},
+    text::Overrides,
 };
 
 struct Errors {

@@ -1,0 +1,56 @@
+//! The box of a shape: where F ≥ 0.
+
+use crate::distance::extent::{self, extent};
+use crate::field::{Aabb, Field};
+use crate::node::model::{Maker, Model, ShapeId};
+use crate::text::problem::Problem;
+
+/// The box of F ≥ 0.
+pub(crate) fn box_of(field: &dyn Field) -> Result<Aabb, extent::Error> {
+    let solid = extent(field, None)?.solid;
+    if solid.size().max_element() > 0.0 { Ok(solid) } else { Err(extent::Error::Empty) }
+}
+
+/// The box of F ≥ 0, or what is wrong with the shape.
+pub(crate) fn solid_box(model: &Model, id: ShapeId, field: &dyn Field) -> Result<Aabb, Problem> {
+    box_of(field).map_err(|error| no_box(model, id, error))
+}
+
+/// What is wrong with a shape that has no box.
+pub(crate) fn no_box(model: &Model, id: ShapeId, error: extent::Error) -> Problem {
+    let shape = model.shape(id);
+    match error {
+        extent::Error::Unbounded => {
+            let culprit = model.unbounded_part(id);
+            let problem = format!("`{}` may reach to infinity", model.shape(culprit).name);
+            Problem::new(model.shape(culprit).span, problem)
+                .help("give it `bounds`, or intersect it with a shape that ends")
+        }
+        extent::Error::Empty => Problem::new(shape.span, format!("nothing is inside `{}`", shape.name))
+            .help("F is negative everywhere: check the signs (positive is inside), the sizes and the bounds"),
+        extent::Error::TooFar => Problem::new(shape.span, format!("`{}`: {error}", shape.name)),
+    }
+}
+
+impl Model {
+    /// The innermost part that makes a shape endless, as far as the parts tell by themselves.
+    fn unbounded_part(&self, id: ShapeId) -> ShapeId {
+        let endless =
+            |maker: &Maker| matches!(maker, Maker::HalfSpace { .. } | Maker::Slab { .. } | Maker::Formula { .. });
+        let mut at = id;
+        while let Maker::Union { operands, .. } = &self.shape(at).maker {
+            let candidates = |test: &dyn Fn(&Maker) -> bool| {
+                operands
+                    .iter()
+                    .copied()
+                    .find(|part| self.shape(*part).bounds.is_none() && test(&self.shape(*part).maker))
+            };
+            let next = candidates(&endless).or_else(|| candidates(&|maker| matches!(maker, Maker::Union { .. })));
+            match next {
+                Some(part) => at = part,
+                None => break,
+            }
+        }
+        at
+    }
+}

@@ -1,0 +1,206 @@
+//! Distances of what has none by itself: those of set operations from their operands', all others measured on an octree
+//! that is fine where they are asked for.
+
+use std::collections::{BTreeMap, HashMap};
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+
+use crate::distance::extent;
+use crate::distance::nearest::{FieldFeet, Watch};
+use crate::distance::octree::{self, BuildError, DistanceObject};
+use crate::field::{Aabb, Expression, Field, Graph, Interval, Node, Side};
+
+use crate::node::extent::box_of;
+use crate::node::model::Shape;
+use crate::text::problem::Problem;
+use crate::text::source::Span;
+
+/// Measured distances are short of the distance by less than this share of it: how much further than a level the
+/// surface there is sought.
+pub(crate) const SLACK: f64 = 1.1;
+
+/// The least number of seeds along a solid's longest side. Fewer miss its details where its levels are far from it.
+const LEAST_SEEDS: f64 = 64.0;
+
+/// How far a distance at the levels may be wrong, in voxels.
+const TOLERANCE: f64 = 0.02;
+
+/// The smallest cells, in voxels. They stand at creases of the levels only, which they round by about as much.
+const AT_CREASES: f64 = 0.25;
+
+/// Parts of a solid are measured one by one where they are no more than these: their edges stay sharp. More take longer
+/// than the whole.
+const MOST_PARTS: usize = 4;
+
+/// Smallest cells of a distance object along its longest side, at most: more take memory without end, and a morph's
+/// in-betweens are smooth.
+pub(crate) const MOST_CELLS: f64 = 512.0;
+
+/// Levels on both sides of the surface, as near to it as can be.
+pub(crate) const BESIDE_SURFACE: Interval = Interval::new(-f64::MIN_POSITIVE, f64::MIN_POSITIVE);
+
+/// The smallest cells that an object's distances need, from a voxel's edge in its space.
+pub(crate) fn smallest_cell(voxel: f64, solid: &Aabb) -> f64 {
+    voxel.max(solid.size().max_element() / MOST_CELLS)
+}
+
+/// The distance of a solid in a box, as good as a band wherever it is one of `levels`, positive inside. `voxel` is a
+/// voxel's edge.
+pub(crate) fn measured(
+    field: &dyn Field,
+    solid: Aabb,
+    levels: Interval,
+    voxel: f64,
+    cancel: &AtomicBool,
+) -> Result<DistanceObject, BuildError> {
+    let watch = Watch { cancel, progress: &|_| {} };
+    let seeds = smallest_cell(voxel.min(solid.size().max_element() / LEAST_SEEDS), &solid);
+    let feet = FieldFeet::new(field, &solid, seeds, &watch)?;
+    let reach = reach(solid, levels);
+    let mut settings = octree::Settings::new(reach, smallest_cell(AT_CREASES * voxel, &reach));
+    settings.levels = levels;
+    settings.tolerance = TOLERANCE * voxel;
+    DistanceObject::build(&feet, &settings, &watch)
+}
+
+/// The box of a solid grown to the outermost of some levels.
+fn reach(solid: Aabb, levels: Interval) -> Aabb {
+    solid.grown(SLACK * (-levels.lo).max(0.0))
+}
+
+/// The sides of the surface that some levels are on.
+fn sides(levels: Interval) -> (Option<Side>, Option<Side>) {
+    ((levels.lo < 0.0).then_some(Side::Outside), (levels.hi > 0.0).then_some(Side::Inside))
+}
+
+/// A node with a solid's zero set that is the distance to it wherever that is one of `levels`, as far as it takes no
+/// measuring.
+pub(crate) fn told(graph: &mut Graph, solid: Node, levels: Interval) -> Option<Node> {
+    let slope = graph.slope(solid);
+    let exact = |side: Option<Side>| side.is_none_or(|side| slope.is_exact(side));
+    match sides(levels) {
+        (outside, inside) if exact(outside) && exact(inside) => Some(solid),
+        (Some(side), None) | (None, Some(side)) => graph.distance(solid, side, &BTreeMap::new()),
+        _ => None,
+    }
+}
+
+/// What a distance is for.
+#[derive(Clone, Copy)]
+pub(crate) struct Purpose<'a> {
+    /// The shape that needs it.
+    pub shape: &'a Shape,
+    /// The key that needs it.
+    pub key: &'a str,
+    /// Where the scene has that.
+    pub span: Span,
+}
+
+impl Purpose<'_> {
+    fn failed(&self, error: &BuildError) -> Problem {
+        Problem::new(self.span, format!("`{}`: {error}", self.shape.name))
+    }
+
+    fn without_box(&self, error: extent::Error) -> Problem {
+        let (Shape { name, .. }, key) = (self.shape, self.key);
+        match error {
+            extent::Error::Unbounded => Problem::new(
+                self.span,
+                format!(
+                    "`{key}` needs the distance to `{name}`, which may reach to infinity and whose F is not a distance"
+                ),
+            )
+            .help("give it `bounds` that reach a little beyond all of it that is used"),
+            extent::Error::TooFar => Problem::new(self.span, format!("`{name}`: {error}")),
+            extent::Error::Empty => {
+                Problem::new(self.span, format!("nothing is inside `{name}` that `{key}` could move"))
+                    .help("F is negative everywhere: check the signs (positive is inside), the sizes and the bounds")
+            }
+        }
+    }
+}
+
+/// The distances of nodes of one graph.
+#[derive(Clone)]
+pub(crate) struct Distances {
+    /// About how many voxels go along the longest side of a solid.
+    resolution: f64,
+    /// Set to stop measuring.
+    cancel: Arc<AtomicBool>,
+    /// Those found so far, by their solids and levels.
+    known: HashMap<(Node, [u64; 2]), Node>,
+}
+
+impl Distances {
+    /// None found yet.
+    pub fn new(resolution: f64, cancel: &Arc<AtomicBool>) -> Self {
+        Self { resolution, cancel: Arc::clone(cancel), known: HashMap::new() }
+    }
+
+    /// A node with a solid's zero set that is the distance to it wherever that is one of `levels`, positive inside: the
+    /// solid's own where that is one.
+    pub fn of(
+        &mut self,
+        graph: &mut Graph,
+        solid: Node,
+        levels: Interval,
+        purpose: &Purpose<'_>,
+    ) -> Result<Node, Problem> {
+        if let Some(distance) = told(graph, solid, levels) {
+            return Ok(distance);
+        }
+        let key = (solid, [levels.lo, levels.hi].map(f64::to_bits));
+        if let Some(known) = self.known.get(&key) {
+            return Ok(*known);
+        }
+        let found = match sides(levels) {
+            (None, Some(side)) | (Some(side), None) => self.by_parts(graph, (solid, side), levels, purpose)?,
+            _ => None,
+        };
+        let distance = match found {
+            Some(distance) => distance,
+            None => self.measured(graph, solid, levels, purpose)?,
+        };
+        self.known.insert(key, distance);
+        Ok(distance)
+    }
+
+    /// The distance on one side from those of a few parts; `None` where it is the whole that has to be measured.
+    fn by_parts(
+        &mut self,
+        graph: &mut Graph,
+        (solid, side): (Node, Side),
+        levels: Interval,
+        purpose: &Purpose<'_>,
+    ) -> Result<Option<Node>, Problem> {
+        let parts = graph.to_measure(solid, side);
+        let has_box = |&(part, _): &(Node, Side)| box_of(&Expression::new(graph, part)).is_ok();
+        if parts.len() > MOST_PARTS || !parts.iter().all(has_box) {
+            return Ok(None);
+        }
+        let mut found = BTreeMap::new();
+        for part in parts {
+            // Of what is taken away the other side counts.
+            let levels = if part.1 == side { levels } else { Interval::new(-levels.hi, -levels.lo) };
+            found.insert(part, self.measured(graph, part.0, levels, purpose)?);
+        }
+        Ok(graph.distance(solid, side, &found))
+    }
+
+    fn measured(
+        &self,
+        graph: &mut Graph,
+        solid: Node,
+        levels: Interval,
+        purpose: &Purpose<'_>,
+    ) -> Result<Node, Problem> {
+        let field = Expression::new(graph, solid);
+        let aabb = box_of(&field).map_err(|error| purpose.without_box(error))?;
+        // No solid has more voxels than the whole that is baked, but where it is scaled.
+        let voxel = reach(aabb, levels).size().max_element() / self.resolution;
+        let measured = measured(&field, aabb, levels, voxel, &self.cancel).map_err(|error| purpose.failed(&error))?;
+        let node = graph.field(Arc::new(measured));
+        let node = graph.bounded(node, aabb);
+        Ok(graph.falling(node, 1.0 / SLACK))
+    }
+}

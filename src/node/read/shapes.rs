@@ -1,0 +1,287 @@
+//! Shapes: one maker each, its parameters, the modifiers.
+
+use glam::DVec3;
+
+use crate::field::Aabb;
+use crate::mesh::{Conventions, Encoding, Turn};
+
+use super::links::{Link, Node};
+use super::{Building, any_shape_keys, family, shape_keys};
+use crate::node::keys::{self, MAKERS};
+use crate::node::model::{Bounds, Copies, Maker, Modifiers, Shape, ShapeId};
+use crate::text::diagnostic::{Diagnostic, clip, listed};
+use crate::text::formula::Formula;
+use crate::text::key::GREATEST;
+use crate::text::key::Limit;
+use crate::text::reader::{Fields, NO_OWNER};
+use crate::text::source::Span;
+use crate::text::value::{Table, Value};
+
+impl<'r, 'a> Building<'r, 'a> {
+    pub(super) fn all_shapes(&mut self) {
+        self.must_be_table("shape");
+        for (i, entry) in family(self.root, "shape").enumerate() {
+            let path = format!("shape.{}", entry.key);
+            match entry.value.table() {
+                Some(table) => self.shapes[i] = self.read_shape(&path, entry.key_span, table, ShapeId(i), true),
+                None => self.reader.wrong_kind(&path, "a table", &entry.value),
+            }
+        }
+    }
+
+    /// The one maker of a table. Says so where there are two of them, or none and no unknown key that stands for one.
+    fn maker_of(&self, path: &str, span: Span, table: &'r Table) -> Option<&'static keys::Maker> {
+        let mut found = table
+            .0
+            .iter()
+            .filter_map(|entry| Some((entry, MAKERS.iter().find(|maker| maker.key.is_called(&entry.key))?)));
+        match (found.next(), found.next()) {
+            (Some((_, maker)), None) => Some(maker),
+            (Some((first, _)), Some((second, _))) => {
+                let problem = format!("`{}` and `{}` both say what `{}` is", first.key, second.key, clip(path));
+                self.reader.say(
+                    Diagnostic::error(second.key_span, problem)
+                        .help("a shape has one maker; `union` and its kin join several shapes"),
+                );
+                None
+            }
+            _ => {
+                let known = any_shape_keys();
+                let unknown = table.0.iter().any(|entry| !known.iter().any(|key| key.is_called(&entry.key)));
+                if !unknown {
+                    let makers: Vec<&str> = MAKERS.iter().map(|maker| maker.key.name).collect();
+                    let problem = format!("nothing says what `{}` is", clip(path));
+                    self.reader
+                        .say(Diagnostic::error(span, problem).help(format!("give it one of {}", listed(&makers))));
+                }
+                None
+            }
+        }
+    }
+
+    /// One shape. `may_nest`: whether a shape written in place may stand for one of its operands.
+    fn read_shape(&mut self, path: &str, span: Span, table: &'r Table, id: ShapeId, may_nest: bool) -> Option<Shape> {
+        let spec = self.maker_of(path, span, table);
+        let keys = spec.map_or_else(any_shape_keys, shape_keys);
+        let fields = Fields::new(self.reader, path, keys::shape_owner, span, table, keys);
+        let maker = spec.and_then(|spec| self.maker(spec.key.name, &fields, id, may_nest));
+        // Without a maker all else is read, so that all errors come together.
+        let modifiers = self.modifiers(&fields, id, may_nest);
+        let bounds = fields.value("bounds").and_then(|value| self.bounds(&fields.full("bounds"), value));
+        let has_cells = spec.is_none_or(|spec| spec.key.name == "facet") || modifiers.at.is_some();
+        let colour = fields
+            .value("color")
+            .and_then(|value| self.shape_colour(&fields.full("color"), value, id, has_cells, may_nest));
+        let scalars = fields
+            .value("attribute")
+            .map(|value| self.scalars(&fields.full("attribute"), value, id, has_cells, may_nest))
+            .unwrap_or_default();
+        let name = path.trim_start_matches("shape.").into();
+        Some(Shape { name, span, maker: maker?, modifiers, bounds, colour, scalars })
+    }
+
+    fn maker(&mut self, name: &str, fields: &Fields<'r, 'a>, id: ShapeId, may_nest: bool) -> Option<Maker> {
+        Some(match name {
+            "sphere" => Maker::Sphere { radius: fields.required_number("sphere") },
+            "box" => Maker::Box { edges: fields.required_vector("box") },
+            "ellipsoid" => Maker::Ellipsoid { half_axes: fields.required_vector("ellipsoid") },
+            "cylinder" => {
+                Maker::Cylinder { radius: fields.required_number("cylinder"), height: fields.number("height") }
+            }
+            "torus" => Maker::Torus { radius: fields.required_number("torus"), tube: fields.number("tube") },
+            "capsule" => Maker::Capsule { radius: fields.required_number("capsule"), length: fields.number("length") },
+            "half_space" => Maker::HalfSpace {
+                normal: fields.required_vector("half_space"),
+                offset: fields.required_number("offset_along"),
+            },
+            "slab" => {
+                Maker::Slab { thickness: fields.required_number("slab"), normal: fields.required_vector("normal") }
+            }
+            "heart" => Maker::Heart { width: fields.required_number("heart") },
+            "formula" => self.formula(fields)?,
+            "mesh" => self.mesh(fields)?,
+            "union" => Maker::Union {
+                operands: self.operands("union", 1, fields, id, may_nest)?,
+                seam: fields.constant("seam").unwrap_or(0.0),
+            },
+            "intersection" => Maker::Intersection(self.operands("intersection", 1, fields, id, may_nest)?),
+            "difference" => Maker::Difference(self.operands("difference", 2, fields, id, may_nest)?),
+            "blend" => Maker::Blend {
+                operands: self.operands("blend", 2, fields, id, may_nest)?,
+                radius: fields.required_number("blend_radius"),
+                within: match fields.value("within") {
+                    Some(value) => Some(self.operand(&fields.full("within"), Node::Shape(id), value, may_nest)?),
+                    None => None,
+                },
+            },
+            _ => self.facet(fields, id, may_nest)?,
+        })
+    }
+
+    fn mesh(&self, fields: &Fields<'r, 'a>) -> Option<Maker> {
+        let file = self.file("mesh", fields)?;
+        let up = fields.choice("up");
+        let turn = match (up.unwrap_or(self.up), self.up) {
+            ("y", "z") => Turn::YToZ,
+            ("z", "y") => Turn::ZToY,
+            _ => Turn::None,
+        };
+        let colours = match fields.choice("vertex_colors") {
+            Some("linear") => Encoding::Linear,
+            _ => Encoding::Srgb,
+        };
+        let up_is_given = up.is_some() || self.up == "y";
+        Some(Maker::Mesh { file, conventions: Conventions { turn, colours }, up_is_given })
+    }
+
+    fn formula(&self, fields: &Fields<'r, 'a>) -> Option<Maker> {
+        let value = fields.value("formula")?;
+        let Some(text) = value.text() else {
+            self.reader.wrong_kind(&fields.full("formula"), "a formula in quotes", value);
+            return None;
+        };
+        match Formula::of_space(text, self.reader.names.clone()) {
+            Ok(formula) => Some(Maker::Formula { formula, span: value.span }),
+            Err(problems) => {
+                self.reader.say_all(problems, value.span, text);
+                None
+            }
+        }
+    }
+
+    fn facet(&mut self, fields: &Fields<'r, 'a>, id: ShapeId, may_nest: bool) -> Option<Maker> {
+        let of = fields
+            .value("facet")
+            .and_then(|value| self.operand(&fields.full("facet"), Node::Shape(id), value, may_nest));
+        let cells =
+            fields.value("cells").and_then(|value| self.cells_reference(&fields.full("cells"), id, value, may_nest));
+        let (tilt, cut) = (fields.constant("tilt").unwrap_or(0.0), fields.constant("cut").unwrap_or(0.0));
+        let seed = self.seed_of(fields.whole("seed"), &fields.path);
+        Some(Maker::Facet { of: of?, cells: cells?, tilt, cut, seed })
+    }
+
+    /// The shapes of a list.
+    pub(super) fn operands(
+        &mut self,
+        key: &str,
+        least: usize,
+        fields: &Fields<'r, 'a>,
+        id: ShapeId,
+        may_nest: bool,
+    ) -> Option<Vec<ShapeId>> {
+        let value = fields.value(key)?;
+        let path = fields.full(key);
+        let Some(list) = value.list() else {
+            self.reader.wrong_kind(&path, "a list of shapes", value);
+            return None;
+        };
+        if list.len() < least {
+            let wanted = if least == 1 { "one shape" } else { "two shapes" };
+            self.reader.say(Diagnostic::error(value.span, format!("`{}` needs at least {wanted}", clip(&path))));
+            return None;
+        }
+        let ids: Vec<Option<ShapeId>> = list
+            .iter()
+            .enumerate()
+            .map(|(i, value)| self.operand(&format!("{path}[{i}]"), Node::Shape(id), value, may_nest))
+            .collect();
+        ids.into_iter().collect()
+    }
+
+    /// A shape by name, or written in place.
+    pub(super) fn operand(&mut self, path: &str, from: Node, value: &'r Value, may_nest: bool) -> Option<ShapeId> {
+        let id = match value.table() {
+            None => self.resolve("shape", &self.shape_ids, value, path)?,
+            Some(_) if !may_nest => {
+                let problem = Diagnostic::error(value.span, "a shape in place cannot hold another one");
+                self.reader.say(problem.help("give it a name: [shape.NAME]"));
+                return None;
+            }
+            Some(table) => {
+                let id = ShapeId(self.shapes.len());
+                self.shapes.push(None);
+                self.shapes[id.0] = self.read_shape(path, value.span, table, id, false);
+                id
+            }
+        };
+        self.links.push(Link { from, to: Node::Shape(id), span: value.span });
+        Some(id)
+    }
+
+    /// A shape that `[morph]` or `[output]` names.
+    pub(super) fn shape_reference(&mut self, path: &str, value: &'r Value) -> Option<ShapeId> {
+        let id = match value.table() {
+            None => self.resolve("shape", &self.shape_ids, value, path)?,
+            Some(table) => {
+                let id = ShapeId(self.shapes.len());
+                self.shapes.push(None);
+                self.shapes[id.0] = self.read_shape(path, value.span, table, id, false);
+                id
+            }
+        };
+        self.links.push(Link { from: Node::Output, to: Node::Shape(id), span: value.span });
+        Some(id)
+    }
+
+    fn modifiers(&mut self, fields: &Fields<'r, 'a>, id: ShapeId, may_nest: bool) -> Modifiers {
+        let at = fields.value("at").and_then(|value| self.copies(&fields.full("at"), id, value, may_nest));
+        let mirror = fields.choice("mirror").and_then(|axis| ["x", "y", "z"].iter().position(|name| *name == axis));
+        Modifiers {
+            at,
+            mirror,
+            offset: fields.required_number("offset"),
+            shell: fields.number("shell"),
+            displace: self.scalar_name(fields, "displace"),
+            scale: fields.required_vector("scale"),
+            rotate: fields.required_vector("rotate"),
+            translate: fields.required_vector("move"),
+        }
+    }
+
+    fn copies(&mut self, path: &str, id: ShapeId, value: &'r Value, may_nest: bool) -> Option<Copies> {
+        let keys = keys::COPIES.iter().collect();
+        let fields = Fields::of_value(self.reader, path, NO_OWNER, value.span, value, keys)?;
+        let cells =
+            fields.value("cells").and_then(|value| self.cells_reference(&fields.full("cells"), id, value, may_nest));
+        let pick = fields.constant("pick").unwrap_or(1.0);
+        let seed = self.seed_of(fields.whole("seed"), path);
+        Some(Copies { cells: cells?, pick, seed })
+    }
+
+    /// A box, or a table with one that says whether it is meant to cut.
+    fn bounds(&self, path: &str, value: &'r Value) -> Option<Bounds> {
+        if value.table().is_none() {
+            return self.box_of(path, value).map(|aabb| Bounds { aabb, cut: false, span: value.span });
+        }
+        let fields = Fields::of_value(self.reader, path, NO_OWNER, value.span, value, keys::BOUNDS.iter().collect())?;
+        let aabb = fields.value("box").and_then(|value| self.box_of(&fields.full("box"), value));
+        let cut = fields.flag("cut");
+        Some(Bounds { aabb: aabb?, cut, span: value.span })
+    }
+
+    /// An edge length, three edge lengths, or two corners.
+    fn box_of(&self, path: &str, value: &Value) -> Option<Aabb> {
+        let vector = |value: &Value| {
+            let numbers: Vec<f64> = value.list()?.iter().filter_map(Value::number).collect();
+            let three: [f64; 3] = numbers.try_into().ok()?;
+            Some(DVec3::from(three)).filter(|vector| vector.is_finite())
+        };
+        let corners = match value.list() {
+            None => value.number().map(DVec3::splat).map(|edges| (-edges / 2.0, edges / 2.0)),
+            Some([min, max]) => vector(min).zip(vector(max)),
+            Some(_) => vector(value).map(|edges| (-edges / 2.0, edges / 2.0)),
+        };
+        let in_range = |corner: &DVec3| Limit::Any.allows(corner.abs().max_element());
+        match corners.filter(|(min, max)| min.cmplt(*max).all() && in_range(min) && in_range(max)) {
+            Some((min, max)) => Some(Aabb::new(min, max)),
+            None => {
+                let problem = format!("`{}` must be a box", clip(path));
+                self.reader.say(
+                    Diagnostic::error(value.span, problem)
+                        .help(format!("an edge length, three edge lengths, or [[least x, y, z], [greatest x, y, z]], of at most {GREATEST:e}")),
+                );
+                None
+            }
+        }
+    }
+}

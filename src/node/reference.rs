@@ -1,0 +1,253 @@
+//! `docs/scene.md`, made from the tables that scenes are checked by.
+
+use std::fmt::Write;
+
+use crate::field::functions;
+use crate::node::keys::{self, MAKERS, Maker};
+use crate::text::builtin::{builtin_line, builtin_names};
+use crate::text::key::{Absent, Key, Limit};
+
+const BEGINNING: &str = "\
+# The scene format
+
+A scene is one TOML 1.0 file (or the same as JSON, for machines). This page is made from the tables that scenes are
+checked by. `hfvdb scenes` lists the built-in scenes, `hfvdb scenes NAME` prints one to start from, and
+`hfvdb check -v SCENE` prints every value and where it comes from.
+
+```toml
+hfvdb = 1
+frames = \"1-24\"
+
+[shape.cube]
+box = 1.6
+color = \"#d7263d\"
+
+[shape.heart]
+heart = 2.0
+color = \"#1b998b\"
+
+[morph]
+from = \"cube\"
+to = \"heart\"
+```
+
+## Values
+
+| what | how it is written |
+|---|---|
+| number | `2`, `0.5`; a formula of time, `\"0.2*sin(2*pi*t)\"`; keys, `{ 1 = 0, 48 = 90, ease = \"smooth\" }`. frames rise; `ease` is `linear` (when left out), `smooth`, `in`, `out`, `hold` or `bezier`; before the first key and after the last one theirs holds |
+| three numbers | `[x, y, z]`, each a number as above |
+| formula | text with `x y z t frame time pi`, `[param]` names, `+ - * / ^`, and [functions](#formulas); `time` is seconds since the first frame |
+| frames | `\"1-48\"`, or one frame, `7` |
+| colour | `\"#rrggbb\"`, a CSS name, or `[r, g, b]` from 0 to 1: sRGB. `{ linear = [r, g, b] }`: scene-linear Rec.709. A name of `[color]`. For a shape also formulas, `[\"x\", 0.2, \"t\"]`, and tables as below |
+| shape | its name, `\"ball\"`; or one written in place, `{ sphere = 1 }`, which names others but holds no further one in place |
+| cells | their name, or `{ octree = … }` in place |
+| box | an edge length or three, around the origin; or `[[least x, y, z], [greatest x, y, z]]` |
+| file | relative to the scene; `$NAME` and `${NAME}` are variables of the environment, and must be set; `$$` is a dollar sign. `cube.obj`, where there is no such file beside the scene, is the built-in cube of edge 1.6 |
+
+Lengths are in `unit`, angles in degrees; only keys in voxels say so. F is positive inside. Numbers reach from −1e15 to
+1e15; one that must be greater than 0 is at least 1e-15.
+
+**Time.** t is 0 at the first frame of `frames` and 1 at its last: t = (frame − first)/(last − first). Outside the shot
+the ends hold.
+
+**Order.** Whatever the order of the text: the maker, then `bounds`, copies (`at`), `mirror`, `offset`, `shell`,
+`displace`, `scale`, `rotate`, `move`. Another order is another shape: `union = [\"first\"]` with its own modifiers.
+
+**Distances.** `offset`, `shell`, `displace`, `bands`, `blend_radius` and `seam` are distances. Where a shape's F is not
+the distance on the side that they use, the distance is measured first, which takes from a tenth of a second to some
+seconds, for a shape that changes in every frame: it is that of balls, boxes, cylinders, capsules, half-spaces, slabs and
+closed meshes, outside of unions of them, and inside what is cut from them. What has no end cannot be measured: give it
+`bounds`. Of a blend of three, what the first two make counts by its F.
+
+**Output.** hfvdb bakes the `[morph]` if there is one, otherwise `output.shape`, otherwise the only shape that no other
+shape uses.
+
+**Limits.** Tables and lists stand at most 64 deep in one another, shapes are made of shapes at most 200 levels deep and of
+a million in all, each counted as often as it is used, and a scene has at most 16 MiB. A scene is a file: a pipe is refused.
+
+**Errors** name file, line and column, mark the text and propose the nearest name, or list what there is; all of a scene
+come together.
+";
+
+const FORMULAS: &str = "
+## Formulas
+
+`-1.3 + 0.2*sin(2*pi*t)`: numbers (`2`, `.5`, `1e-3`), names, `+ - * /`, `^` for powers, parentheses, and the functions
+below. `^` binds tightest and to the right: `-x^2` is −(x²). There is no product without `*`. Names are `x y z` (places, in
+formulas of space alone), `t`, `frame`, `time` (seconds since the first frame), `pi`, and those of `[param]`. Angles in
+formulas are in **radians**, unlike those of `rotate`: degrees times `pi/180`.
+
+Division by 0 is infinite, and 0/0, roots and logarithms of negative numbers and powers of negative numbers that are not
+whole are not a number. A number over time must be finite in every frame, a colour or attribute a number where the surface is, and
+a shape's formula wherever the shape is looked for, in its `bounds` and around them: else an error names frame and place.
+Keep arguments in range, as in `sqrt(max(x, 0))`. Functions that jump make a surface where they do.
+
+| function | what it gives |
+|---|---|
+";
+
+const COLOURS: &str = "
+## Colours as tables
+
+A colour written as a table has exactly one of these keys. `color = [\"0.5 + x\", 0.2, \"t\"]` is three sRGB numbers, of
+which any may be a formula of `x y z t frame time pi` and `[param]` names, or keys; formulas are held to 0 … 1. Space is
+the shape's own: after copies (`at`), before `scale`, `rotate` and `move`. A formula that is not a number where its colour
+is needed is an error that names the place. Names of `[color]` and palettes hold plain colours only.
+
+";
+
+const KEY: &str = "\
+`{ 1 = 0, 24 = { value = 0.5, out = [6, 0.3] }, 48 = 1, ease = \"bezier\" }`: with `ease = \"bezier\"` the keys are joined
+by one smooth curve that never goes beyond two neighbouring keys, is level at its first key, its last and wherever it
+turns (as Blender's auto-clamped handles), and can be bent by handles. A handle reaches to the neighbouring key at most.";
+const SCALARS: &str = "
+## `attribute`: numbers that go with the surface
+
+`attribute.NAME = …` gives a shape a number of any name, such as roughness or density. It is a number, keys, a formula of
+`x y z t frame time pi` and `[param]` names, or a table with exactly one of the keys below; space is that of formulas of
+colours. Each becomes a float grid of its name on the voxels of `surface`, with the value at the surface point closest to
+the voxel. Attributes go through unions, blends, cuts and morphs by the weights of colours; a part without the attribute
+counts as 0.
+
+None of them moves the surface, not even one that is called `displacement`, unless `displace` names it. Then F = f + d,
+with the signed distance f (measured first where the shape's F is none) and the attribute d at the same point, not at the
+surface point nearest to it; where d jumps, so does the surface. d needs a greatest value near the shape, or is refused:
+`\"min(…, 0.1)\"` gives it one. Colours, bands of depth and other attributes stay where they are, and the surface goes
+through them. In a morph a shape's own `displace` comes before the morph, and `[morph] displace` after it.
+
+";
+
+const FILL: &str = "\
+Of each frame what lies in the mixture of two structures stays: min(F, (1 − ω)·a + ω·b). Weights of 0 and 1 are the
+structures themselves; ω may go beyond. F of the structures need not be a distance; alike in steepness they mix evenly.";
+
+const ROUND: &str = "\
+Each object is cut in time by a plane: the first at t = 0, the second at t = 1. This blends each with its plane before
+the two are joined.";
+
+const OVERRIDES: &str = "
+## Parameters, variants, `--set`
+
+```toml
+[param]
+size = 2                                        # for formulas: sphere = \"size/2\"
+bend = { value = 0.3, range = [0, 1], text = \"how far it leans\" }
+
+[variant.wide]                                  # hfvdb bake SCENE --variant wide
+shape.cube.box = [3, 1.6, 1.6]
+```
+
+`--set size=3` sets a parameter, `--set fps=25` a key at the top, `--set morph.bridge=1` any dotted key. A variant's
+dotted keys replace single values; a table in braces replaces the whole value.
+";
+
+const PICTURES: &str = "
+`hfvdb preview cube-to-heart` and, below, `hfvdb preview cube-to-heart --variant rgb`:
+
+![The contact sheet of cube-to-heart, mixed in HSV](images/cube-to-heart.png)
+![The contact sheet of its variant rgb](images/cube-to-heart-rgb.png)
+";
+
+/// The text of `docs/scene.md`.
+pub fn reference() -> String {
+    let mut out = String::from(BEGINNING);
+    out.push_str(FORMULAS);
+    for (_, usage, text) in functions() {
+        let _ = writeln!(out, "| `{usage}` | {text} |");
+    }
+    section(&mut out, "The top of a scene", "", keys::SCENE);
+    out.push_str("\n## `[shape.NAME]`: makers\n\nA shape has exactly one of these keys.\n\n");
+    makers(&mut out, MAKERS, "F");
+    section(&mut out, "Every shape", "Beside its maker and the maker's parameters.", keys::SHAPE);
+    section(&mut out, "`bounds` as a table", "", keys::BOUNDS);
+    section(&mut out, "`at`: copies", "", keys::COPIES);
+    section(&mut out, "`[cells.NAME]`", "", keys::CELLS);
+    out.push_str(COLOURS);
+    makers(&mut out, keys::COLOURS, "c");
+    out.push_str(SCALARS);
+    makers(&mut out, keys::SCALARS, "a");
+    section(&mut out, "A key as a table", KEY, keys::KEY);
+    section(&mut out, "`[param]`: a parameter as a table", "", keys::PARAMETER);
+    section(&mut out, "`[morph]`", "", keys::MORPH);
+    section(&mut out, "`delay` of `[morph]` as a table", "", keys::DELAY);
+    section(&mut out, "`fill` of `[morph]`", FILL, keys::FILL);
+    section(&mut out, "`round` of `[morph]`", ROUND, keys::ROUND);
+    section(&mut out, "`[output]`", "The command line's options come before these.", keys::OUTPUT);
+    out.push_str(OVERRIDES);
+    out.push_str("\n## Built-in scenes\n\n");
+    for name in builtin_names() {
+        let _ = writeln!(out, "- `{name}`: {}", builtin_line(name).unwrap_or_default());
+    }
+    out.push_str(PICTURES);
+    out
+}
+
+fn section(out: &mut String, title: &str, text: &str, keys: &[Key]) {
+    let _ = write!(out, "\n## {title}\n\n");
+    if !text.is_empty() {
+        let _ = write!(out, "{text}\n\n");
+    }
+    table(out, keys.iter());
+}
+
+fn table<'k>(out: &mut String, keys: impl Iterator<Item = &'k Key>) {
+    out.push_str("| key | takes | when left out | what it does |\n|---|---|---|---|\n");
+    for key in keys {
+        let also = key.also.iter().map(|name| format!(", `{name}`")).collect::<String>();
+        let _ = writeln!(out, "| `{}`{also} | {} | {} | {} |", key.name, takes(key), left_out(key), key.text);
+    }
+}
+
+/// Kind, range and unit.
+fn takes(key: &Key) -> String {
+    let mut words = vec![key.kind.words()];
+    if !matches!(key.limit, Limit::Any) {
+        words.push(key.limit.words());
+    }
+    if !key.unit.is_empty() {
+        words.push(key.unit.into());
+    }
+    words.join(", ")
+}
+
+fn left_out(key: &Key) -> String {
+    match key.default {
+        Absent::Required => "must be there".into(),
+        Absent::Nothing => "–".into(),
+        Absent::Number(value) => format!("{value}"),
+        Absent::Vector([x, y, z]) => format!("[{x}, {y}, {z}]"),
+        Absent::Text(text) => format!("`{text}`"),
+        Absent::Words(words) => words.into(),
+    }
+}
+
+fn makers(out: &mut String, makers: &[Maker], symbol: &str) {
+    for maker in makers {
+        let _ = write!(out, "### `{}`\n\n{} Takes: {}.\n", maker.key.name, maker.key.text, takes(&maker.key));
+        if !maker.formula.is_empty() {
+            let _ = write!(out, "\n{symbol} = {}\n", maker.formula);
+        }
+        out.push('\n');
+        if !maker.parameters.is_empty() {
+            table(out, maker.parameters.iter());
+            out.push('\n');
+        }
+    }
+    out.truncate(out.trim_end().len());
+    out.push('\n');
+}
+
+#[cfg(test)]
+mod tests {
+    /// `UPDATE_DOCS=1 cargo test` writes the page anew.
+    #[test]
+    fn the_page_is_what_the_tables_say() {
+        let path = concat!(env!("CARGO_MANIFEST_DIR"), "/docs/scene.md");
+        if std::env::var_os("UPDATE_DOCS").is_some() {
+            std::fs::write(path, super::reference()).unwrap();
+        }
+        let page = std::fs::read_to_string(path).unwrap();
+        assert!(page == super::reference(), "docs/scene.md is out of date: UPDATE_DOCS=1 cargo test the_page");
+    }
+}

@@ -1,0 +1,496 @@
+//! The morph of a scene: two objects with their motion, measured once, planned once.
+
+use std::collections::BTreeSet;
+use std::sync::{Arc, Mutex, PoisonError};
+
+use glam::DVec3;
+use rayon::prelude::*;
+
+use crate::attribute::Scalar;
+use crate::distance::band;
+use crate::distance::descent::Scope;
+use crate::distance::extent::{Effort, Estimate, estimate};
+use crate::distance::nearest::{FieldFeet, Watch};
+use crate::distance::octree::{self, DistanceObject};
+use crate::field::{Aabb, Field};
+use crate::grid::{Lattice, VoxelSize};
+use crate::morph::{self, MorphObject, Motion, Side, Similarity};
+
+use crate::node::extent::{box_of, solid_box};
+use crate::node::measured::smallest_cell;
+use crate::node::model::{Model, Morph, MorphMode, Shape, ShapeId};
+use crate::node::paint::{Asked, Paint, TheColour, TheScalar};
+use crate::node::solid::{Solids, Stage};
+use crate::node::variation::Variation;
+use crate::shot::delay::delay;
+use crate::shot::morph_settings::settings;
+use crate::shot::stop::Stop;
+use crate::text::diagnostic::Diagnostic;
+use crate::text::frames::sampled_frames;
+use crate::text::frames::{in_ranges, plain};
+use crate::text::moment::Moment;
+use crate::text::number::Number;
+use crate::text::problem::Problem;
+
+/// One of the two objects before it is measured.
+#[derive(Clone)]
+pub(crate) struct Object {
+    id: ShapeId,
+    stage: Stage,
+    field: Arc<dyn Field>,
+    solid: Aabb,
+    motion: Motion,
+}
+
+impl Object {
+    /// The shape that it is, and how far it is made.
+    fn what(&self) -> (ShapeId, Stage) {
+        (self.id, self.stage)
+    }
+
+    /// About what a level set of it takes, of voxels with this edge in its own space.
+    fn band(&self, edge: f64, half_width: f32) -> Estimate {
+        let Some(voxel_size) = VoxelSize::new(edge) else { return Estimate::default() };
+        let region = self.solid.grown((f64::from(half_width) + 2.0) * edge);
+        let scope = Scope { lattice: Lattice { voxel_size }, half_width, region };
+        estimate(self.field.as_ref(), &scope, Effort::Careful)
+    }
+
+    /// A voxel's edge in the object's own space: it may be made larger where it stands.
+    fn voxel(&self, voxel: f64) -> f64 {
+        voxel / self.motion.at(0.0).scale()
+    }
+
+    /// The edge of the smallest cells that its distances need there.
+    fn cell(&self, voxel: f64) -> f64 {
+        smallest_cell(self.voxel(voxel), &self.solid)
+    }
+}
+
+/// What both objects of a morph are, before anything depends on the voxel size.
+pub(crate) struct Pair {
+    from: Object,
+    to: Object,
+    /// Their corresponding parts, each in its object's space.
+    parts: Vec<[Object; 2]>,
+    /// The box around both over the whole shot.
+    pub both: Aabb,
+}
+
+impl Pair {
+    /// The shapes to measure.
+    pub fn shapes(&self) -> impl Iterator<Item = (ShapeId, Stage)> {
+        let all = [&self.from, &self.to].into_iter().chain(self.parts.iter().flatten());
+        all.map(Object::what)
+    }
+
+    /// About what a level set of either object takes, each where the shot begins. `voxel` is a voxel's edge.
+    pub fn bands(&self, voxel: f64, half_width: f32) -> [Estimate; 2] {
+        [&self.from, &self.to].map(|side| side.band(side.voxel(voxel), half_width))
+    }
+}
+
+/// Finds the two objects, their motion and their boxes.
+pub(crate) fn pair(
+    model: &Arc<Model>,
+    solids: &mut Solids,
+    variation: &Variation,
+    morph: &Morph,
+) -> Result<Pair, Stop> {
+    let from = side(model, solids, variation, morph.from)?;
+    let to = side(model, solids, variation, morph.to)?;
+    if let MorphMode::OpenVdb = morph.mode {
+        stand_still(model, [&from, &to])?;
+    }
+    let over_shot = |side: &Object| {
+        let frames = if side.motion.is_still() { vec![0.0] } else { sampled_frames(model.shot.range) };
+        let boxes = frames.iter().map(|frame| side.motion.at(model.shot.range.share(*frame)).box_to_world(side.solid));
+        boxes.reduce(Aabb::union).unwrap_or(side.solid)
+    };
+    let both = over_shot(&from).union(over_shot(&to));
+    let mut parts = Vec::new();
+    for pair in morph.correspondence.iter().flat_map(|correspondence| &correspondence.pairs) {
+        parts.push([part(model, solids, &from, pair[0])?, part(model, solids, &to, pair[1])?]);
+    }
+    Ok(Pair { from, to, parts, both })
+}
+
+/// OpenVDB's morph knows one target, and one place to start from.
+fn stand_still(model: &Model, objects: [&Object; 2]) -> Result<(), Problem> {
+    let Some(moving) = objects.into_iter().find(|object| !object.motion.is_still()) else { return Ok(()) };
+    let shape = model.shape(moving.id);
+    let problem = format!("`{}` moves, and in `mode = \"openvdb\"` both objects stand still", shape.name);
+    Err(Problem::new(shape.span, problem).help("leave out its motion, or use another `mode`"))
+}
+
+/// A part of an object, which it stands still in.
+fn part(model: &Model, solids: &mut Solids, whole: &Object, id: ShapeId) -> Result<Object, Problem> {
+    if whole.stage != Stage::Own {
+        let shape = model.shape(whole.id);
+        let problem = format!("`{}` is stretched, and so its parts cannot be told apart for `pairs`", shape.name);
+        return Err(Problem::new(shape.span, problem).help("stretch its parts"));
+    }
+    // Between parts values are compared: they hold everywhere.
+    let field = Arc::new(solids.values(id)?);
+    let solid = solid_box(model, id, field.as_ref())?;
+    Ok(Object { id, stage: Stage::Placed, field, solid, motion: whole.motion.clone() })
+}
+
+fn side(model: &Arc<Model>, solids: &mut Solids, variation: &Variation, id: ShapeId) -> Result<Object, Problem> {
+    let shape = model.shape(id);
+    if variation.own(id) {
+        let problem = format!("`{}` changes its shape over time, and so cannot enter a morph", shape.name);
+        return Err(Problem::new(shape.span, problem)
+            .help("only its own `scale`, `rotate` and `move` may change; parts and sizes stand still"));
+    }
+    let uniform = scale_is_uniform(model, shape)?;
+    let stage = if uniform { Stage::Own } else { Stage::Scaled };
+    let field = solids.field(id, stage)?;
+    let solid = solid_box(model, id, field.as_ref())?;
+    Ok(Object { id, stage, field, solid, motion: motion(model, shape, uniform, variation.placed(id))? })
+}
+
+/// Whether a shape is scaled alike along x, y and z; the problem where it is not, and that changes.
+fn scale_is_uniform(model: &Model, shape: &Shape) -> Result<bool, Problem> {
+    let scale = &shape.modifiers.scale;
+    for frame in sampled_frames(model.shot.range) {
+        let moment = model.moment(frame);
+        let [x, y, z] = [scale[0].at(&moment)?, scale[1].at(&moment)?, scale[2].at(&moment)?];
+        if x != y || x != z {
+            if scale.iter().any(|number| model.varies(number)) {
+                let problem = format!("`{}` is stretched over time, and so cannot enter a morph", shape.name);
+                return Err(Problem::new(scale[0].span, problem).help("scale it by one number, alike along x, y and z"));
+            }
+            return Ok(false);
+        }
+    }
+    Ok(true)
+}
+
+/// Where a shape stands over scene time.
+fn motion(model: &Arc<Model>, shape: &Shape, scaled: bool, moves: bool) -> Result<Motion, Problem> {
+    let placement = move |shape: &Shape, moment: &Moment| -> Result<Similarity, Problem> {
+        let modifiers = &shape.modifiers;
+        let vector = |numbers: &[Number; 3]| -> Result<DVec3, Problem> {
+            Ok(DVec3::new(numbers[0].at(moment)?, numbers[1].at(moment)?, numbers[2].at(moment)?))
+        };
+        let scale = if scaled { modifiers.scale[0].at(moment)? } else { 1.0 };
+        Similarity::new(scale, vector(&modifiers.rotate)?, vector(&modifiers.translate)?).ok_or_else(|| {
+            Problem::new(shape.span, format!("`{}` cannot be placed: a number is out of range", shape.name))
+        })
+    };
+    let range = model.shot.range;
+    if !moves {
+        return Ok(Motion::still(placement(shape, &model.moment(range.first as f64))?));
+    }
+    // Every frame is tried now, so that errors come with their place; what lies between is held to the frames.
+    let placements: Vec<Similarity> = sampled_frames(model.shot.range)
+        .iter()
+        .map(|frame| placement(shape, &model.moment(*frame)))
+        .collect::<Result<_, _>>()?;
+    let (model, shape) = (Arc::clone(model), shape.clone());
+    Ok(Motion::moving(move |time| {
+        let moment = model.moment(model.shot.frame_at(time));
+        placement(&shape, &moment).unwrap_or_else(|_| {
+            let nearest = (time.clamp(0.0, 1.0) * (placements.len() - 1) as f64).round() as usize;
+            placements[nearest]
+        })
+    }))
+}
+
+/// How one of the two objects is painted.
+pub(crate) struct Brush {
+    /// The shape.
+    pub id: ShapeId,
+    /// Its stage.
+    pub stage: Stage,
+    /// A voxel's edge in its space.
+    pub voxel: f64,
+}
+
+/// A morph made ready.
+pub(crate) struct Planned {
+    /// The morph.
+    pub morph: morph::Morph,
+    /// Whether anything in it has a colour.
+    pub has_colour: bool,
+    /// The scalars that either object has, by the names of their grids, sorted: the first object's and the second's.
+    pub scalars: Vec<(String, [Arc<Scalar>; 2])>,
+    /// How the first object is painted.
+    pub from: Brush,
+    /// How the second object is painted.
+    pub to: Brush,
+    /// The morphs of corresponding parts, by whose places the attributes go; none where they go by the objects.
+    pub parts: Vec<Planned>,
+    /// Memory that the distances take, in bytes.
+    pub bytes: u64,
+}
+
+/// How objects are measured.
+pub(crate) struct Measuring<'w> {
+    /// About a voxel's edge.
+    pub voxel: f64,
+    /// The most memory that one may take, in bytes.
+    pub memory_limit: Option<usize>,
+    /// Told how far it is, and asked whether to stop.
+    pub watch: Watch<'w>,
+    /// How many objects there are to measure.
+    pub count: usize,
+    /// Those measured so far: a chain shows all but its first and last twice.
+    pub done: Vec<(ShapeId, Stage, MeasuredSide)>,
+}
+
+impl Measuring<'_> {
+    /// An object that was measured.
+    fn known(&self, side: &Object) -> Option<&MeasuredSide> {
+        self.done.iter().find(|(id, stage, _)| (*id, *stage) == side.what()).map(|(_, _, known)| known)
+    }
+}
+
+/// The share that finding seeds has in the time that measuring an object takes.
+const SEEDING: f64 = 0.1;
+
+/// Measures both objects and plans the morph.
+pub(crate) fn plan(
+    model: &Arc<Model>,
+    solids: &mut Solids,
+    morph: &Morph,
+    pair: Pair,
+    measuring: &mut Measuring<'_>,
+) -> Result<Planned, Stop> {
+    let before = measuring.done.len();
+    let mut settings = settings(model, morph)?;
+    if let morph::Mode::Flow(flow) = &mut settings.mode {
+        flow.delay = delay(model, solids, morph, measuring.voxel)?;
+    }
+    let mut planned = ready(model, solids, [&pair.from, &pair.to], measuring, |from, to| {
+        morph::Morph::new(from, to, settings).map_err(|error| no_plan(model, morph, &error))
+    })?;
+    for [from, to] in &pair.parts {
+        let whole = &planned.morph;
+        let part = ready(model, solids, [from, to], measuring, |from, to| Ok(whole.of_parts(from, to)))?;
+        planned.parts.push(part);
+    }
+    planned.bytes = measuring.done[before..].iter().map(|(_, _, side)| side.distance.report().bytes as u64).sum();
+    Ok(planned)
+}
+
+/// What is wrong with a morph that cannot be planned.
+fn no_plan(model: &Model, morph: &Morph, error: &morph::Error) -> Problem {
+    let span = match error {
+        morph::Error::Unbounded(Side::From) => model.shape(morph.from).span,
+        morph::Error::Unbounded(Side::To) => model.shape(morph.to).span,
+        morph::Error::Setting { name: "delay", .. } => match &morph.mode {
+            MorphMode::Volume { delay: Some(delay), .. } => delay.span,
+            _ => morph.span,
+        },
+        _ => morph.span,
+    };
+    let frame = match error {
+        morph::Error::Spreads { time, .. } => format!(" (frame {})", plain(model.shot.frame_at(*time).round())),
+        _ => String::new(),
+    };
+    Problem::new(span, format!("{error}{frame}"))
+}
+
+/// Measures two objects, or two parts of them, and finds their attributes; `make` plans their morph.
+fn ready(
+    model: &Model,
+    solids: &mut Solids,
+    [from, to]: [&Object; 2],
+    measuring: &mut Measuring<'_>,
+    make: impl FnOnce(MorphObject, MorphObject) -> Result<morph::Morph, Problem>,
+) -> Result<Planned, Stop> {
+    let [one, two] = measured(model, solids, [from, to], measuring)?;
+    let voxel = measuring.voxel;
+    let has_colour = one.paint.is_some() || two.paint.is_some();
+    let mut scalars = Vec::new();
+    for name in model.scalar_names() {
+        let what = TheScalar(name);
+        let mut paint = |side: &Object| solids.paint(what, side.id, side.stage, side.voxel(voxel));
+        let [one, two] = [paint(from)?, paint(to)?];
+        if one.is_some() || two.is_some() {
+            let both = [one, two].map(|paint| paint.unwrap_or_else(|| Paint::solid(what.absent())).attribute);
+            scalars.push((name.to_owned(), both));
+        }
+    }
+    let brush = |side: &Object| Brush { id: side.id, stage: side.stage, voxel: side.voxel(voxel) };
+    let morph = make(one.object(from), two.object(to))?;
+    let (from, to) = (brush(from), brush(to));
+    Ok(Planned { morph, has_colour, scalars, from, to, parts: Vec::new(), bytes: 0 })
+}
+
+/// Gives all morphs of a chain the same grids, and so all of corresponding parts: where none of a morph's objects has an
+/// attribute, it is what shapes without it count as.
+pub(crate) fn alike(chain: &mut [Planned]) {
+    make_alike(chain.iter_mut().flat_map(|planned| &mut planned.parts).collect());
+    make_alike(chain.iter_mut().collect());
+}
+
+fn make_alike(morphs: Vec<&mut Planned>) {
+    let has_colour = morphs.iter().any(|planned| planned.has_colour);
+    let names: BTreeSet<String> =
+        morphs.iter().flat_map(|planned| planned.scalars.iter().map(|(name, _)| name.clone())).collect();
+    for planned in morphs {
+        planned.has_colour = has_colour;
+        for (place, name) in names.iter().enumerate() {
+            if planned.scalars.get(place).is_none_or(|(there, _)| there != name) {
+                let absent = || Paint::solid(TheScalar(name).absent()).attribute;
+                planned.scalars.insert(place, (name.clone(), [absent(), absent()]));
+            }
+        }
+    }
+}
+
+/// An object's distance and colour.
+#[derive(Clone)]
+pub(crate) struct MeasuredSide {
+    distance: Arc<DistanceObject>,
+    paint: Option<Paint<3>>,
+}
+
+impl MeasuredSide {
+    fn object(self, side: &Object) -> MorphObject {
+        MorphObject {
+            surface: Arc::clone(&side.field),
+            distance: self.distance,
+            colour: self.paint.unwrap_or_else(|| Paint::solid(TheColour.absent())).attribute,
+            motion: side.motion.clone(),
+        }
+    }
+}
+
+/// Measures two objects, at the same time where memory allows it: much of what one takes is done by a single thread.
+fn measured(
+    model: &Model,
+    solids: &mut Solids,
+    sides: [&Object; 2],
+    measuring: &mut Measuring<'_>,
+) -> Result<[MeasuredSide; 2], Stop> {
+    let mut open: Vec<(&Object, Option<Paint<3>>)> = Vec::new();
+    for side in sides {
+        if measuring.known(side).is_none() && open.iter().all(|(other, _)| other.what() != side.what()) {
+            open.push((side, solids.paint(TheColour, side.id, side.stage, side.voxel(measuring.voxel))?));
+        }
+    }
+    let (before, count, watch) = (measuring.done.len() as f64, measuring.count as f64, measuring.watch);
+    let shares = Mutex::new([0.0; 2]);
+    let measure = |(which, (side, _)): (usize, &(&Object, Option<Paint<3>>))| {
+        let told = |share: f64| {
+            let mut shares = shares.lock().unwrap_or_else(PoisonError::into_inner);
+            shares[which] = share;
+            shares[0] + shares[1]
+        };
+        let progress = |share: f64| (watch.progress)((before + told(share)) / count);
+        distance(model, side, measuring, &Watch { cancel: watch.cancel, progress: &progress })
+    };
+    let distances: Result<Vec<DistanceObject>, Stop> = if fit_at_once(&open, measuring) {
+        // Of two that go wrong the first is told, whichever ends first.
+        let all: Vec<Result<DistanceObject, Stop>> = open.par_iter().enumerate().map(measure).collect();
+        all.into_iter().collect()
+    } else {
+        open.iter().enumerate().map(measure).collect()
+    };
+    for ((side, paint), distance) in open.into_iter().zip(distances?) {
+        let (id, stage) = side.what();
+        measuring.done.push((id, stage, MeasuredSide { distance: Arc::new(distance), paint }));
+    }
+    Ok(sides.map(|side| measuring.known(side).cloned().unwrap_or_else(|| unreachable!("it was measured"))))
+}
+
+/// Memory that measuring an object takes, in bytes by the voxels of a level set of it, three to either side: facets three
+/// voxels wide take as many, wider ones half, smooth objects 10 to 30.
+const BYTES_A_VOXEL: f64 = 1000.0;
+
+/// Whether objects may be measured at the same time: together they must not take more memory than one may.
+fn fit_at_once<P>(open: &[(&Object, P)], measuring: &Measuring<'_>) -> bool {
+    let Some(limit) = measuring.memory_limit.filter(|_| open.len() > 1) else { return true };
+    let voxels: f64 = open.iter().map(|(side, _)| side.band(side.cell(measuring.voxel), 3.0).voxels).sum();
+    BYTES_A_VOXEL * voxels <= limit as f64
+}
+
+/// The distances of one.
+fn distance(model: &Model, side: &Object, measuring: &Measuring<'_>, watch: &Watch) -> Result<DistanceObject, Stop> {
+    let Watch { cancel, progress } = *watch;
+    let seeding = |part: f64| progress(SEEDING * part);
+    let building = |part: f64| progress(SEEDING + (1.0 - SEEDING) * part);
+    let shape = model.shape(side.id);
+    let cell = side.cell(measuring.voxel);
+    let problem = |what: String| Problem::new(shape.span, format!("`{}`: {what}", shape.name));
+    let seeding = Watch { cancel, progress: &seeding };
+    let feet = FieldFeet::new(side.field.as_ref(), &side.solid, cell, &seeding).map_err(|error| match error {
+        band::Error::Cancelled => Stop::Cancelled,
+        error => Stop::Problem(problem(error.to_string())),
+    })?;
+    let mut settings = octree::Settings::new(side.solid, cell);
+    settings.memory_limit = measuring.memory_limit.unwrap_or(settings.memory_limit);
+    let building = Watch { cancel, progress: &building };
+    DistanceObject::build(&feet, &settings, &building).map_err(|error| Stop::of_measuring(&error, problem))
+}
+
+/// The morph of a chain that a frame shows: where one ends, the next.
+pub(crate) fn shown_at(morphs: &[Morph], frame: f64) -> usize {
+    morphs.iter().rposition(|morph| morph.over.first as f64 <= frame).unwrap_or(0)
+}
+
+/// The box of F ≥ 0 over the whole shot: while a shape changes, as its morph knows it; before and after, of the object
+/// that is seen.
+pub(crate) fn extent_over_shot(model: &Model, morphs: &[Morph], planned: &[Planned]) -> Result<Aabb, Problem> {
+    let range = model.shot.range;
+    let (first, last) = (morphs[0].over.first, morphs[morphs.len() - 1].over.last);
+    let frames = sampled_frames(range).into_iter().filter(|&frame| {
+        let at_an_end = frame == range.first as f64 || frame == range.last as f64;
+        at_an_end || frame <= first as f64 || frame >= last as f64
+    });
+    let seen = morphs.iter().zip(planned).filter(|(morph, _)| {
+        let over = morph.over;
+        over.last > range.first && over.first < range.last
+    });
+    let mut all = seen.map(|(_, planned)| planned.morph.extent()).reduce(Aabb::union);
+    for frame in frames {
+        let field = planned[shown_at(morphs, frame)].morph.field(range.share(frame));
+        // A section in the papers' mode may be empty at the ends.
+        let seen = box_of(field.as_ref()).ok();
+        all = match (all, seen) {
+            (Some(one), Some(other)) => Some(one.union(other)),
+            (one, other) => one.or(other),
+        };
+    }
+    all.ok_or_else(|| Problem::new(morphs[0].span, "nothing is inside in any frame of the morph"))
+}
+
+/// One warning that names the frames that hold nothing. Where a₀ follows from the volume there are none; those of
+/// OpenVDB are not known before.
+pub(crate) fn empty_frames(model: &Model, morphs: &[Morph], planned: &[Planned]) -> Option<Diagnostic> {
+    let help = match &morphs[0].mode {
+        MorphMode::Volume { .. } | MorphMode::Union | MorphMode::Still => return None,
+        MorphMode::OpenVdb if planned[0].morph.objects_meet() => return None,
+        MorphMode::OpenVdb => {
+            let problem = "the objects do not overlap, and so OpenVDB's morph ends with nothing";
+            let help = "move them together, or use `mode = \"volume\"`";
+            return Some(Diagnostic::warning(morphs[0].span, problem).help(help));
+        }
+        MorphMode::Linear => {
+            "linear blending needs objects that overlap: move them together, or use `mode = \"volume\"`"
+        }
+        MorphMode::Paper(_) => {
+            "a wider `slab` such as [-1, 2], a smaller s and a3, greater a1 and a2, or `mode = \"volume\"`"
+        }
+    };
+    let range = model.shot.range;
+    let frames: Vec<i64> = sampled_frames(range).into_iter().map(|frame| frame.round() as i64).collect();
+    let mut empty: Vec<(i64, f64)> = Vec::new();
+    for (place, planned) in planned.iter().enumerate() {
+        let own = |frame: &i64| shown_at(morphs, *frame as f64) == place;
+        let frames: Vec<i64> = frames.iter().copied().filter(own).collect();
+        let times: Vec<f64> = frames.iter().map(|frame| range.share(*frame as f64)).collect();
+        let report = planned.morph.report(&times);
+        let all = frames.into_iter().zip(&report.frames);
+        empty.extend(all.filter(|(_, report)| report.volume == 0.0).map(|(frame, report)| (frame, report.t)));
+    }
+    let (first, last) = (empty.first()?.1, empty.last()?.1);
+    let numbers: Vec<i64> = empty.iter().map(|(frame, _)| *frame).collect();
+    let count = if empty.len() == 1 { "frame" } else { "frames" };
+    let problem = format!("the morph is empty in {count} {} (t = {first:.3} to {last:.3})", in_ranges(&numbers));
+    Some(Diagnostic::warning(morphs[0].span, problem).help(help))
+}

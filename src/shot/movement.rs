@@ -1,0 +1,251 @@
+//! How the surface of a frame moves: that of shapes by their own `scale`, `rotate` and `move`, that of parts with them.
+
+use std::cmp::Ordering;
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use glam::{DMat3, DVec3};
+
+use crate::attribute::{AffineVector, Attribute, Constant, Part, Parts, Rule, Sampler, SpaceMap};
+use crate::field::{Aabb, BATCH, Points};
+use crate::morph::{Around, Instant, Movement};
+
+use crate::node::model::{Maker, ShapeId};
+use crate::node::paint::{TOLERANCE_VOXELS, last_of_each};
+use crate::node::placed::Way;
+use crate::node::solid::{Solids, Stage};
+use crate::shot::prepared::{Prepared, Ready};
+use crate::shot::stop::Stop;
+use crate::text::problem::Problem;
+
+/// How far the instants are from a frame that its velocity is taken from, in frames. Nearer: rounding of positions shows;
+/// farther: what turns or speeds up within a frame is cut short.
+const STEP: f64 = 0.125;
+
+/// The greatest speed of a change of shape where the scene says none, against that of a motion: a surface that crosses
+/// the whole shot in fewer than eight frames is one that meets, parts or vanishes.
+const CHANGE: f64 = 0.125;
+
+/// A vector attribute; `None` is 0 everywhere.
+type Vectors = Option<Arc<dyn Attribute<3>>>;
+
+impl Prepared {
+    /// How the surface of a frame moves, in world units a second. Outside the shot its ends stand still.
+    pub(crate) fn movement(&self, frame: i64) -> Result<Movement, Stop> {
+        let shot = self.model.shot;
+        let (first, last) = (shot.range.first, shot.range.last);
+        let across = self.extent.size().max_element() * shot.fps;
+        let (max_speed, max_change) = match self.model.output.max_speed {
+            Some(max_speed) => (max_speed, max_speed),
+            None => (across, CHANGE * across),
+        };
+        let mut movement = Movement { around: Vec::new(), max_speed, max_change, frame_seconds: 1.0 / shot.fps };
+        if first == last || frame < first || frame > last || matches!(self.content, Ready::Still(_)) {
+            return Ok(movement);
+        }
+        let side = match frame {
+            _ if frame == first => Some(Ordering::Greater),
+            _ if frame == last => Some(Ordering::Less),
+            _ => None,
+        };
+        let now = frame as f64;
+        let solids = |frame: f64| self.base.at(self.model.moment(frame), &self.variation);
+        let mut solids_now = solids(now);
+        for instant in Instant::around(STEP / shot.fps, side) {
+            let then = now + instant.seconds * shot.fps;
+            let (field, own) = match &self.content {
+                Ready::Still(_) => continue,
+                Ready::Changing(id) => {
+                    let mut both =
+                        Both { prepared: self, now: &mut solids_now, then: solids(then), ways: BTreeMap::new() };
+                    (both.then.field(*id, Stage::Placed)?, both.way(*id)?)
+                }
+                Ready::Morph(planned) => {
+                    let (time, later) = (shot.range.share(now), shot.range.share(then));
+                    // Beside an object of a chain the instants lie in two morphs.
+                    let shown = &planned[self.shown(then)];
+                    (
+                        self.dressed(shown.morph.moving_field(later), shown, then)?,
+                        planned[self.shown(now)].morph.own_way(time, later),
+                    )
+                }
+            };
+            movement.around.push(Around { instant, field, own });
+        }
+        Ok(movement)
+    }
+}
+
+/// Shapes at a frame and at an instant near it.
+struct Both<'a> {
+    prepared: &'a Prepared,
+    now: &'a mut Solids,
+    then: Solids,
+    /// The ways that were found.
+    ways: BTreeMap<ShapeId, Vectors>,
+}
+
+impl Both<'_> {
+    /// The way of each point of a placed shape from the frame to the instant.
+    fn way(&mut self, id: ShapeId) -> Result<Vectors, Problem> {
+        if let Some(known) = self.ways.get(&id) {
+            return Ok(known.clone());
+        }
+        let way = self.new_way(id)?;
+        self.ways.insert(id, way.clone());
+        Ok(way)
+    }
+
+    fn new_way(&mut self, id: ShapeId) -> Result<Vectors, Problem> {
+        if !self.prepared.variation.placed(id) {
+            return Ok(None);
+        }
+        let modifiers = &self.prepared.model.shape(id).modifiers;
+        let now = self.now.placement(modifiers, Stage::Placed)?;
+        let then = self.then.placement(modifiers, Stage::Placed)?;
+        let whole = (now != then).then(|| AffineVector::of_move(now, then));
+        let inner = self.inner_way(id)?;
+        if whole.is_none() && inner.is_none() {
+            return Ok(None);
+        }
+        Ok(Some(Arc::new(Carried { whole, inner, turn: then.matrix3, back: Way::Back(now.inverse()) })))
+    }
+
+    /// The way of a shape's parts in its own space, as its colour comes from them.
+    fn inner_way(&mut self, id: ShapeId) -> Result<Vectors, Problem> {
+        let model = Arc::clone(&self.prepared.model);
+        let shape = model.shape(id);
+        // Copies take no motion of what is copied: each stands in a cell of its own.
+        if shape.modifiers.at.is_some() {
+            return Ok(None);
+        }
+        let inner = match &shape.maker {
+            Maker::Facet { of, .. } => self.way(*of)?,
+            Maker::Union { operands, seam } => self.way_of_parts(operands, Rule::Union { seam: *seam })?,
+            Maker::Blend { operands, .. } => self.way_of_parts(operands, Rule::Blend)?,
+            Maker::Difference(operands) | Maker::Intersection(operands) => self.way(operands[0])?,
+            _ => None,
+        };
+        Ok(match (inner, shape.modifiers.mirror) {
+            (Some(inner), Some(axis)) => Some(Arc::new(Mirrored { inner, axis })),
+            (inner, _) => inner,
+        })
+    }
+
+    fn way_of_parts(&mut self, operands: &[ShapeId], rule: Rule) -> Result<Vectors, Problem> {
+        let operands = last_of_each(operands);
+        let mut ways = Vec::with_capacity(operands.len());
+        for id in &operands {
+            ways.push(self.way(*id)?);
+        }
+        if ways.iter().all(Option::is_none) {
+            return Ok(None);
+        }
+        let same = |[a, b]: &[Vectors; 2]| matches!((a, b), (Some(a), Some(b)) if Arc::ptr_eq(a, b));
+        if ways.array_windows().all(same) {
+            return Ok(ways.swap_remove(0));
+        }
+        let mut parts: Vec<Part<3>> = Vec::with_capacity(operands.len());
+        for (id, way) in operands.iter().zip(ways) {
+            let rest = || Arc::new(Constant::new([0.0; 3])) as Arc<dyn Attribute<3>>;
+            parts.push((self.now.decider(*id, rule)?, way.unwrap_or_else(rest)));
+        }
+        let tolerance = TOLERANCE_VOXELS * self.prepared.lattice.voxel_size.get();
+        Ok(Parts::new(parts, rule, tolerance).map(|parts| Arc::new(parts) as Arc<dyn Attribute<3>>))
+    }
+}
+
+/// The way of a whole, and with it that of its parts.
+struct Carried {
+    whole: Option<AffineVector>,
+    inner: Vectors,
+    /// How the whole turns and stretches its own space at the instant.
+    turn: DMat3,
+    back: Way,
+}
+
+impl Attribute<3> for Carried {
+    fn sampler(&self) -> Box<dyn Sampler<3> + '_> {
+        let inner = self.inner.as_ref().map(|inner| inner.sampler());
+        Box::new(CarriedSampler { carried: self, inner, there: Points::new(DVec3::ZERO) })
+    }
+}
+
+struct CarriedSampler<'a> {
+    carried: &'a Carried,
+    inner: Option<Box<dyn Sampler<3> + 'a>>,
+    there: Points,
+}
+
+impl Sampler<3> for CarriedSampler<'_> {
+    fn enter(&mut self, region: &Aabb) {
+        if let Some(inner) = &mut self.inner {
+            inner.enter(&self.carried.back.region(region));
+        }
+    }
+
+    fn leave(&mut self) {
+        if let Some(inner) = &mut self.inner {
+            inner.leave();
+        }
+    }
+
+    fn sample(&mut self, points: &Points, out: &mut [[f32; 3]; BATCH]) {
+        out[..points.len].fill([0.0; 3]);
+        if let Some(inner) = &mut self.inner {
+            self.carried.back.points(points, &mut self.there);
+            inner.sample(&self.there, out);
+            turn(&self.carried.turn, &mut out[..points.len]);
+        }
+        if let Some(whole) = &self.carried.whole {
+            for (i, out) in out.iter_mut().enumerate().take(points.len) {
+                let vector = whole.at(points.position(i)).as_vec3().to_array();
+                *out = std::array::from_fn(|axis| out[axis] + vector[axis]);
+            }
+        }
+    }
+}
+
+fn turn(matrix: &DMat3, vectors: &mut [[f32; 3]]) {
+    for vector in vectors {
+        *vector = (*matrix * DVec3::from_array(vector.map(f64::from))).as_vec3().to_array();
+    }
+}
+
+/// The way of a half, and of its mirror image.
+struct Mirrored {
+    inner: Arc<dyn Attribute<3>>,
+    axis: usize,
+}
+
+impl Attribute<3> for Mirrored {
+    fn sampler(&self) -> Box<dyn Sampler<3> + '_> {
+        Box::new(MirroredSampler { inner: self.inner.sampler(), axis: self.axis, there: Points::new(DVec3::ZERO) })
+    }
+}
+
+struct MirroredSampler<'a> {
+    inner: Box<dyn Sampler<3> + 'a>,
+    axis: usize,
+    there: Points,
+}
+
+impl Sampler<3> for MirroredSampler<'_> {
+    fn enter(&mut self, region: &Aabb) {
+        self.inner.enter(&Way::Folded(self.axis).region(region));
+    }
+
+    fn leave(&mut self) {
+        self.inner.leave();
+    }
+
+    fn sample(&mut self, points: &Points, out: &mut [[f32; 3]; BATCH]) {
+        Way::Folded(self.axis).points(points, &mut self.there);
+        self.inner.sample(&self.there, out);
+        for (i, out) in out.iter_mut().enumerate().take(points.len) {
+            if points.position(i)[self.axis] < 0.0 {
+                out[self.axis] = -out[self.axis];
+            }
+        }
+    }
+}

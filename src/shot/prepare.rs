@@ -1,0 +1,294 @@
+//! A model made ready for frames: meshes read, the box of the whole shot and the voxel size known.
+
+use crate::node::extent::{box_of, no_box, solid_box};
+use crate::shot::scenery::scenery;
+use crate::shot::stop::{Stop, stop_if};
+use crate::text::frames::sampled_frames;
+use std::collections::HashSet;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use rayon::prelude::*;
+
+use crate::distance::extent;
+use crate::distance::nearest::Watch;
+use crate::field::Aabb;
+use crate::grid::{Lattice, VoxelSize};
+
+use crate::node::assets::Assets;
+use crate::node::measured::MOST_CELLS;
+use crate::node::model::{Content, Model, Morph, MorphMode, ShapeId};
+use crate::node::paint::{TheColour, TheScalar, surely_has};
+use crate::node::solid::{Solids, Stage};
+use crate::node::variation::Variation;
+use crate::shot::error::Error;
+use crate::shot::level_sets::LevelSets;
+use crate::shot::morphing::{Measuring, Pair, alike, empty_frames, extent_over_shot, pair, plan};
+use crate::shot::prepared::{Prepared, Ready};
+use crate::text::diagnostic::{Diagnostic, Diagnostics};
+use crate::text::number::plain_number;
+use crate::text::problem::Problem;
+
+/// The finest voxels that OpenVDB takes, in world units.
+const LEAST_VOXEL: f64 = 1.45e-5;
+/// How many voxels away from the origin an object may reach: as far as bands go, see [`crate::distance::band`].
+const MOST_VOXELS: f64 = (1 << 30) as f64;
+/// The least share of a morph that a cut is taken to leave, before it is known.
+const LEAST_LEFT: f64 = 1.0 / 16.0;
+
+/// What the command line says about a model's frames. `None` leaves the scene's own.
+#[derive(Clone)]
+pub struct PrepareOptions<'a> {
+    /// A voxel's edge, world units. Comes before `resolution`.
+    pub voxel_size: Option<f64>,
+    /// Voxels along the longest side of the box of F ≥ 0 over the whole shot.
+    pub resolution: Option<u32>,
+    /// Half the band's width in voxels.
+    pub half_width: Option<f64>,
+    /// The most memory that a morph's frames, measuring one of its objects, and a volume of voxels, may take, in bytes;
+    /// `None` for no limit of frames, and 4 GiB for an object or a volume.
+    pub memory_limit: Option<usize>,
+    /// Set it to stop, now or while a frame is made: the result is [`Error::Cancelled`].
+    pub cancel: Arc<AtomicBool>,
+    /// Told the share done, 0 to 1, from any thread; only morphs take long.
+    pub progress: &'a (dyn Fn(f64) + Sync),
+}
+
+impl Model {
+    /// Makes ready for frames.
+    pub fn prepare(self: &Arc<Self>, options: &PrepareOptions<'_>) -> Result<Prepared, Error> {
+        unless_cancelled(&options.cancel, prepare(self, options).map_err(|stop| self.stopped(stop)))
+    }
+
+    /// Why it stopped, with this scene's text.
+    pub(crate) fn stopped(&self, stop: Stop) -> Error {
+        match stop {
+            Stop::Cancelled => Error::Cancelled,
+            Stop::Memory { needed, limit, voxels } => Error::Memory { needed, limit, voxels },
+            Stop::Problem(problem) => self.error(problem),
+        }
+    }
+}
+
+/// What fails once it was told to stop has stopped, whatever it says.
+pub(crate) fn unless_cancelled<T>(cancel: &AtomicBool, result: Result<T, Error>) -> Result<T, Error> {
+    result.map_err(|error| if cancel.load(Ordering::Relaxed) { Error::Cancelled } else { error })
+}
+
+fn prepare(model: &Arc<Model>, options: &PrepareOptions<'_>) -> Result<Prepared, Stop> {
+    let roots = match &model.content {
+        Content::Shape(id) => vec![*id],
+        Content::Morph(morphs) => {
+            let fill = morphs[0].fill.iter().flat_map(|fill| fill.structures);
+            let objects = morphs.iter().flat_map(|morph| [morph.from, morph.to]);
+            objects.chain(morphs[0].cut).chain(fill).collect()
+        }
+    };
+    let parts = model.with_parts(&roots);
+    let assets = Arc::new(Assets::load(model, &parts, options.memory_limit)?);
+    let variation = Variation::of(model);
+    stop_if(&options.cancel)?;
+    let mut solids = Solids::new(
+        model,
+        &assets,
+        model.moment(model.shot.range.first as f64),
+        resolution(model, options),
+        &options.cancel,
+    );
+    let mut warnings = solids.cut_by_bounds(&parts)?;
+    warnings.extend(assets.warnings.iter().cloned());
+    let (content, extent, lattice) = match &model.content {
+        Content::Shape(id) => ready_shape(model, &mut solids, &variation, *id, options)?,
+        Content::Morph(morphs) => ready_morphs(model, &mut solids, &variation, morphs, options)?,
+    };
+    if let (Content::Morph(morphs), Ready::Morph(planned)) = (&model.content, &content) {
+        warnings.extend(empty_frames(model, morphs, planned));
+    }
+    let mut prepared = Prepared {
+        lattice,
+        half_width: options.half_width.unwrap_or(model.output.half_width) as f32,
+        extent,
+        warnings: Diagnostics::new(warnings, model.sources.clone()),
+        model: Arc::clone(model),
+        parts,
+        assets,
+        variation,
+        content,
+        base: solids,
+        level_sets: None,
+        cancel: Arc::clone(&options.cancel),
+    };
+    let way = prepared.greatest_displacement()?;
+    if way > 0.0 {
+        prepared.extent = prepared.extent.grown(way);
+        prepared.lattice = self::lattice(model, options, prepared.extent)?;
+    }
+    if let (Content::Morph(morphs), Ready::Morph(planned)) = (&model.content, &prepared.content)
+        && let MorphMode::OpenVdb = morphs[0].mode
+    {
+        let Prepared { lattice, half_width, .. } = prepared;
+        let cancel = Arc::clone(&options.cancel);
+        let sets = LevelSets::new(model, &morphs[0], &planned[0], lattice, half_width, cancel)?;
+        prepared.level_sets = Some(sets);
+    }
+    Ok(prepared)
+}
+
+fn ready_shape(
+    model: &Model,
+    solids: &mut Solids,
+    variation: &Variation,
+    id: ShapeId,
+    options: &PrepareOptions<'_>,
+) -> Result<(Ready, Aabb, Lattice), Stop> {
+    if variation.placed(id) || variation.painted(id) {
+        solids.build_still(&model.with_parts(&[id]), variation);
+        let extent = box_over_shot(model, solids, variation, id, options)?;
+        let lattice = lattice(model, options, extent)?;
+        if model.with_parts(&[id]).into_iter().any(|part| model.shape(part).has_seam()) {
+            // What parts that stand still are measured for is kept; what cannot be is said when a frame needs it.
+            let _ = scenery(solids, id, &lattice);
+        }
+        return Ok((Ready::Changing(id), extent, lattice));
+    }
+    let extent = solid_box(model, id, solids.field(id, Stage::Placed)?.as_ref())?;
+    let lattice = lattice(model, options, extent)?;
+    Ok((Ready::Still(scenery(solids, id, &lattice)?), extent, lattice))
+}
+
+/// The share that measuring its objects has in the time that making a morph ready takes.
+const MEASURING: f64 = 0.9;
+
+fn ready_morphs(
+    model: &Arc<Model>,
+    solids: &mut Solids,
+    variation: &Variation,
+    morphs: &[Morph],
+    options: &PrepareOptions<'_>,
+) -> Result<(Ready, Aabb, Lattice), Stop> {
+    let pairs = morphs.iter().map(|morph| pair(model, solids, variation, morph)).collect::<Result<Vec<_>, _>>()?;
+    let both = pairs.iter().map(|pair| pair.both).reduce(Aabb::union).expect("a chain has a morph");
+    // The in-betweens' box is known only once the objects are measured; about a voxel is enough for that.
+    let about = lattice(model, options, both)?;
+    let numbers = numbers_of(model, morphs);
+    for (morph, pair) in morphs.iter().zip(&pairs) {
+        admit(model, morph, pair, numbers, &about, options)?;
+    }
+    let mut measuring = Measuring {
+        voxel: about.voxel_size.get(),
+        memory_limit: options.memory_limit,
+        watch: Watch { cancel: &options.cancel, progress: &|share| (options.progress)(MEASURING * share) },
+        count: pairs.iter().flat_map(Pair::shapes).collect::<HashSet<_>>().len(),
+        done: Vec::new(),
+    };
+    let mut planned = Vec::new();
+    for (morph, pair) in morphs.iter().zip(pairs) {
+        planned.push(plan(model, solids, morph, pair, &mut measuring)?);
+    }
+    alike(&mut planned);
+    let extent = extent_over_shot(model, morphs, &planned)?;
+    (options.progress)(1.0);
+    Ok((Ready::Morph(planned), extent, lattice(model, options, extent)?))
+}
+
+/// How many numbers a voxel has at least in the grids beside the level set, before anything is built.
+fn numbers_of(model: &Model, morphs: &[Morph]) -> usize {
+    let output = &model.output;
+    let objects = || morphs.iter().flat_map(|morph| [morph.from, morph.to]);
+    let colour = output.writes(&output.colour_name) && objects().any(|id| surely_has(model, TheColour, id));
+    let has = |name: &&str| output.writes(name) && objects().any(|id| surely_has(model, TheScalar(name), id));
+    (if colour { 3 } else { 0 }) + model.scalar_names().into_iter().filter(has).count()
+}
+
+/// Refuses a morph whose frames, of so many numbers a voxel beside the distance, cannot but take too much memory, before
+/// its objects are measured.
+///
+/// Judged by the lesser of the two objects as they are: no in-between is much smaller than both.
+fn admit(
+    model: &Model,
+    morph: &Morph,
+    pair: &Pair,
+    numbers: usize,
+    about: &Lattice,
+    options: &PrepareOptions<'_>,
+) -> Result<(), Stop> {
+    let Some(limit) = options.memory_limit else { return Ok(()) };
+    let half_width = options.half_width.unwrap_or(model.output.half_width) as f32;
+    let [from, to] = pair.bands(about.voxel_size.get(), half_width);
+    let least = if from.voxels < to.voxels { from } else { to };
+    let mut needed = least.memory(numbers, 1);
+    if morph.cut.is_some() {
+        needed *= LEAST_LEFT;
+    }
+    if needed <= limit as f64 {
+        return Ok(());
+    }
+    Err(Stop::Memory { needed: needed as u64, limit: limit as u64, voxels: least.voxels })
+}
+
+/// The box over all frames of the shot. Some may be empty, which is for whoever asks for them to judge; not all.
+fn box_over_shot(
+    model: &Model,
+    solids: &Solids,
+    variation: &Variation,
+    id: ShapeId,
+    options: &PrepareOptions<'_>,
+) -> Result<Aabb, Stop> {
+    let frames =
+        if variation.placed(id) { sampled_frames(model.shot.range) } else { vec![model.shot.range.first as f64] };
+    let one = |frame: &f64| -> Result<Result<Aabb, extent::Error>, Stop> {
+        stop_if(&options.cancel)?;
+        let mut solids = solids.at(model.moment(*frame), variation);
+        Ok(box_of(solids.field(id, Stage::Placed)?.as_ref()))
+    };
+    let boxes: Result<Vec<_>, Stop> = frames.par_iter().map(one).collect();
+    let union = |a, b| match (a, b) {
+        (Ok(a), Ok(b)) => Ok(Aabb::union(a, b)),
+        (Err(extent::Error::Empty), other) | (other, Err(extent::Error::Empty)) => other,
+        (wrong, _) => wrong,
+    };
+    let all = boxes?.into_iter().reduce(union).expect("a shot has a frame");
+    Ok(all.map_err(|error| no_box(model, id, error))?)
+}
+
+/// About how many voxels go along the longest side: no more than distances are measured on where their size is given.
+fn resolution(model: &Model, options: &PrepareOptions<'_>) -> f64 {
+    match (options.voxel_size, options.resolution, model.output.voxel_size) {
+        (None, Some(resolution), _) => f64::from(resolution),
+        (None, None, None) => f64::from(model.output.resolution),
+        _ => MOST_CELLS,
+    }
+}
+
+/// Where the voxels stand: by their size, or by how many go along the longest side.
+fn lattice(model: &Model, options: &PrepareOptions<'_>, box_of_all: Aabb) -> Result<Lattice, Problem> {
+    let by_resolution = |resolution: u32| box_of_all.size().max_element() / f64::from(resolution);
+    let edge = match (options.voxel_size, options.resolution, model.output.voxel_size) {
+        (Some(edge), _, _) => edge,
+        (None, Some(resolution), _) => by_resolution(resolution),
+        (None, None, Some(edge)) => edge,
+        (None, None, None) => by_resolution(model.output.resolution),
+    };
+    let Some(voxel_size) = VoxelSize::new(edge).filter(|size| size.get() >= LEAST_VOXEL) else {
+        let problem = format!(
+            "voxels of {edge:e} {} are too small for OpenVDB, which takes {LEAST_VOXEL:e} and more",
+            model.unit
+        );
+        return Err(Problem(Box::new(
+            Diagnostic::without_place(problem)
+                .help("build in a smaller `unit`: the same scene in millimetres has numbers 1000 times as large"),
+        )));
+    };
+    let voxels = box_of_all.min.abs().max(box_of_all.max.abs()).max_element() / edge;
+    if voxels >= MOST_VOXELS {
+        let problem = format!(
+            "the object reaches {voxels:.3e} voxels of {} {} from the origin, and OpenVDB numbers {MOST_VOXELS} at most",
+            plain_number(edge),
+            model.unit
+        );
+        return Err(Problem(Box::new(
+            Diagnostic::without_place(problem).help("use larger voxels, or bring the object nearer to the origin"),
+        )));
+    }
+    Ok(Lattice { voxel_size })
+}

@@ -1,0 +1,84 @@
+//! The scenes inside the program, and the files they name.
+
+/// A scene inside the program.
+struct BuiltIn {
+    name: &'static str,
+    text: &'static str,
+    line: &'static str,
+}
+
+const SCENES: &[BuiltIn] = &[
+    BuiltIn {
+        name: "sphere",
+        text: include_str!("../../scenes/sphere.toml"),
+        line: "one coloured ball, the smallest scene",
+    },
+    BuiltIn { name: "heart", text: include_str!("../../scenes/heart.toml"), line: "the heart surface, one colour" },
+    BuiltIn {
+        name: "cube-to-heart",
+        text: include_str!("../../scenes/cube-to-heart.toml"),
+        line: "a cube becomes a heart; variants rgb, linear and paper",
+    },
+    BuiltIn {
+        name: "three-ways",
+        text: include_str!("../../scenes/three-ways.toml"),
+        line: "a cube, a heart and a ring in a chain, with a scalar that goes with them",
+    },
+    BuiltIn {
+        name: "red-blue",
+        text: include_str!("../../scenes/red-blue.toml"),
+        line: "how alpha and beta carry colour: --set alpha=3 --set beta=0.25",
+    },
+    BuiltIn {
+        name: "displacement",
+        text: include_str!("../../scenes/displacement.toml"),
+        line: "bumps become grooves: a scalar moves the surface and goes through the morph",
+    },
+    BuiltIn {
+        name: "microstructure",
+        text: include_str!("../../scenes/microstructure.toml"),
+        line: "a lattice becomes a gyroid inside a body",
+    },
+    BuiltIn {
+        name: "octopus",
+        text: include_str!("../../scenes/octopus.toml"),
+        line: "a shape takes on the colours of what it sits on",
+    },
+    BuiltIn {
+        name: "cubism",
+        text: include_str!("../../scenes/cubism.toml"),
+        line: "two cubes of coloured, faceted cells flow into one another",
+    },
+    BuiltIn {
+        name: "cubism-sliced",
+        text: include_str!("../../scenes/cubism-sliced.toml"),
+        line: "the same, cut open in every frame: the colours inside",
+    },
+    BuiltIn {
+        name: "partitions",
+        text: include_str!("../../scenes/partitions.toml"),
+        line: "a figure becomes a lamp, part by part",
+    },
+];
+
+const FILES: &[(&str, &[u8])] = &[("cube.obj", include_bytes!("../../scenes/cube.obj"))];
+
+/// The names of the built-in scenes, simple ones first.
+pub fn builtin_names() -> impl Iterator<Item = &'static str> {
+    SCENES.iter().map(|scene| scene.name)
+}
+
+/// The text of a built-in scene, to be changed and used.
+pub fn builtin_text(name: &str) -> Option<&'static str> {
+    SCENES.iter().find(|scene| scene.name == name).map(|scene| scene.text)
+}
+
+/// What a built-in scene shows, in one line.
+pub fn builtin_line(name: &str) -> Option<&'static str> {
+    SCENES.iter().find(|scene| scene.name == name).map(|scene| scene.line)
+}
+
+/// A file that built-in scenes name.
+pub(crate) fn file(name: &str) -> Option<(&'static str, &'static [u8])> {
+    FILES.iter().find(|file| file.0 == name).copied()
+}
