@@ -60,25 +60,6 @@ fn unknown_keys_get_the_nearest_name() {
 }
 
 #[test]
-fn what_comes_later_is_said_to_come_later() {
-    only("[shape.a]\nvdb = \"a.vdb\"\n", "2:1 `vdb` in `shape.a` is not supported in this version");
-}
-
-#[test]
-fn the_lion_waits_for_a_later_version() {
-    let lion = "hfvdb = 1\nframes = \"1001-1096\"\nup = \"y\"\n[shape.lion]\nmesh = \"cube.obj\"\n\
-                color = { texture = \"base_color\", sample = \"filtered\" }\n[shape.splash]\n\
-                vdb = \"$SHOT/sim/splash.####.vdb\"\ngrid = \"surface\"\ncolor = { grid = \"Cd\" }\n\
-                velocity = { grid = \"vel\" }\nhold = \"both\"\n[morph]\nfrom = \"lion\"\nto = \"splash\"\n\
-                over = \"1009-1080\"\nease = \"smooth\"\ndelay = \"0.4\"\nkeep = \"largest\"\n\
-                [output]\nvoxel_size = 0.008\ngrids = [\"surface\", \"Cd\", \"vel\"]\n";
-    let problems = problems(lion);
-    let later = |problem: &&String| problem.ends_with("is not supported in this version");
-    assert_eq!(problems.iter().filter(later).count(), problems.len(), "{problems:#?}");
-    assert!(problems.len() >= 6, "{problems:#?}");
-}
-
-#[test]
 fn a_shape_has_one_maker() {
     only(
         "[shape.a]\nsphere = 1\nbox = 2\n",
