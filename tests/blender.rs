@@ -43,7 +43,7 @@ fn check_in_blender(python: &str, place: &Workplace, folder: &str, options: &[&s
 }
 
 fn prepare(scene: &str) -> Prepared {
-    let model = node::load(&Source::Builtin(scene.into()), &Overrides::default()).expect("a built-in scene");
+    let model = hfvdb::node::load(&Source::Builtin(scene.into()), &Overrides::default()).expect("a built-in scene");
     let options = PrepareOptions {
         voxel_size: None,
         resolution: Some(RESOLUTION),

@@ -4,18 +4,17 @@ use std::collections::{BTreeMap, HashSet};
 use std::sync::Arc;
 
 use crate::attribute::VoxelValues;
-use crate::mesh::{About, Conventions, Holes, MeshDistance, Remark, read, read_obj};
 
-use crate::node::model::{AttributeSource, Content, Maker, Model, ShapeId, VoxelSource};
+use crate::node::model::{AttributeSource, Content, Model, ShapeId, VoxelSource};
+use crate::node::spec::{Import, Imported};
 use crate::node::volume;
-use crate::text::diagnostic::{Diagnostic, Severity};
-use crate::text::files::{FilePlace, FileReference};
+use crate::text::diagnostic::Diagnostic;
 use crate::text::problem::Problem;
 
-/// The meshes and volumes of a scene.
+/// The files of a scene.
 #[derive(Clone, Default)]
 pub(crate) struct Assets {
-    meshes: BTreeMap<ShapeId, Arc<MeshDistance>>,
+    imported: BTreeMap<ShapeId, Arc<Imported>>,
     colours: BTreeMap<ShapeId, Arc<VoxelValues<3>>>,
     /// By shape and name.
     scalars: BTreeMap<(ShapeId, String), Arc<VoxelValues<1>>>,
@@ -28,21 +27,19 @@ impl Assets {
     pub fn load(model: &Model, shapes: &[ShapeId], memory_limit: Option<usize>) -> Result<Self, Problem> {
         let mut assets = Self::default();
         let (mut colours, mut scalars) = (Loaded::new(memory_limit), Loaded::new(memory_limit));
-        let coloured = meshes_with_colours(model);
+        let coloured = shown_with_own_colours(model);
         for &id in shapes {
             let shape = model.shape(id);
-            if let Maker::Mesh { file, conventions, up_is_given } = &shape.maker {
-                let (mesh, mut remarks) = load_mesh(file, conventions)?;
-                for note in mesh.notes() {
-                    assets.warn_once(Diagnostic::warning(file.span, format!("{}: {note}", file.name())));
+            if let Some(import) = shape.spec.import {
+                let mut imported = import(&Import {
+                    arguments: &shape.arguments,
+                    up: model.up,
+                    shows_colours: coloured.contains(&id),
+                })?;
+                for warning in imported.warnings.drain(..) {
+                    assets.warn_once(warning);
                 }
-                assets.meshes.insert(id, Arc::new(mesh));
-                remarks.retain(|remark| match remark.about {
-                    About::Faces => true,
-                    About::Colours => coloured.contains(&id),
-                    About::Up => !up_is_given,
-                });
-                assets.warn(file, remarks);
+                assets.imported.insert(id, Arc::new(imported));
             }
             if let Some(AttributeSource::Voxels(source)) = &shape.colour {
                 assets.colours.insert(id, colours.values(&volume::COLOURS, source)?);
@@ -57,26 +54,15 @@ impl Assets {
     }
 
     /// Keeps what is to be said about a file, once however many shapes name it.
-    fn warn(&mut self, file: &FileReference, remarks: Vec<Remark>) {
-        for Remark { about, place, text, help } in remarks {
-            let place = place.map_or_else(String::new, |place| format!(", {place}"));
-            let mut warning = Diagnostic::warning(file.span, format!("{}{place}: {text}", file.name())).help(help);
-            if about == About::Up {
-                warning.severity = Severity::Note;
-            }
-            self.warn_once(warning);
-        }
-    }
-
     fn warn_once(&mut self, warning: Diagnostic) {
         if self.warnings.iter().all(|known| known.message != warning.message) {
             self.warnings.push(warning);
         }
     }
 
-    /// The mesh of a shape with the maker `mesh`, which was among those loaded.
-    pub fn mesh(&self, id: ShapeId) -> &Arc<MeshDistance> {
-        &self.meshes[&id]
+    /// What the file of a shape holds, which was among those loaded.
+    pub fn imported(&self, id: ShapeId) -> &Arc<Imported> {
+        &self.imported[&id]
     }
 
     /// The colours of a shape that has them from voxels, which was among those loaded.
@@ -89,12 +75,10 @@ impl Assets {
         &self.scalars[&(id, name.to_owned())]
     }
 
-    /// Memory that the meshes and volumes take, about, in bytes.
+    /// Memory that they take, about, in bytes.
     pub fn bytes(&self) -> u64 {
-        /// Corners, triangles, normals and tree, by triangle.
-        const BYTES_A_TRIANGLE: u64 = 300;
-        let meshes = self.meshes.values().map(|mesh| mesh.mesh().triangles().len() as u64 * BYTES_A_TRIANGLE);
-        meshes.sum::<u64>() + memory_of(self.colours.values()) + memory_of(self.scalars.values())
+        let imported: u64 = self.imported.values().map(|imported| imported.bytes).sum();
+        imported + memory_of(self.colours.values()) + memory_of(self.scalars.values())
     }
 }
 
@@ -127,9 +111,9 @@ impl<'m, const N: usize> Loaded<'m, N> {
     }
 }
 
-/// The meshes whose own colours a frame shows.
-fn meshes_with_colours(model: &Model) -> HashSet<ShapeId> {
-    let mut meshes = HashSet::new();
+/// The imported shapes whose own colours a frame shows.
+fn shown_with_own_colours(model: &Model) -> HashSet<ShapeId> {
+    let mut shown = HashSet::new();
     let mut open = match &model.content {
         _ if !model.output.writes(&model.output.colour_name) => Vec::new(),
         Content::Shape(id) => vec![*id],
@@ -143,25 +127,11 @@ fn meshes_with_colours(model: &Model) -> HashSet<ShapeId> {
         let shape = model.shape(id);
         match &shape.colour {
             Some(source) => open.extend(source.parts()),
-            None => open.extend(shape.maker.painters()),
+            None => open.extend(shape.painters()),
         }
-        if shape.colour.is_none() && matches!(shape.maker, Maker::Mesh { .. }) {
-            meshes.insert(id);
+        if shape.colour.is_none() && shape.spec.import.is_some() {
+            shown.insert(id);
         }
     }
-    meshes
-}
-
-fn load_mesh(file: &FileReference, conventions: &Conventions) -> Result<(MeshDistance, Vec<Remark>), Problem> {
-    let imported = match &file.place {
-        FilePlace::Disk(path) => read(path, conventions).map_err(|error| Problem::new(file.span, error.to_string()))?,
-        FilePlace::BuiltIn(_) => {
-            let bytes = file.read().unwrap_or_default();
-            read_obj(&bytes, conventions)
-                .map_err(|error| Problem::new(file.span, format!("{}: {error}", file.name())))?
-        }
-    };
-    let mesh = MeshDistance::new(imported.mesh, Holes::Refuse)
-        .map_err(|error| Problem::new(file.span, format!("{}: {error}", file.name())))?;
-    Ok((mesh, imported.remarks))
+    shown
 }

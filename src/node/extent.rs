@@ -2,7 +2,8 @@
 
 use crate::distance::extent::{self, extent};
 use crate::field::{Aabb, Field};
-use crate::node::model::{Maker, Model, ShapeId};
+use crate::node::model::{Model, ShapeId};
+use crate::node::spec::Carries;
 use crate::text::problem::Problem;
 
 /// The box of F ≥ 0.
@@ -35,17 +36,13 @@ pub(crate) fn no_box(model: &Model, id: ShapeId, error: extent::Error) -> Proble
 impl Model {
     /// The innermost part that makes a shape endless, as far as the parts tell by themselves.
     fn unbounded_part(&self, id: ShapeId) -> ShapeId {
-        let endless =
-            |maker: &Maker| matches!(maker, Maker::HalfSpace { .. } | Maker::Slab { .. } | Maker::Formula { .. });
         let mut at = id;
-        while let Maker::Union { operands, .. } = &self.shape(at).maker {
-            let candidates = |test: &dyn Fn(&Maker) -> bool| {
-                operands
-                    .iter()
-                    .copied()
-                    .find(|part| self.shape(*part).bounds.is_none() && test(&self.shape(*part).maker))
-            };
-            let next = candidates(&endless).or_else(|| candidates(&|maker| matches!(maker, Maker::Union { .. })));
+        while self.shape(at).spec.carries == Carries::Union {
+            let parts = self.shape(at).painters();
+            let uncut = |part: &&ShapeId| self.shape(**part).bounds().is_none();
+            let endless = parts.iter().filter(uncut).find(|part| self.shape(**part).spec.is_endless);
+            let is_union = |part: &&ShapeId| self.shape(**part).spec.carries == Carries::Union;
+            let next = endless.or_else(|| parts.iter().filter(uncut).find(is_union)).copied();
             match next {
                 Some(part) => at = part,
                 None => break,

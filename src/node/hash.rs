@@ -2,7 +2,8 @@
 
 use sha2::{Digest, Sha256};
 
-use crate::node::model::{AttributeSource, Maker, Model};
+use crate::node::argument::Arguments;
+use crate::node::model::{AttributeSource, Model};
 use crate::text::files::FileReference;
 
 impl Model {
@@ -12,10 +13,10 @@ impl Model {
         let mut digest = Sha256::new();
         digest.update(self.canonical.as_bytes());
         for shape in &self.shapes {
-            let mesh = if let Maker::Mesh { file, .. } = &shape.maker { Some(file) } else { None };
+            let named = shape.all_arguments().flat_map(Arguments::files);
             let colour = shape.colour.iter().filter_map(AttributeSource::file);
             let voxels = colour.chain(shape.scalars.values().filter_map(AttributeSource::file));
-            for file in mesh.into_iter().chain(voxels) {
+            for file in named.chain(voxels) {
                 let bytes = file.read().map_err(|error| (file.clone(), error))?;
                 digest.update(shape.name.as_bytes());
                 digest.update((bytes.len() as u64).to_le_bytes());

@@ -2,20 +2,33 @@
 //!
 //! [`load`] checks a scene's text against [`keys`] into a [`Model`]. Knows no frames, no voxels, and writes no files.
 
+pub(crate) mod argument;
 pub(crate) mod assets;
+pub(crate) mod attributes;
+pub(crate) mod bend;
+mod combine;
+mod copies;
 pub(crate) mod depth;
-pub(crate) mod displace;
+pub(crate) mod displacement;
 pub(crate) mod extent;
 mod hash;
+pub(crate) mod id;
+mod import;
 pub mod keys;
+pub(crate) mod list;
 pub(crate) mod load;
 pub(crate) mod measured;
 pub(crate) mod model;
 pub(crate) mod paint;
 pub(crate) mod placed;
+mod primitive;
 mod read;
 mod reference;
 pub(crate) mod solid;
+pub(crate) mod space;
+pub(crate) mod spec;
+mod structure;
+mod surface;
 pub(crate) mod variation;
 mod volume;
 

@@ -5,24 +5,20 @@ use std::sync::Arc;
 
 use crate::attribute::{Choice, Components, Mixer, Outside, Overlap, Straight};
 use crate::distance::without::Keep;
-use crate::mesh::Conventions;
 
+use crate::node::argument::{Argument, Arguments, Bounds};
+use crate::node::spec::{Carries, Spec};
 use crate::text::diagnostic::Diagnostics;
 use crate::text::files::FileReference;
 use crate::text::formula::Formula;
 use crate::text::frames::{FrameRange, Shot};
 use crate::text::moment::Moment;
-use crate::text::number::{Number, NumberValue};
+use crate::text::number::Number;
 use crate::text::reader::Setting;
 use crate::text::source::{Sources, Span};
 
-/// A shape's place in [`Model::shapes`].
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub struct ShapeId(pub usize);
-
-/// Cells' place in [`Model::cells`].
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub struct CellsId(pub usize);
+pub use crate::node::argument::ScalarName;
+pub use crate::node::id::{CellsId, ShapeId};
 
 /// A checked scene.
 #[derive(Clone, Debug)]
@@ -94,68 +90,31 @@ pub struct Shape {
     /// Its name's place.
     pub span: Span,
     /// What it is before its modifiers.
-    pub maker: Maker,
-    /// What is done to it, in this order of fields.
-    pub modifiers: Modifiers,
-    /// The box, in its own space, outside of which it is cut off.
-    pub bounds: Option<Bounds>,
+    pub spec: &'static Spec,
+    /// The values of its keys.
+    pub arguments: Arguments,
+    /// What is done to it, in order.
+    pub modifiers: Vec<Modifier>,
+    /// Where it stands.
+    pub placement: Placement,
     /// Its own colour.
     pub colour: Option<ShapeColour>,
     /// Its own scalars, by the names of their grids.
     pub scalars: BTreeMap<String, ShapeScalar>,
 }
 
-/// What a shape is. Lengths in scene units, directions of any length but 0.
+/// Something that is done to a shape.
 #[derive(Clone, Debug)]
-#[allow(missing_docs, reason = "each field is the key of its name, described in `keys`")]
-pub enum Maker {
-    /// A ball.
-    Sphere { radius: Number },
-    /// A box by its edge lengths.
-    Box { edges: [Number; 3] },
-    /// An ellipsoid by its half axes.
-    Ellipsoid { half_axes: [Number; 3] },
-    /// A cylinder along z; twice its radius high where nothing is said.
-    Cylinder { radius: Number, height: Option<Number> },
-    /// A ring around z, its tube a quarter of the radius where nothing is said.
-    Torus { radius: Number, tube: Option<Number> },
-    /// All near a straight line along z, twice the radius long where nothing is said.
-    Capsule { radius: Number, length: Option<Number> },
-    /// All behind a plane.
-    HalfSpace { normal: [Number; 3], offset: Number },
-    /// All between two planes.
-    Slab { thickness: Number, normal: [Number; 3] },
-    /// A heart by its width along x.
-    Heart { width: Number },
-    /// F itself.
-    Formula { formula: Formula, span: Span },
-    /// A mesh. `up_is_given`: whether its file's up axis is known, not only taken for the scene's.
-    Mesh { file: FileReference, conventions: Conventions, up_is_given: bool },
-    /// All that is in any.
-    Union { operands: Vec<ShapeId>, seam: f64 },
-    /// What is in all.
-    Intersection(Vec<ShapeId>),
-    /// The first without the others.
-    Difference(Vec<ShapeId>),
-    /// Shapes that flow together.
-    Blend { operands: Vec<ShapeId>, radius: Number, within: Option<ShapeId> },
-    /// A mesh cut by planes at random, cell by cell.
-    Facet { of: ShapeId, cells: CellsId, tilt: f64, cut: f64, seed: u64 },
+pub struct Modifier {
+    /// What.
+    pub spec: &'static Spec,
+    /// The values of its keys.
+    pub arguments: Arguments,
 }
 
-/// What is done to a shape after it is made.
+/// Where a shape stands: scaled, then turned, then moved.
 #[derive(Clone, Debug)]
-pub struct Modifiers {
-    /// Copies in place of the one at the origin.
-    pub at: Option<Copies>,
-    /// The axis along which it is mirrored: 0 to 2.
-    pub mirror: Option<usize>,
-    /// How much it is grown.
-    pub offset: Number,
-    /// The thickness of the wall that stays.
-    pub shell: Option<Number>,
-    /// The scalar that its surface is moved by, along the normal.
-    pub displace: Option<ScalarName>,
+pub struct Placement {
     /// How many times as large.
     pub scale: [Number; 3],
     /// Degrees about the fixed x, then y, then z axis.
@@ -165,52 +124,72 @@ pub struct Modifiers {
 }
 
 impl Shape {
+    /// What makes it, or, from 1 on, is done to it.
+    pub(crate) fn step(&self, step: usize) -> (&'static Spec, &Arguments) {
+        match step.checked_sub(1).map(|done| &self.modifiers[done]) {
+            None => (self.spec, &self.arguments),
+            Some(modifier) => (modifier.spec, &modifier.arguments),
+        }
+    }
+
+    /// The row of that.
+    pub(crate) fn spec_of(&self, step: usize) -> &'static Spec {
+        self.step(step).0
+    }
+
+    /// What is done to it under this name.
+    pub fn modifier(&self, name: &str) -> Option<&Modifier> {
+        self.modifiers.iter().find(|modifier| modifier.spec.key.name == name)
+    }
+
+    /// The box that cuts it off.
+    pub fn bounds(&self) -> Option<&Bounds> {
+        self.modifiers.iter().find_map(|modifier| modifier.arguments.bounds("bounds"))
+    }
+
+    /// How many of its modifiers come before those that go by a scalar of it.
+    pub(crate) fn bare_steps(&self) -> usize {
+        let by_scalar = |modifier: &Modifier| modifier.arguments.scalars().next().is_some();
+        self.modifiers.iter().position(by_scalar).unwrap_or(self.modifiers.len())
+    }
+
+    /// Its own arguments and those of its modifiers.
+    pub fn all_arguments(&self) -> impl Iterator<Item = &Arguments> {
+        std::iter::once(&self.arguments).chain(self.modifiers.iter().map(|modifier| &modifier.arguments))
+    }
+
+    /// Whether the values of its field count beside its surface, not only their sign.
+    pub(crate) fn is_measured(&self) -> bool {
+        self.modifiers.iter().any(|modifier| (modifier.spec.measures)(&modifier.arguments))
+    }
+
+    /// How its parts' attributes go over into one another, units.
+    pub fn seam(&self) -> f64 {
+        if self.spec.carries == Carries::Union { self.arguments.constant("seam").copied().unwrap_or(0.0) } else { 0.0 }
+    }
+
     /// Whether its parts' attributes go over into one another.
     pub fn has_seam(&self) -> bool {
         let soft = |seam: f64| seam > 0.0;
-        matches!(self.maker, Maker::Union { seam, .. } if soft(seam))
+        soft(self.seam())
             || matches!(self.colour, Some(AttributeSource::Parts { seam, .. }) if soft(seam))
             || self.scalars.values().any(|source| matches!(source, AttributeSource::Parts { seam, .. } if soft(*seam)))
     }
-}
 
-impl Modifiers {
-    /// Whether any of them moves the surface outward by a distance.
-    pub fn may_grow(&self) -> bool {
-        let shrinks = matches!(self.offset.value, NumberValue::Constant(by) if by <= 0.0);
-        !shrinks || self.shell.is_some() || self.displace.is_some()
+    /// The shapes whose attributes it takes where it has none of its own. What is cut shows the inside of what it is cut
+    /// from.
+    pub fn painters(&self) -> &[ShapeId] {
+        let main = match self.arguments.get(self.spec.key.name) {
+            Some(Argument::Shape(shape)) => std::slice::from_ref(shape),
+            Some(Argument::Shapes(shapes)) => shapes,
+            _ => &[],
+        };
+        match self.spec.carries {
+            Carries::Nothing | Carries::Import => &[],
+            Carries::First => &main[..main.len().min(1)],
+            Carries::Any | Carries::Union | Carries::Blend => main,
+        }
     }
-}
-
-/// The scalar that a key names.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct ScalarName {
-    /// Its name.
-    pub name: String,
-    /// Where the scene names it.
-    pub span: Span,
-}
-
-/// Copies in cells.
-#[derive(Clone, Debug)]
-pub struct Copies {
-    /// The cells.
-    pub cells: CellsId,
-    /// The share of them that gets one.
-    pub pick: f64,
-    /// What the choice starts from.
-    pub seed: u64,
-}
-
-/// A box to cut off at.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Bounds {
-    /// The box.
-    pub aabb: crate::field::Aabb,
-    /// Whether it is meant to cut the shape.
-    pub cut: bool,
-    /// Where the scene gives it.
-    pub span: Span,
 }
 
 /// A shape's colour, scene-linear.
@@ -266,19 +245,6 @@ pub struct VoxelSource {
     pub grid_span: Span,
     /// How its values go on outside of the volume.
     pub outside: Outside,
-}
-
-impl Maker {
-    /// The shapes whose attributes it takes where it has none of its own. What is cut shows the inside of what it is cut
-    /// from.
-    pub fn painters(&self) -> &[ShapeId] {
-        match self {
-            Self::Facet { of, .. } => std::slice::from_ref(of),
-            Self::Union { operands, .. } | Self::Blend { operands, .. } | Self::Intersection(operands) => operands,
-            Self::Difference(operands) => &operands[..1],
-            _ => &[],
-        }
-    }
 }
 
 impl<const N: usize, K, M> AttributeSource<N, K, M> {

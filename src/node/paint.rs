@@ -1,193 +1,29 @@
 //! Colours and scalars of shapes at one moment.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 use std::sync::{Arc, OnceLock};
 
-use glam::{DAffine3, DVec3};
+use glam::DAffine3;
 
-use crate::attribute::VertexColours;
-use crate::attribute::{Attribute, Bands, ByCell, CellIndex, Choice, Colour, Constant, CubeLattice, LinearRgb};
-use crate::attribute::{ByFormula, Components, FieldValue, Mix, Mixer, Part, Parts, Rule, Scalar, Straight};
-use crate::distance::nearest::{BallsByTree, PointTree};
+use crate::attribute::{Bands, ByCell, CellIndex, Choice, CubeLattice, FieldValue, Mix, Part, Parts, Rule, Scalar};
+use crate::distance::nearest::BallsByTree;
 use crate::distance::octree::BuildError;
-use crate::field::cells::Cells;
-use crate::field::facet::{self, surface_points};
-use crate::field::{BATCH, Expression, Field, Graph, Interval, Points};
-use crate::mesh::MeshDistance;
-
-use crate::node::assets::Assets;
+use crate::field::{Expression, Field, Graph, Interval};
+use crate::node::attributes::{Asked, Paint};
 use crate::node::depth::Depth;
 use crate::node::extent::{box_of, solid_box};
+use crate::node::id::Stage;
 use crate::node::measured::Purpose;
-use crate::node::model::{AttributeSource, Component, Maker, Model, Pieces, Shape, ShapeColour, ShapeId, ShapeScalar};
-use crate::node::placed::{Placed, Way};
-use crate::node::solid::{Solids, Stage};
-use crate::text::colour::{GREY, css};
+use crate::node::model::{AttributeSource, Component, Model, Pieces, Shape, ShapeId};
+use crate::node::placed::Way;
+use crate::node::solid::Solids;
+use crate::node::spec::Carries;
 use crate::text::problem::Problem;
 
 /// How far outside of a part a surface point may be, in voxels, and still count as inside it: feet lie on the
 /// surface to about a thousandth of a voxel. Less: specks of the parts behind; more: parts that end just below the
 /// surface shine through.
 pub(crate) const TOLERANCE_VOXELS: f64 = 0.05;
-
-/// Which attribute of shapes is asked for.
-pub(crate) trait Asked<const N: usize>: Copy {
-    /// What a formula's numbers are.
-    type Meaning: Copy;
-    /// How values are mixed.
-    type Mix: Mix<N> + 'static;
-
-    /// A shape's own.
-    fn source(self, shape: &Shape) -> Option<&AttributeSource<N, Self::Meaning, Self::Mix>>;
-
-    /// What a shape has that has none, beside others that have one.
-    fn absent(self) -> [f32; N];
-
-    /// By formulas.
-    fn by_fields(self, fields: [Arc<dyn Field>; N], meaning: Self::Meaning) -> Arc<dyn Attribute<N>>;
-
-    /// What comes with a mesh.
-    fn of_mesh(self, mesh: &Arc<MeshDistance>) -> Option<Arc<dyn Attribute<N>>>;
-
-    /// Its own name among those of its kind.
-    fn name(&self) -> &str;
-
-    /// What was found of its kind.
-    fn known(paints: &mut Paints) -> &mut Known<N>;
-
-    /// What comes from the volume of voxels that a shape has it from.
-    fn of_voxels(self, assets: &Assets, id: ShapeId) -> Arc<dyn Attribute<N>>;
-
-    /// The problem of copies whose parts have several values.
-    fn several(self, shape: &Shape) -> Problem;
-}
-
-/// What was found of one kind of attribute, by its name, the shape, how far that is made, and the voxel's edge as bits.
-pub(crate) type Known<const N: usize> = BTreeMap<(String, ShapeId, Stage, u64), Option<Paint<N>>>;
-
-/// The attributes found at one moment: a shape that many others are made from is looked at once.
-#[derive(Clone, Default)]
-pub(crate) struct Paints {
-    colours: Known<3>,
-    scalars: Known<1>,
-}
-
-/// The colour.
-#[derive(Clone, Copy)]
-pub(crate) struct TheColour;
-
-impl Asked<3> for TheColour {
-    type Meaning = Components;
-    type Mix = Mixer;
-
-    fn source(self, shape: &Shape) -> Option<&ShapeColour> {
-        shape.colour.as_ref()
-    }
-
-    fn absent(self) -> LinearRgb {
-        css(GREY).expect("it is a colour")
-    }
-
-    fn by_fields(self, components: [Arc<dyn Field>; 3], meaning: Components) -> Arc<Colour> {
-        Arc::new(ByFormula { components, meaning })
-    }
-
-    fn of_mesh(self, mesh: &Arc<MeshDistance>) -> Option<Arc<Colour>> {
-        Some(Arc::new(VertexColours::new(Arc::clone(mesh))?))
-    }
-
-    fn name(&self) -> &str {
-        ""
-    }
-
-    fn known(paints: &mut Paints) -> &mut Known<3> {
-        &mut paints.colours
-    }
-
-    fn of_voxels(self, assets: &Assets, id: ShapeId) -> Arc<Colour> {
-        Arc::clone(assets.colours(id)) as Arc<Colour>
-    }
-
-    fn several(self, shape: &Shape) -> Problem {
-        Problem::new(shape.span, format!("the copies of `{}` cannot take its parts' several colours", shape.name))
-            .help("give it a `color` of its own: one, or { palette = …, by = \"cell\" }")
-    }
-}
-
-/// The scalar of a name.
-#[derive(Clone, Copy)]
-pub(crate) struct TheScalar<'n>(pub &'n str);
-
-impl Asked<1> for TheScalar<'_> {
-    type Meaning = ();
-    type Mix = Straight;
-
-    fn source(self, shape: &Shape) -> Option<&ShapeScalar> {
-        shape.scalars.get(self.0)
-    }
-
-    fn absent(self) -> [f32; 1] {
-        [0.0]
-    }
-
-    fn by_fields(self, [field]: [Arc<dyn Field>; 1], (): ()) -> Arc<Scalar> {
-        Arc::new(FieldValue(field))
-    }
-
-    fn of_mesh(self, _mesh: &Arc<MeshDistance>) -> Option<Arc<Scalar>> {
-        None
-    }
-
-    fn name(&self) -> &str {
-        self.0
-    }
-
-    fn known(paints: &mut Paints) -> &mut Known<1> {
-        &mut paints.scalars
-    }
-
-    fn of_voxels(self, assets: &Assets, id: ShapeId) -> Arc<Scalar> {
-        Arc::clone(assets.scalar(id, self.0)) as Arc<Scalar>
-    }
-
-    fn several(self, shape: &Shape) -> Problem {
-        let Shape { name, span, .. } = shape;
-        let problem = format!("the copies of `{name}` cannot take the several values of its parts' `{}`", self.0);
-        let help = format!("give it an `attribute.{}` of its own: one, or {{ range = …, by = \"cell\" }}", self.0);
-        Problem::new(*span, problem).help(help)
-    }
-}
-
-/// An attribute, and whether it has one value everywhere.
-#[derive(Clone)]
-pub(crate) struct Paint<const N: usize> {
-    /// The attribute.
-    pub attribute: Arc<dyn Attribute<N>>,
-    solid: Option<[f32; N]>,
-}
-
-impl<const N: usize> Paint<N> {
-    /// One value everywhere.
-    pub fn solid(value: [f32; N]) -> Self {
-        Self { attribute: Arc::new(Constant::new(value)), solid: Some(value) }
-    }
-
-    fn of(attribute: impl Attribute<N> + 'static) -> Self {
-        Self::shared(Arc::new(attribute))
-    }
-
-    fn shared(attribute: Arc<dyn Attribute<N>>) -> Self {
-        Self { attribute, solid: None }
-    }
-
-    /// Seen through a way; one value stays itself.
-    fn through(self, way: Way) -> Self {
-        match self.solid {
-            Some(_) => self,
-            None => Self::of(Placed { inner: self.attribute, way }),
-        }
-    }
-}
 
 /// The shapes of a list without those that come again: a part is a part once.
 pub(crate) fn last_of_each(shapes: &[ShapeId]) -> Vec<ShapeId> {
@@ -207,7 +43,7 @@ pub(crate) fn surely_has<const N: usize>(model: &Model, what: impl Asked<N>, id:
         if what.source(shape).is_some() {
             return true;
         }
-        open.extend(shape.maker.painters().iter().filter(|part| seen.insert(**part)));
+        open.extend(shape.painters().iter().filter(|part| seen.insert(**part)));
     }
     false
 }
@@ -232,7 +68,7 @@ impl Solids {
             Stage::Scaled | Stage::Placed => match self.paint(what, id, Stage::Own, voxel)? {
                 None => None,
                 Some(own) => {
-                    let map = self.placement(&shape.modifiers, stage)?;
+                    let map = self.placement(&shape.placement, stage)?;
                     Some(if map == DAffine3::IDENTITY { own } else { own.through(Way::Back(map.inverse())) })
                 }
             },
@@ -269,16 +105,14 @@ impl Solids {
             Some(AttributeSource::Voxels(_)) => Some(Paint::shared(what.of_voxels(self.assets(), id))),
             None => {
                 let paint = self.made_paint(what, id, shape, voxel)?;
-                if shape.modifiers.at.is_some() && paint.as_ref().is_some_and(|paint| paint.solid.is_none()) {
+                if shape.modifier("at").is_some() && paint.as_ref().is_some_and(|paint| paint.solid.is_none()) {
                     return Err(what.several(shape));
                 }
                 paint
             }
         };
-        Ok(match shape.modifiers.mirror {
-            Some(axis) => paint.map(|paint| paint.through(Way::Folded(axis))),
-            None => paint,
-        })
+        let bends = self.bends(id)?;
+        Ok(paint.map(|paint| bends.into_iter().fold(paint, |paint, bend| paint.through(Way::Bent(bend)))))
     }
 
     /// The attribute that comes with a maker.
@@ -289,12 +123,12 @@ impl Solids {
         shape: &Shape,
         voxel: f64,
     ) -> Result<Option<Paint<N>>, Problem> {
-        match &shape.maker {
-            Maker::Mesh { .. } => Ok(what.of_mesh(self.assets().mesh(id)).map(Paint::shared)),
-            Maker::Union { operands, seam } => self.parts_paint(what, operands, Rule::Union { seam: *seam }, voxel),
-            Maker::Blend { operands, .. } => self.parts_paint(what, operands, Rule::Blend, voxel),
-            maker => {
-                for part in maker.painters() {
+        match shape.spec.carries {
+            Carries::Import => Ok(what.of_import(self.assets().imported(id)).map(Paint::shared)),
+            Carries::Union => self.parts_paint(what, shape.painters(), Rule::Union { seam: shape.seam() }, voxel),
+            Carries::Blend => self.parts_paint(what, shape.painters(), Rule::Blend, voxel),
+            Carries::Nothing | Carries::Any | Carries::First => {
+                for part in shape.painters() {
                     if let Some(paint) = self.paint(what, *part, Stage::Placed, voxel)? {
                         return Ok(Some(paint));
                     }
@@ -372,20 +206,14 @@ impl Solids {
     ) -> Result<Paint<N>, Problem> {
         let model = self.model();
         let shape = model.shape(id);
-        let cells: Arc<dyn CellIndex> = match (by, &shape.modifiers.at, &shape.maker) {
-            (Pieces::Cubes(edge), ..) => {
+        let cells: Arc<dyn CellIndex> = match by {
+            Pieces::Cubes(edge) => {
                 let solid = self.field(id, Stage::Bare)?;
                 Arc::new(CubeLattice { edge, solid, tolerance: TOLERANCE_VOXELS * voxel })
             }
-            (Pieces::Cells, Some(copies), _) => {
-                let (cells, picked) = self.picked(copies)?;
-                let host = self.host(copies.cells)?;
-                Arc::new(NearestCopy::new(surface_points(host.as_ref(), &cells, &picked)))
-            }
-            (Pieces::Cells, None, Maker::Facet { cells, .. }) => {
-                Arc::new(FacetCells { pieces: self.pieces(id)?, cells: self.cells(*cells)? })
-            }
-            _ => return Err(Problem::new(shape.span, format!("`{}` has no cells to take colours", shape.name))),
+            Pieces::Cells => self
+                .cell_index(id)?
+                .ok_or_else(|| Problem::new(shape.span, format!("`{}` has no cells to take colours", shape.name)))?,
         };
         Ok(Paint::of(ByCell { cells, choice, seed }))
     }
@@ -422,51 +250,5 @@ impl Solids {
         };
         let bands = Bands::new(depth, bands, tolerance);
         bands.map(Paint::of).ok_or_else(|| Problem::new(shape.span, "bands begin one below the other"))
-    }
-}
-
-/// The cells of a faceted shape, each as far as its material reaches.
-struct FacetCells {
-    pieces: Arc<facet::Pieces>,
-    cells: Arc<Cells>,
-}
-
-impl CellIndex for FacetCells {
-    fn indices(&self, points: &Points, out: &mut [u32; BATCH]) {
-        self.pieces.cells_at(&self.cells, points, out);
-    }
-}
-
-/// Copies, by the middle that is nearest.
-struct NearestCopy {
-    middles: PointTree,
-    /// The copy of each of the tree's points.
-    copies: Vec<u32>,
-}
-
-impl NearestCopy {
-    fn new(middles: Vec<DVec3>) -> Self {
-        let tree = PointTree::new(middles.clone());
-        let mut copies = vec![0; middles.len()];
-        // Of points in one place the tree tells always the same; it stands for the first copy there.
-        for (copy, middle) in middles.iter().enumerate().rev() {
-            if let Some((number, _)) = tree.nearest(*middle, None) {
-                copies[number] = copy as u32;
-            }
-        }
-        Self { middles: tree, copies }
-    }
-}
-
-impl CellIndex for NearestCopy {
-    fn indices(&self, points: &Points, out: &mut [u32; BATCH]) {
-        let positions: Vec<DVec3> = (0..points.len).map(|i| points.position(i)).collect();
-        let mut nearest = Vec::with_capacity(BATCH);
-        self.middles.nearest_each(&positions, &mut nearest);
-        // No number comes back where there are no copies.
-        out[..points.len].fill(0);
-        for (out, number) in out.iter_mut().zip(nearest) {
-            *out = self.copies[number];
-        }
     }
 }

@@ -6,14 +6,15 @@ use glam::{DAffine3, DMat3, DVec3, Vec3};
 
 use crate::attribute::{Attribute, MappedSampler, Sampler, SpaceMap};
 use crate::field::{Aabb, Points};
+use crate::node::bend::Bend;
 
 /// How positions of the world become positions of the attribute's own space.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone)]
 pub(crate) enum Way {
     /// Back through where the shape was placed: the map from the world to its own space.
     Back(DAffine3),
-    /// Onto the positive half of an axis.
-    Folded(usize),
+    /// Back through what bends its space.
+    Bent(Arc<dyn Bend>),
 }
 
 /// An attribute that stands elsewhere.
@@ -25,29 +26,24 @@ pub(crate) struct Placed<const N: usize> {
 }
 
 impl Way {
-    fn position(self, position: DVec3) -> DVec3 {
+    fn position(&self, position: DVec3) -> DVec3 {
         match self {
             Self::Back(map) => map.transform_point3(position),
-            Self::Folded(axis) => {
-                let mut folded = position;
-                folded[axis] = folded[axis].abs();
-                folded
-            }
+            Self::Bent(bend) => bend.back(position),
         }
     }
 }
 
 impl SpaceMap for Way {
     fn region(&self, region: &Aabb) -> Aabb {
-        let corners = region.corners().map(|corner| self.position(corner));
-        let around = |grown: Aabb, corner: &DVec3| grown.union(Aabb::new(*corner, *corner));
-        let mut moved = corners.iter().fold(Aabb::new(corners[0], corners[0]), around);
-        if let Self::Folded(axis) = *self {
-            // A region across the plane reaches down to it.
-            if region.min[axis] < 0.0 && region.max[axis] > 0.0 {
-                moved.min[axis] = 0.0;
+        let moved = match self {
+            Self::Back(_) => {
+                let corners = region.corners().map(|corner| self.position(corner));
+                let around = |grown: Aabb, corner: &DVec3| grown.union(Aabb::new(*corner, *corner));
+                corners.iter().fold(Aabb::new(corners[0], corners[0]), around)
             }
-        }
+            Self::Bent(bend) => bend.region(region),
+        };
         // Corners are rounded each on their own.
         let slack = 1e-12 * (moved.min.abs().max(moved.max.abs()).max_element() + moved.size().max_element());
         moved.grown(slack)
@@ -59,7 +55,7 @@ impl SpaceMap for Way {
         out.origin = self.position(points.origin);
         match self {
             Self::Back(map) => turned(&map.matrix3, points, out),
-            Self::Folded(_) => {
+            Self::Bent(_) => {
                 for i in 0..points.len {
                     let Vec3 { x, y, z } = (self.position(points.position(i)) - out.origin).as_vec3();
                     (out.x[i], out.y[i], out.z[i]) = (x, y, z);
@@ -83,7 +79,7 @@ fn turned(matrix: &DMat3, points: &Points, out: &mut Points) {
 
 impl<const N: usize> Attribute<N> for Placed<N> {
     fn sampler(&self) -> Box<dyn Sampler<N> + '_> {
-        Box::new(MappedSampler::new(self.inner.sampler(), self.way))
+        Box::new(MappedSampler::new(self.inner.sampler(), self.way.clone()))
     }
 }
 
@@ -93,6 +89,7 @@ mod tests {
     use crate::field::BATCH;
 
     use super::*;
+    use crate::node::space::mirror::Fold;
 
     /// The position itself as a colour.
     struct Position;
@@ -135,7 +132,7 @@ mod tests {
         // Own (1, 0, 1) is scaled to (2, 0, 4), turned to (0, 2, 4), moved to (10, 2, 4).
         let [x, y, z] = sampled(Way::Back(map.inverse()), DVec3::new(10.0, 2.0, 4.0));
         assert!((Vec3::new(x, y, z) - Vec3::new(1.0, 0.0, 1.0)).length() < 1e-6);
-        assert_eq!(sampled(Way::Folded(0), DVec3::new(-3.0, 1.0, 0.0)), [3.0, 1.0, 0.0]);
-        assert_eq!(sampled(Way::Folded(0), DVec3::new(3.0, 1.0, 0.0)), [3.0, 1.0, 0.0]);
+        assert_eq!(sampled(Way::Bent(Arc::new(Fold(0))), DVec3::new(-3.0, 1.0, 0.0)), [3.0, 1.0, 0.0]);
+        assert_eq!(sampled(Way::Bent(Arc::new(Fold(0))), DVec3::new(3.0, 1.0, 0.0)), [3.0, 1.0, 0.0]);
     }
 }

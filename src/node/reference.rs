@@ -3,7 +3,9 @@
 use std::fmt::Write;
 
 use crate::field::functions;
-use crate::node::keys::{self, MAKERS, Maker};
+use crate::node::keys::{self, Maker};
+use crate::node::list;
+use crate::node::spec::Spec;
 use crate::text::builtin::{builtin_line, builtin_names};
 use crate::text::key::{Absent, Key, Limit};
 
@@ -158,8 +160,10 @@ pub fn reference() -> String {
     }
     section(&mut out, "The top of a scene", "", keys::SCENE);
     out.push_str("\n## `[shape.NAME]`: makers\n\nA shape has exactly one of these keys.\n\n");
-    makers(&mut out, MAKERS, "F");
-    section(&mut out, "Every shape", "Beside its maker and the maker's parameters.", keys::SHAPE);
+    specs(&mut out, list::MAKERS);
+    out.push_str("\n## What can be done to a shape\n\nIn this order, whatever the order of the text.\n\n");
+    specs(&mut out, list::MODIFIERS);
+    section(&mut out, "Every shape", "Beside what it is and what is done to it.", keys::SHAPE);
     section(&mut out, "`bounds` as a table", "", keys::BOUNDS);
     section(&mut out, "`at`: copies", "", keys::COPIES);
     section(&mut out, "`[cells.NAME]`", "", keys::CELLS);
@@ -218,8 +222,33 @@ fn left_out(key: &Key) -> String {
         Absent::Number(value) => format!("{value}"),
         Absent::Vector([x, y, z]) => format!("[{x}, {y}, {z}]"),
         Absent::Text(text) => format!("`{text}`"),
+        Absent::Of(other, share) => format!("{share} · `{other}`"),
         Absent::Words(words) => words.into(),
     }
+}
+
+/// Rows of the table of nodes.
+fn specs(out: &mut String, specs: &'static [Spec]) {
+    for spec in specs {
+        let left_out = match spec.key.default {
+            Absent::Required | Absent::Nothing => String::new(),
+            _ => format!(" When left out: {}.", left_out(&spec.key)),
+        };
+        let _ = write!(out, "### `{}`\n\n{} Takes: {}.{left_out}\n", spec.key.name, spec.key.text, takes(&spec.key));
+        match (spec.formula, spec.source) {
+            ("", "") => {}
+            (formula, "") => _ = write!(out, "\nF = {formula}\n"),
+            ("", source) => _ = write!(out, "\nAfter {source}.\n"),
+            (formula, source) => _ = write!(out, "\nF = {formula} ({source})\n"),
+        }
+        let _ = write!(out, "\n```toml\n{}\n```\n\n", spec.example);
+        if !spec.parameters.is_empty() {
+            table(out, spec.parameters.iter());
+            out.push('\n');
+        }
+    }
+    out.truncate(out.trim_end().len());
+    out.push('\n');
 }
 
 fn makers(out: &mut String, makers: &[Maker], symbol: &str) {

@@ -1,28 +1,30 @@
 //! Shapes as fields at one moment.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 use std::sync::atomic::AtomicBool;
 use std::sync::{Arc, OnceLock};
 
 use glam::{DAffine3, DVec3};
 
-use crate::attribute::Scalar;
-use crate::field::cells::{CellId, CellOptions, Cells};
-use crate::field::facet::{Options, Pieces, facet, scatter};
-use crate::field::{Blend, BlendBounds, Expression, Field, Graph, Interval, Node, SetSystem, rotation};
-
+use crate::attribute::{CellIndex, Scalar};
 use crate::distance::extent::extent;
-
+use crate::field::cells::{CellOptions, Cells};
+use crate::field::facet::Pieces;
+use crate::field::{Aabb, Expression, Field, Graph, Interval, Node, SetSystem, rotation};
+use crate::node::argument::Arguments;
 use crate::node::assets::Assets;
-use crate::node::displace::{self, Displacement};
+use crate::node::attributes::{Paints, TheScalar};
+use crate::node::bend::Bend;
+use crate::node::displacement::{self, Displacement};
 use crate::node::extent::{box_of, solid_box};
+use crate::node::id::Stage;
 use crate::node::measured::{BESIDE_SURFACE, Distances, Purpose, SLACK, told};
-use crate::node::model::{CellsId, Copies, Fill, Maker, Model, Modifiers, ScalarName, Shape, ShapeId};
-use crate::node::paint::{Paints, TheScalar};
+use crate::node::model::{CellsId, Fill, Model, Placement, Shape, ShapeId};
+use crate::node::spec::{Build, Imported, Spec};
 use crate::node::variation::Variation;
 use crate::text::diagnostic::Diagnostic;
 use crate::text::frames::sampled_frames;
-use crate::text::key::LEAST;
+use crate::text::key::Key;
 use crate::text::moment::Moment;
 use crate::text::number::Number;
 use crate::text::problem::Problem;
@@ -37,7 +39,7 @@ pub(crate) struct Solids {
     /// Set to stop: what is being measured then ends as a problem, whose words do not matter.
     cancel: Arc<AtomicBool>,
     graph: Graph,
-    made: BTreeMap<(ShapeId, Stage), Node>,
+    made: BTreeMap<(ShapeId, Made), Node>,
     distances: Distances,
     /// Why something could not be measured that was asked for while a frame is made.
     failure: Arc<OnceLock<Problem>>,
@@ -48,16 +50,12 @@ pub(crate) struct Solids {
     pub(crate) paints: Paints,
 }
 
-/// How far a shape is made.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub(crate) enum Stage {
-    /// All but `displace`, scale, rotate and move.
-    Bare,
-    /// All but scale, rotate and move: the shape in its own space.
-    Own,
-    /// Scaled, but neither turned nor moved.
+/// What of a shape is made.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+enum Made {
+    /// With so many of its modifiers.
+    Step(usize),
     Scaled,
-    /// All of it.
     Placed,
 }
 
@@ -90,12 +88,11 @@ impl Solids {
     /// The same at another moment: what does not change is kept.
     pub fn at(&self, moment: Moment, variation: &Variation) -> Self {
         let mut other = Self { moment, paints: Paints::default(), ..self.clone() };
-        other.made.retain(|(id, stage), _| match stage {
-            Stage::Bare => !variation.bare(*id),
-            Stage::Own => !variation.own(*id),
-            Stage::Scaled | Stage::Placed => !variation.placed(*id),
+        other.made.retain(|(id, made), _| match made {
+            Made::Step(step) => !variation.step(*id, *step),
+            Made::Scaled | Made::Placed => !variation.placed(*id),
         });
-        other.pieces.retain(|id, _| !variation.bare(*id));
+        other.pieces.retain(|id, _| !variation.step(*id, 0));
         other.cells.retain(|id, _| !variation.placed(self.model.cells[id.0].around));
         other
     }
@@ -106,8 +103,8 @@ impl Solids {
         let mut warnings = Vec::new();
         for &id in shapes {
             let shape = model.shape(id);
-            let Some(bounds) = shape.bounds.filter(|bounds| !bounds.cut) else { continue };
-            let node = self.made_by(id, shape)?;
+            let Some(bounds) = shape.bounds().filter(|bounds| !bounds.cut) else { continue };
+            let node = self.step(id, 0)?;
             // Nothing inside at all is an error of the whole, said elsewhere.
             let Ok(found) = extent(&Expression::new(&self.graph, node), Some(bounds.aabb)) else { continue };
             let sides = ["-x", "+x", "-y", "+y", "-z", "+z"];
@@ -129,18 +126,18 @@ impl Solids {
     pub fn build_still(&mut self, shapes: &[ShapeId], variation: &Variation) {
         let model = self.model();
         for &id in shapes {
-            // Operands of a blend that move without changing are measured once.
-            if variation.whole(id) && matches!(model.shape(id).maker, Maker::Blend { .. }) {
-                let _ = self.made_by(id, model.shape(id));
-            }
-            // The distance of what changes by its offset or its wall alone is kept.
-            if variation.bare(id) && !variation.grown(id) {
-                let _ = self.bare(id, model.shape(id));
-            } else if variation.grown(id) && !variation.whole(id) {
-                let _ = self.grown(id, model.shape(id));
+            let shape = model.shape(id);
+            // What is measured of parts that do not change is kept: operands of a blend that only move, and what changes
+            // by its offset or its wall alone.
+            let bare = shape.bare_steps();
+            if let Some(step) = (0..=bare).find(|step| variation.step(id, *step)) {
+                let (spec, arguments) = shape.step(step);
+                if (spec.measures)(arguments) {
+                    let _ = self.step(id, step);
+                }
             }
             // Own before bare: what moves the surface now tells whether that is to be measured.
-            let still = [(Stage::Own, variation.bare(id)), (Stage::Placed, variation.placed(id))];
+            let still = [(Stage::Own, variation.step(id, bare)), (Stage::Placed, variation.placed(id))];
             for (stage, _) in still.into_iter().filter(|(_, varies)| !varies) {
                 let _ = self.node(id, stage);
             }
@@ -185,11 +182,6 @@ impl Solids {
         Ok(number.at(&self.moment)?)
     }
 
-    /// A number at the moment, or another where there is none.
-    fn number_or(&self, number: &Option<Number>, otherwise: f64) -> Result<f64, Problem> {
-        number.as_ref().map_or(Ok(otherwise), |number| self.number(number))
-    }
-
     /// Three numbers at the moment.
     pub fn vector(&self, vector: &[Number; 3]) -> Result<DVec3, Problem> {
         Ok(DVec3::new(self.number(&vector[0])?, self.number(&vector[1])?, self.number(&vector[2])?))
@@ -225,7 +217,7 @@ impl Solids {
         let [a, b] = fill.structures;
         let structures = [self.node(a, Stage::Placed)?, self.node(b, Stage::Placed)?];
         let whole = self.graph.field(whole);
-        let node = displace::filled(&mut self.graph, whole, structures, omega, size);
+        let node = displacement::filled(&mut self.graph, whole, structures, omega, size);
         Ok(Arc::new(Expression::new(&self.graph, node)))
     }
 
@@ -257,35 +249,74 @@ impl Solids {
     }
 
     fn node(&mut self, id: ShapeId, stage: Stage) -> Result<Node, Problem> {
-        if let Some(node) = self.made.get(&(id, stage)) {
+        let model = self.model();
+        let shape = model.shape(id);
+        let made = match stage {
+            Stage::Bare => return self.step(id, shape.bare_steps()),
+            Stage::Own => return self.step(id, shape.modifiers.len()),
+            Stage::Scaled => Made::Scaled,
+            Stage::Placed => Made::Placed,
+        };
+        if let Some(node) = self.made.get(&(id, made)) {
+            return Ok(*node);
+        }
+        let own = self.node(id, Stage::Own)?;
+        let map = self.placement(&shape.placement, stage)?;
+        let node = self.transformed(own, &map, shape)?;
+        self.made.insert((id, made), node);
+        Ok(node)
+    }
+
+    /// A shape in its own space with so many of its modifiers.
+    fn step(&mut self, id: ShapeId, step: usize) -> Result<Node, Problem> {
+        let made = (id, Made::Step(step));
+        if let Some(node) = self.made.get(&made) {
             return Ok(*node);
         }
         let model = self.model();
         let shape = model.shape(id);
-        let node = match stage {
-            Stage::Bare => self.bare(id, shape)?,
-            Stage::Own => match &shape.modifiers.displace {
-                Some(by) => self.displaced(id, shape, by)?,
-                None => self.node(id, Stage::Bare)?,
-            },
-            Stage::Scaled | Stage::Placed => {
-                let own = self.node(id, Stage::Own)?;
-                let map = self.placement(&shape.modifiers, stage)?;
-                self.transformed(own, &map, shape)?
-            }
-        };
-        self.made.insert((id, stage), node);
+        let mut build = Making::new(self, id, shape, step);
+        let spec = build.spec;
+        let mut node = (spec.build)(&mut build)?;
+        if let Some(bend) = spec.bend {
+            let bend = bend(&build)?;
+            node = bend.node(&mut self.graph, node);
+        }
+        self.made.insert(made, node);
         Ok(node)
     }
 
+    /// The cells of a shape that can take colours each: of its copies, else of what it is.
+    pub fn cell_index(&mut self, id: ShapeId) -> Result<Option<Arc<dyn CellIndex>>, Problem> {
+        let model = self.model();
+        let shape = model.shape(id);
+        let of_step = |step: &usize| shape.spec_of(*step).cells.is_some();
+        let Some(step) = (0..=shape.modifiers.len()).rev().find(of_step) else { return Ok(None) };
+        let mut making = Making::new(self, id, shape, step);
+        making.spec.cells.map(|cells| cells(&mut making)).transpose()
+    }
+
+    /// How the space of a shape is bent by its modifiers, in order.
+    pub fn bends(&mut self, id: ShapeId) -> Result<Vec<Arc<dyn Bend>>, Problem> {
+        let model = self.model();
+        let shape = model.shape(id);
+        let mut bends = Vec::new();
+        for step in 1..=shape.modifiers.len() {
+            if let Some(bend) = shape.spec_of(step).bend {
+                bends.push(bend(&Making::new(self, id, shape, step))?);
+            }
+        }
+        Ok(bends)
+    }
+
     /// Scale, then rotate, then move: from the shape's own space to where it stands.
-    pub fn placement(&self, modifiers: &Modifiers, stage: Stage) -> Result<DAffine3, Problem> {
-        let scale = self.vector(&modifiers.scale)?;
+    pub fn placement(&self, placement: &Placement, stage: Stage) -> Result<DAffine3, Problem> {
+        let scale = self.vector(&placement.scale)?;
         if stage == Stage::Scaled {
             return Ok(DAffine3::from_scale(scale));
         }
-        let degrees = self.vector(&modifiers.rotate)?;
-        let by = self.vector(&modifiers.translate)?;
+        let degrees = self.vector(&placement.rotate)?;
+        let by = self.vector(&placement.translate)?;
         let turn = DAffine3::from_mat3_translation(rotation(degrees), by);
         Ok(turn * DAffine3::from_scale(scale))
     }
@@ -295,53 +326,6 @@ impl Solids {
             return Ok(node);
         }
         self.graph.transform(node, map).map_err(|error| Problem::new(shape.span, format!("`{}`: {error}", shape.name)))
-    }
-
-    /// All but `offset` and what comes after it.
-    fn whole(&mut self, id: ShapeId, shape: &Shape) -> Result<Node, Problem> {
-        let mut node = self.made_by(id, shape)?;
-        let modifiers = &shape.modifiers;
-        if let Some(bounds) = shape.bounds {
-            let aabb = bounds.aabb;
-            let cuboid = self.graph.cuboid(aabb.size());
-            let placed = DAffine3::from_translation(aabb.centre());
-            let cuboid = self.transformed(cuboid, &placed, shape)?;
-            node = self.graph.intersection(SetSystem::R0, &[node, cuboid]);
-        }
-        if let Some(copies) = &modifiers.at {
-            node = self.copies(node, copies)?;
-        }
-        if let Some(axis) = modifiers.mirror {
-            node = self.graph.mirror(node, DVec3::AXES[axis], 0.0);
-        }
-        Ok(node)
-    }
-
-    /// All but `shell` and what comes after it.
-    fn grown(&mut self, id: ShapeId, shape: &Shape) -> Result<Node, Problem> {
-        let whole = self.whole(id, shape)?;
-        let offset = &shape.modifiers.offset;
-        let (now, ever) = (self.number(offset)?, self.over_shot(offset)?);
-        let purpose = Purpose { shape, key: "offset", span: offset.span };
-        let distance = self.distances.of(&mut self.graph, whole, Interval::new(-ever.hi, -ever.lo), &purpose)?;
-        if now == 0.0 {
-            return Ok(whole);
-        }
-        let grown = self.graph.offset(distance, now);
-        Ok(self.held(grown, whole, now))
-    }
-
-    fn bare(&mut self, id: ShapeId, shape: &Shape) -> Result<Node, Problem> {
-        let grown = self.grown(id, shape)?;
-        let Some(shell) = &shape.modifiers.shell else { return Ok(grown) };
-        let (thickness, ever) = (self.number(shell)?, self.over_shot(shell)?);
-        let purpose = Purpose { shape, key: "shell", span: shell.span };
-        let (least, most) = (ever.lo / 2.0, ever.hi / 2.0);
-        let (outside, inside) = (Interval::new(-most, -least), Interval::new(least, most));
-        let outside = self.distances.of(&mut self.graph, grown, outside, &purpose)?;
-        let inside = self.distances.of(&mut self.graph, grown, inside, &purpose)?;
-        let wall = self.graph.wall(outside, inside, thickness);
-        Ok(self.held(wall, grown, thickness / 2.0))
     }
 
     /// A solid that is another one grown by a distance, or lies within that: its box, where construction does not tell.
@@ -368,107 +352,6 @@ impl Solids {
         Ok(all)
     }
 
-    fn displaced(&mut self, id: ShapeId, shape: &Shape, by: &ScalarName) -> Result<Node, Problem> {
-        let bare = self.node(id, Stage::Bare)?;
-        let field = Expression::new(&self.graph, bare);
-        let solid = solid_box(&self.model, id, &field)?;
-        // The lattice follows from the shape's box; no shape has more voxels than the whole, but where it is scaled.
-        let voxel = solid.size().max_element() / self.resolution;
-        let Some(paint) = self.paint(TheScalar(&by.name), id, Stage::Own, voxel)? else { return Ok(bare) };
-        let displacement = Displacement::new(paint.attribute, solid)
-            .ok_or_else(|| displace::no_greatest(by.span, &by.name, &shape.name))?;
-        let distance = match told(&mut self.graph, bare, displacement.levels()) {
-            Some(distance) => distance,
-            // The same in every frame, wherever the scalar moves the surface in each.
-            None => {
-                let purpose = Purpose { shape, key: "displace", span: by.span };
-                self.distances.of(&mut self.graph, bare, BESIDE_SURFACE, &purpose)?
-            }
-        };
-        Ok(displacement.apply(&mut self.graph, distance))
-    }
-
-    fn made_by(&mut self, id: ShapeId, shape: &Shape) -> Result<Node, Problem> {
-        Ok(match &shape.maker {
-            Maker::Sphere { radius } => {
-                let radius = self.number(radius)?;
-                self.graph.sphere(radius)
-            }
-            Maker::Box { edges } => {
-                let edges = self.vector(edges)?;
-                self.graph.cuboid(edges)
-            }
-            Maker::Ellipsoid { half_axes } => {
-                let half_axes = self.vector(half_axes)?;
-                self.graph.ellipsoid(half_axes)
-            }
-            Maker::Cylinder { radius, height } => {
-                let radius = self.number(radius)?;
-                let height = self.number_or(height, 2.0 * radius)?;
-                self.graph.cylinder(radius, height)
-            }
-            Maker::Torus { radius, tube } => {
-                let radius = self.number(radius)?;
-                let tube = self.number_or(tube, 0.25 * radius)?;
-                self.graph.torus(radius, tube)
-            }
-            Maker::Capsule { radius, length } => {
-                let radius = self.number(radius)?;
-                let length = self.number_or(length, 2.0 * radius)?;
-                self.graph.capsule(radius, length)
-            }
-            Maker::HalfSpace { normal, offset } => {
-                let (normal, offset) = (self.direction(normal)?, self.number(offset)?);
-                self.graph.half_space(normal, offset)
-            }
-            Maker::Slab { thickness, normal } => {
-                let (normal, thickness) = (self.direction(normal)?, self.number(thickness)?);
-                self.graph.slab(normal, thickness)
-            }
-            Maker::Heart { width } => {
-                let width = self.number(width)?;
-                self.graph.heart(width)
-            }
-            Maker::Formula { formula, .. } => formula.node(&mut self.graph, &self.moment),
-            Maker::Mesh { .. } => {
-                let mesh = Arc::clone(self.assets.mesh(id));
-                // An operand is asked for its sign and its creases far more often than for its exact distance.
-                // What grows needs the distance: planes are none beside edges.
-                let asked_for_sign = !self.model.content.shows(id) && !shape.modifiers.may_grow();
-                match mesh.half_spaces().filter(|_| asked_for_sign) {
-                    Some(planes) => {
-                        let faces: Vec<Node> =
-                            planes.into_iter().map(|(normal, offset)| self.graph.half_space(normal, offset)).collect();
-                        let solid = self.graph.intersection(SetSystem::MinMax, &faces);
-                        self.graph.bounded(solid, mesh.mesh().bounding_box())
-                    }
-                    None => self.graph.field(mesh),
-                }
-            }
-            Maker::Facet { of, cells, tilt, cut, seed } => {
-                let cells = self.cells(*cells)?;
-                let whole = self.node(*of, Stage::Placed)?;
-                let options = Options { tilt: *tilt, cut: *cut, seed: *seed };
-                let made = facet(&mut self.graph, whole, &cells, &options);
-                self.pieces.insert(id, Arc::new(made.pieces));
-                made.node
-            }
-            Maker::Union { operands, .. } => {
-                let nodes = self.different(operands)?;
-                self.graph.union(SetSystem::R0, &nodes)
-            }
-            Maker::Intersection(operands) => {
-                let nodes = self.different(operands)?;
-                self.graph.intersection(SetSystem::R0, &nodes)
-            }
-            Maker::Difference(operands) => {
-                let nodes = self.nodes(operands)?;
-                self.graph.difference(SetSystem::R0, nodes[0], &nodes[1..])
-            }
-            Maker::Blend { operands, radius, within } => self.blend(operands, radius, *within, shape)?,
-        })
-    }
-
     /// The cells of an id.
     pub fn cells(&mut self, id: CellsId) -> Result<Arc<Cells>, Problem> {
         if let Some(cells) = self.cells.get(&id) {
@@ -486,72 +369,13 @@ impl Solids {
 
     /// The pieces of a shape made by `facet`.
     pub fn pieces(&mut self, id: ShapeId) -> Result<Arc<Pieces>, Problem> {
-        self.node(id, Stage::Bare)?;
+        self.step(id, 0)?;
         Ok(Arc::clone(&self.pieces[&id]))
     }
 
     /// The field of the shape that cells stand around.
     pub fn host(&mut self, id: CellsId) -> Result<Arc<dyn Field>, Problem> {
         self.field(self.model.cells[id.0].around, Stage::Placed)
-    }
-
-    /// The cells of copies, and which of them get one.
-    pub fn picked(&mut self, copies: &Copies) -> Result<(Arc<Cells>, Vec<CellId>), Problem> {
-        let cells = self.cells(copies.cells)?;
-        let picked = cells.pick(copies.pick, copies.seed);
-        Ok((cells, picked))
-    }
-
-    fn copies(&mut self, node: Node, copies: &Copies) -> Result<Node, Problem> {
-        let (cells, picked) = self.picked(copies)?;
-        let host = self.host(copies.cells)?;
-        Ok(scatter(&mut self.graph, node, host.as_ref(), &cells, &picked))
-    }
-
-    /// A direction, which has no length to lose.
-    fn direction(&self, vector: &[Number; 3]) -> Result<DVec3, Problem> {
-        let direction = self.vector(vector)?;
-        if direction.length() >= LEAST {
-            return Ok(direction);
-        }
-        Err(Problem::new(vector[0].span, "a direction needs a length other than 0"))
-    }
-
-    fn nodes(&mut self, operands: &[ShapeId]) -> Result<Vec<Node>, Problem> {
-        operands.iter().map(|id| self.node(*id, Stage::Placed)).collect()
-    }
-
-    /// Operands without those that are met again. R₀ makes F of twice the same more than three times as steep inside: some
-    /// levels of that leave the range of a float.
-    fn different(&mut self, operands: &[ShapeId]) -> Result<Vec<Node>, Problem> {
-        let mut seen = BTreeSet::new();
-        Ok(self.nodes(operands)?.into_iter().filter(|node| seen.insert(*node)).collect())
-    }
-
-    /// One after another: the first with the second, that with the third.
-    fn blend(
-        &mut self,
-        operands: &[ShapeId],
-        radius: &Number,
-        within: Option<ShapeId>,
-        shape: &Shape,
-    ) -> Result<Node, Problem> {
-        let (amount, most) = (self.number(radius)?, self.over_shot(radius)?.hi);
-        let purpose = Purpose { shape, key: "blend_radius", span: radius.span };
-        // The blend lies outside of both, and within its bounds.
-        let outside = Interval::new(-most, 0.0);
-        let nodes: Result<Vec<Node>, Problem> =
-            operands.iter().map(|id| self.placed_distance(*id, outside, &purpose)).collect();
-        let bounds = match within {
-            Some(id) => {
-                let solid = self.placed_distance(id, Interval::new(0.0, most), &purpose)?;
-                Some(BlendBounds { solid, weight: amount })
-            }
-            None => None,
-        };
-        let blend = Blend { amount, reach: [amount; 2], bounds };
-        let joined = nodes?.into_iter().reduce(|joined, next| self.graph.blend_union(joined, next, &blend));
-        Ok(joined.unwrap_or_else(|| unreachable!("a blend has two operands")))
     }
 
     /// The distance of a shape where it stands wherever that is one of `levels`, positive inside. What moves without
@@ -563,14 +387,128 @@ impl Solids {
         }
         let model = self.model();
         let shape = model.shape(id);
-        let scale = self.vector(&shape.modifiers.scale)?;
+        let scale = self.vector(&shape.placement.scale)?;
         if scale != DVec3::splat(scale.x) {
             return self.distances.of(&mut self.graph, placed, levels, purpose);
         }
         let own = self.node(id, Stage::Own)?;
         let levels = Interval::new(levels.lo / scale.x, levels.hi / scale.x);
         let distance = self.distances.of(&mut self.graph, own, levels, purpose)?;
-        let map = self.placement(&shape.modifiers, Stage::Placed)?;
+        let map = self.placement(&shape.placement, Stage::Placed)?;
         self.transformed(distance, &map, shape)
+    }
+}
+
+/// One step of a shape while it is built.
+struct Making<'b> {
+    solids: &'b mut Solids,
+    id: ShapeId,
+    shape: &'b Shape,
+    step: usize,
+    spec: &'static Spec,
+    arguments: &'b Arguments,
+}
+
+impl<'b> Making<'b> {
+    fn new(solids: &'b mut Solids, id: ShapeId, shape: &'b Shape, step: usize) -> Self {
+        let (spec, arguments) = shape.step(step);
+        Self { solids, id, shape, step, spec, arguments }
+    }
+
+    fn purpose(&self, key: &'static str) -> Purpose<'b> {
+        let span = self.arguments.number(key).map_or(self.shape.span, |number| number.span);
+        Purpose { shape: self.shape, key, span }
+    }
+}
+
+impl Build for Making<'_> {
+    fn graph(&mut self) -> &mut Graph {
+        &mut self.solids.graph
+    }
+
+    fn arguments(&self) -> &Arguments {
+        self.arguments
+    }
+
+    fn key(&self, name: &str) -> &'static Key {
+        self.spec.keys().find(|key| key.name == name).expect("a row asks for its own keys")
+    }
+
+    fn moment(&self) -> &Moment {
+        &self.solids.moment
+    }
+
+    fn over_shot(&self, number: &Number) -> Result<Interval, Problem> {
+        self.solids.over_shot(number)
+    }
+
+    fn inner(&mut self) -> Result<Node, Problem> {
+        self.solids.step(self.id, self.step - 1)
+    }
+
+    fn shape(&mut self, id: ShapeId) -> Result<Node, Problem> {
+        self.solids.node(id, Stage::Placed)
+    }
+
+    fn distance(&mut self, solid: Node, levels: Interval, key: &'static str) -> Result<Node, Problem> {
+        let purpose = self.purpose(key);
+        let Solids { graph, distances, .. } = &mut *self.solids;
+        distances.of(graph, solid, levels, &purpose)
+    }
+
+    fn shape_distance(&mut self, id: ShapeId, levels: Interval, key: &'static str) -> Result<Node, Problem> {
+        let purpose = self.purpose(key);
+        self.solids.placed_distance(id, levels, &purpose)
+    }
+
+    fn moving_distance(&mut self, solid: Node, levels: Interval, key: &'static str) -> Result<Node, Problem> {
+        match told(&mut self.solids.graph, solid, levels) {
+            Some(distance) => Ok(distance),
+            // The same in every frame, wherever a scalar moves the surface in each.
+            None => self.distance(solid, BESIDE_SURFACE, key),
+        }
+    }
+
+    fn held(&mut self, grown: Node, solid: Node, by: f64) -> Node {
+        self.solids.held(grown, solid, by)
+    }
+
+    fn solid_box(&self, node: Node) -> Result<Aabb, Problem> {
+        solid_box(&self.solids.model, self.id, &Expression::new(&self.solids.graph, node))
+    }
+
+    fn scalar(&mut self, name: &str, solid: Aabb) -> Result<Option<Arc<Scalar>>, Problem> {
+        // The lattice follows from the shape's box; no shape has more voxels than the whole, but where it is scaled.
+        let voxel = solid.size().max_element() / self.solids.resolution;
+        let paint = self.solids.paint(TheScalar(name), self.id, Stage::Own, voxel)?;
+        Ok(paint.map(|paint| paint.attribute))
+    }
+
+    fn name(&self) -> &str {
+        &self.shape.name
+    }
+
+    fn cells(&mut self, id: CellsId) -> Result<Arc<Cells>, Problem> {
+        self.solids.cells(id)
+    }
+
+    fn host(&mut self, id: CellsId) -> Result<Arc<dyn Field>, Problem> {
+        self.solids.host(id)
+    }
+
+    fn pieces(&mut self) -> Result<Arc<Pieces>, Problem> {
+        self.solids.pieces(self.id)
+    }
+
+    fn keep_pieces(&mut self, pieces: Pieces) {
+        self.solids.pieces.insert(self.id, Arc::new(pieces));
+    }
+
+    fn imported(&self) -> Arc<Imported> {
+        Arc::clone(self.solids.assets.imported(self.id))
+    }
+
+    fn needs_distance(&self) -> bool {
+        self.solids.model.content.shows(self.id) || self.shape.is_measured()
     }
 }

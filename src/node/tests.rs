@@ -314,9 +314,8 @@ fn variants_and_set_override() {
             Overrides { variant: variant.map(str::to_owned), set: set.iter().map(|&set| set.into()).collect() };
         load_text(text, &overrides).unwrap_or_else(|problems| panic!("{problems}"))
     };
-    let edges = |model: &Model| match &shape(model, "a").maker {
-        Maker::Box { edges } => edges.clone().map(|edge| edge.as_constant().unwrap()),
-        other => panic!("{other:?}"),
+    let edges = |model: &Model| {
+        shape(model, "a").arguments.vector("box").unwrap().clone().map(|edge| edge.as_constant().unwrap())
     };
     let big = with(Some("big"), &[]);
     assert_eq!((edges(&plain), edges(&big)), ([1.0, 2.0, 3.0], [5.0; 3]));
@@ -346,9 +345,9 @@ fn keys_and_easing() {
     );
     let shape = shape(&model, "a");
     let at = |number: &Number, frame: f64| number.at(&model.moment(frame)).unwrap();
-    let Maker::Sphere { radius } = &shape.maker else { panic!() };
+    let radius = shape.arguments.number("sphere").unwrap();
     assert_eq!([1.0, 5.0, 9.0, 40.0].map(|frame| at(radius, frame)), [1.0, 2.0, 3.0, 3.0]);
-    let [x, y, z] = &shape.modifiers.translate;
+    let [x, y, z] = &shape.placement.translate;
     assert_eq!([1.0, 13.0, 25.0, 49.0].map(|frame| at(x, frame)), [0.0, 14.0625, 45.0, 90.0]);
     assert_eq!(at(y, 25.0), 2.0);
     assert_eq!([1.0, 24.5, 25.0].map(|frame| at(z, frame)), [5.0, 5.0, 7.0]);
@@ -379,14 +378,14 @@ fn keys_that_are_wrong_are_said_with_their_place() {
         "3:23 `shape.a.sphere.9` has no `value`; The value at the frame.",
     );
     let curve = model(&keys("1 = 1, 9 = { value = 2, in = [-8, 0] }, ease = 'bezier'"));
-    let Maker::Sphere { radius } = &shape(&curve, "a").maker else { panic!() };
+    let radius = shape(&curve, "a").arguments.number("sphere").unwrap();
     let at = |frame: f64| radius.at(&curve.moment(frame)).unwrap();
     assert!(at(1.0) == 1.0 && at(5.0) > 1.6 && at(9.0) == 2.0, "{}", at(5.0));
     // What `--set` adds belongs in between.
     let overrides = Overrides { set: vec!["shape.a.sphere.5=7".into()], variant: None };
     let source = Source::Text { name: "scene.toml".into(), text: keys("1 = 1, 9 = 2"), folder: PathBuf::new() };
     let set = load(&source, &overrides).unwrap_or_else(|problems| panic!("{problems}"));
-    let Maker::Sphere { radius } = &shape(&set, "a").maker else { panic!() };
+    let radius = shape(&set, "a").arguments.number("sphere").unwrap();
     assert_eq!(radius.at(&set.moment(3.0)).unwrap(), 4.0);
 }
 
@@ -458,7 +457,7 @@ fn formulas_point_into_the_text() {
     let model = model(
         "frames='1-5'\n[param]\nsize = 3\nslow = \"t/2\"\n[shape.a]\nsphere = 1\nmove = [\"size*t\", \"frame + time\", \"cos(pi*slow)\"]\n",
     );
-    let at = |i: usize, frame: f64| shape(&model, "a").modifiers.translate[i].at(&model.moment(frame)).unwrap();
+    let at = |i: usize, frame: f64| shape(&model, "a").placement.translate[i].at(&model.moment(frame)).unwrap();
     assert_eq!((at(0, 1.0), at(0, 3.0), at(0, 5.0)), (0.0, 1.5, 3.0));
     assert_eq!(at(1, 3.0), 3.0 + 2.0 / 24.0);
     assert!((at(2, 5.0)).abs() < 1e-15);

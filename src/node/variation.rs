@@ -1,16 +1,15 @@
 //! What of a scene changes over the shot, and what does not.
 
-use crate::node::model::{AttributeSource, Component, Maker, Model, Modifiers, ShapeId};
+use crate::node::argument::{Arguments, ScalarName};
+use crate::node::model::{AttributeSource, Component, Model, Placement, ShapeId};
 use crate::text::formula::Formula;
 use crate::text::number::{Number, NumberValue};
 
 /// Which shapes change over time.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Variation {
-    whole: Vec<bool>,
-    grown: Vec<bool>,
-    bare: Vec<bool>,
-    own: Vec<bool>,
+    /// Of each shape as it is made, then after each of its modifiers.
+    steps: Vec<Vec<bool>>,
     placed: Vec<bool>,
     painted: Vec<bool>,
 }
@@ -19,46 +18,32 @@ impl Variation {
     /// Looks through all shapes.
     pub fn of(model: &Model) -> Self {
         let count = model.shapes.len();
-        let mut variation = Self {
-            whole: vec![false; count],
-            grown: vec![false; count],
-            bare: vec![false; count],
-            own: vec![false; count],
-            placed: vec![false; count],
-            painted: vec![false; count],
-        };
+        let mut variation =
+            Self { steps: vec![Vec::new(); count], placed: vec![false; count], painted: vec![false; count] };
         let all: Vec<ShapeId> = (0..count).map(ShapeId).collect();
         for id in model.parts_first(&all) {
-            let i = id.0;
-            let Modifiers { offset, shell, .. } = &model.shape(id).modifiers;
-            variation.whole[i] = variation.whole_varies(model, id);
-            variation.grown[i] = variation.whole[i] || model.varies(offset);
-            variation.bare[i] = variation.grown[i] || shell.as_ref().is_some_and(|shell| model.varies(shell));
-            variation.own[i] = variation.bare[i] || variation.displacement_varies(model, id);
-            variation.placed[i] = variation.own[i] || placement_varies(model, id);
-            variation.painted[i] = variation.paint_varies(model, id);
+            let shape = model.shape(id);
+            let mut varies = variation.arguments_vary(model, id, &shape.arguments);
+            let mut steps = vec![varies];
+            for modifier in &shape.modifiers {
+                varies |= variation.arguments_vary(model, id, &modifier.arguments);
+                steps.push(varies);
+            }
+            variation.steps[id.0] = steps;
+            variation.placed[id.0] = varies || placement_varies(model, id);
+            variation.painted[id.0] = variation.paint_varies(model, id);
         }
         variation
     }
 
-    /// Whether a shape changes in its own space, before `offset`.
-    pub fn whole(&self, id: ShapeId) -> bool {
-        self.whole[id.0]
-    }
-
-    /// Whether a shape changes in its own space, before `shell`.
-    pub fn grown(&self, id: ShapeId) -> bool {
-        self.grown[id.0]
-    }
-
-    /// Whether a shape changes in its own space, before `displace`.
-    pub fn bare(&self, id: ShapeId) -> bool {
-        self.bare[id.0]
+    /// Whether a shape changes in its own space, before all but so many of its modifiers.
+    pub fn step(&self, id: ShapeId, step: usize) -> bool {
+        self.steps[id.0][step]
     }
 
     /// Whether a shape changes in its own space, before scale, rotate and move.
     pub fn own(&self, id: ShapeId) -> bool {
-        self.own[id.0]
+        self.steps[id.0].last().copied().unwrap_or(false)
     }
 
     /// Whether it changes or moves.
@@ -95,64 +80,33 @@ impl Variation {
         }
     }
 
-    fn displacement_varies(&self, model: &Model, id: ShapeId) -> bool {
-        let shape = model.shape(id);
-        let Some(by) = &shape.modifiers.displace else { return false };
-        match shape.scalars.get(&by.name) {
+    /// Whether what a shape's node is made from changes.
+    fn arguments_vary(&self, model: &Model, id: ShapeId, arguments: &Arguments) -> bool {
+        let scalar_varies = |by: &ScalarName| match model.shape(id).scalars.get(&by.name) {
             Some(source) => self.source_varies(model, source),
             None => model.needs(id).into_iter().any(|part| self.painted[part.0]),
-        }
-    }
-
-    fn whole_varies(&self, model: &Model, id: ShapeId) -> bool {
-        let shape = model.shape(id);
-        let by_number = numbers(&shape.maker).into_iter().any(|number| model.varies(number));
-        let by_formula = matches!(&shape.maker, Maker::Formula { formula, .. } if model.formula_varies(formula));
-        by_number || by_formula || model.needs(id).into_iter().any(|other| self.placed[other.0])
+        };
+        arguments.numbers().any(|number| model.varies(number))
+            || arguments.formulas().any(|formula| model.formula_varies(formula))
+            || model.shapes_of(arguments).any(|part| self.placed[part.0])
+            || arguments.scalars().any(scalar_varies)
     }
 }
 
 fn placement_varies(model: &Model, id: ShapeId) -> bool {
-    let modifiers = &model.shape(id).modifiers;
-    [&modifiers.scale, &modifiers.rotate, &modifiers.translate].into_iter().flatten().any(|number| model.varies(number))
-}
-
-/// The numbers of a maker.
-fn numbers(maker: &Maker) -> Vec<&Number> {
-    match maker {
-        Maker::Sphere { radius } => vec![radius],
-        Maker::Box { edges } => edges.iter().collect(),
-        Maker::Ellipsoid { half_axes } => half_axes.iter().collect(),
-        Maker::Cylinder { radius, height: other }
-        | Maker::Torus { radius, tube: other }
-        | Maker::Capsule { radius, length: other } => [radius].into_iter().chain(other).collect(),
-        Maker::HalfSpace { normal, offset } => normal.iter().chain([offset]).collect(),
-        Maker::Slab { thickness, normal } => normal.iter().chain([thickness]).collect(),
-        Maker::Heart { width } => vec![width],
-        Maker::Blend { radius, .. } => vec![radius],
-        Maker::Formula { .. }
-        | Maker::Mesh { .. }
-        | Maker::Union { .. }
-        | Maker::Intersection(_)
-        | Maker::Difference(_)
-        | Maker::Facet { .. } => Vec::new(),
-    }
+    let Placement { scale, rotate, translate } = &model.shape(id).placement;
+    [scale, rotate, translate].into_iter().flatten().any(|number| model.varies(number))
 }
 
 impl Model {
     /// The shapes that a shape is made from, directly.
     pub fn needs(&self, id: ShapeId) -> Vec<ShapeId> {
-        let shape = self.shape(id);
-        let mut needs = match &shape.maker {
-            Maker::Union { operands, .. } | Maker::Intersection(operands) | Maker::Difference(operands) => {
-                operands.clone()
-            }
-            Maker::Blend { operands, within, .. } => operands.iter().chain(within).copied().collect(),
-            Maker::Facet { of, cells, .. } => vec![*of, self.cells[cells.0].around],
-            _ => Vec::new(),
-        };
-        needs.extend(shape.modifiers.at.iter().map(|copies| self.cells[copies.cells.0].around));
-        needs
+        self.shape(id).all_arguments().flat_map(|arguments| self.shapes_of(arguments)).collect()
+    }
+
+    /// The shapes that arguments name, and those that their cells stand around.
+    fn shapes_of<'m>(&'m self, arguments: &'m Arguments) -> impl Iterator<Item = ShapeId> + 'm {
+        arguments.all_shapes().chain(arguments.all_cells().map(|cells| self.cells[cells.0].around))
     }
 
     /// The shapes whose colours and scalars a shape takes without being made from them.

@@ -6,9 +6,10 @@ use crate::attribute::{Attribute, FieldValue, LUMINANCE, Sampler, Scalar};
 use crate::field::{Aabb, BATCH, Points};
 use crate::morph;
 
+use crate::node::attributes::{TheColour, TheScalar};
+use crate::node::id::Stage;
 use crate::node::model::{Component, DelaySource, Model, Morph, MorphDelay, MorphMode};
-use crate::node::paint::{TheColour, TheScalar};
-use crate::node::solid::{Solids, Stage};
+use crate::node::solid::Solids;
 use crate::text::problem::Problem;
 
 /// How long places of a morph wait; `None` where none does. `voxel` is a voxel's edge.

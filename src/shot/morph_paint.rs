@@ -5,8 +5,9 @@ use std::sync::Arc;
 use crate::attribute::{Attribute, Colour, Part, Parts, Rule, Scalar, Straight};
 use crate::field::Field;
 
+use crate::node::attributes::{Asked, Paint, TheColour, TheScalar};
 use crate::node::model::{Content, Correspondence};
-use crate::node::paint::{Asked, Paint, TOLERANCE_VOXELS, TheColour, TheScalar};
+use crate::node::paint::TOLERANCE_VOXELS;
 use crate::shot::morphing::{Brush, Planned};
 use crate::shot::prepared::Prepared;
 use crate::text::problem::Problem;

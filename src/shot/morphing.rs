@@ -16,11 +16,12 @@ use crate::field::{Aabb, Field};
 use crate::grid::{Lattice, VoxelSize};
 use crate::morph::{self, MorphObject, Motion, Side, Similarity};
 
+use crate::node::attributes::{Asked, Paint, TheColour, TheScalar};
 use crate::node::extent::{box_of, solid_box};
+use crate::node::id::Stage;
 use crate::node::measured::smallest_cell;
 use crate::node::model::{Model, Morph, MorphMode, Shape, ShapeId};
-use crate::node::paint::{Asked, Paint, TheColour, TheScalar};
-use crate::node::solid::{Solids, Stage};
+use crate::node::solid::Solids;
 use crate::node::variation::Variation;
 use crate::shot::delay::delay;
 use crate::shot::morph_settings::settings;
@@ -152,7 +153,7 @@ fn side(model: &Arc<Model>, solids: &mut Solids, variation: &Variation, id: Shap
 
 /// Whether a shape is scaled alike along x, y and z; the problem where it is not, and that changes.
 fn scale_is_uniform(model: &Model, shape: &Shape) -> Result<bool, Problem> {
-    let scale = &shape.modifiers.scale;
+    let scale = &shape.placement.scale;
     for frame in sampled_frames(model.shot.range) {
         let moment = model.moment(frame);
         let [x, y, z] = [scale[0].at(&moment)?, scale[1].at(&moment)?, scale[2].at(&moment)?];
@@ -170,12 +171,12 @@ fn scale_is_uniform(model: &Model, shape: &Shape) -> Result<bool, Problem> {
 /// Where a shape stands over scene time.
 fn motion(model: &Arc<Model>, shape: &Shape, scaled: bool, moves: bool) -> Result<Motion, Problem> {
     let placement = move |shape: &Shape, moment: &Moment| -> Result<Similarity, Problem> {
-        let modifiers = &shape.modifiers;
+        let placement = &shape.placement;
         let vector = |numbers: &[Number; 3]| -> Result<DVec3, Problem> {
             Ok(DVec3::new(numbers[0].at(moment)?, numbers[1].at(moment)?, numbers[2].at(moment)?))
         };
-        let scale = if scaled { modifiers.scale[0].at(moment)? } else { 1.0 };
-        Similarity::new(scale, vector(&modifiers.rotate)?, vector(&modifiers.translate)?).ok_or_else(|| {
+        let scale = if scaled { placement.scale[0].at(moment)? } else { 1.0 };
+        Similarity::new(scale, vector(&placement.rotate)?, vector(&placement.translate)?).ok_or_else(|| {
             Problem::new(shape.span, format!("`{}` cannot be placed: a number is out of range", shape.name))
         })
     };

@@ -10,10 +10,13 @@ use crate::attribute::{AffineVector, Attribute, Constant, Part, Parts, Rule, Sam
 use crate::field::{Aabb, BATCH, Points};
 use crate::morph::{Around, Instant, Movement};
 
-use crate::node::model::{Maker, ShapeId};
+use crate::node::bend::Bend;
+use crate::node::id::Stage;
+use crate::node::model::ShapeId;
 use crate::node::paint::{TOLERANCE_VOXELS, last_of_each};
 use crate::node::placed::Way;
-use crate::node::solid::{Solids, Stage};
+use crate::node::solid::Solids;
+use crate::node::spec::Carries;
 use crate::shot::prepared::{Prepared, Ready};
 use crate::shot::stop::Stop;
 use crate::text::problem::Problem;
@@ -100,9 +103,9 @@ impl Both<'_> {
         if !self.prepared.variation.placed(id) {
             return Ok(None);
         }
-        let modifiers = &self.prepared.model.shape(id).modifiers;
-        let now = self.now.placement(modifiers, Stage::Placed)?;
-        let then = self.then.placement(modifiers, Stage::Placed)?;
+        let placement = &self.prepared.model.shape(id).placement;
+        let now = self.now.placement(placement, Stage::Placed)?;
+        let then = self.then.placement(placement, Stage::Placed)?;
         let whole = (now != then).then(|| AffineVector::of_move(now, then));
         let inner = self.inner_way(id)?;
         if whole.is_none() && inner.is_none() {
@@ -116,20 +119,19 @@ impl Both<'_> {
         let model = Arc::clone(&self.prepared.model);
         let shape = model.shape(id);
         // Copies take no motion of what is copied: each stands in a cell of its own.
-        if shape.modifiers.at.is_some() {
+        if shape.modifier("at").is_some() {
             return Ok(None);
         }
-        let inner = match &shape.maker {
-            Maker::Facet { of, .. } => self.way(*of)?,
-            Maker::Union { operands, seam } => self.way_of_parts(operands, Rule::Union { seam: *seam })?,
-            Maker::Blend { operands, .. } => self.way_of_parts(operands, Rule::Blend)?,
-            Maker::Difference(operands) | Maker::Intersection(operands) => self.way(operands[0])?,
-            _ => None,
+        let parts = shape.painters();
+        let inner = match shape.spec.carries {
+            Carries::Union => self.way_of_parts(parts, Rule::Union { seam: shape.seam() })?,
+            Carries::Blend => self.way_of_parts(parts, Rule::Blend)?,
+            Carries::First | Carries::Any => self.way(parts[0])?,
+            Carries::Nothing | Carries::Import => None,
         };
-        Ok(match (inner, shape.modifiers.mirror) {
-            (Some(inner), Some(axis)) => Some(Arc::new(Mirrored { inner, axis })),
-            (inner, _) => inner,
-        })
+        let Some(inner) = inner else { return Ok(None) };
+        let bent = |inner, bend| Arc::new(Bent { inner, bend }) as Arc<dyn Attribute<3>>;
+        Ok(Some(self.now.bends(id)?.into_iter().fold(inner, bent)))
     }
 
     fn way_of_parts(&mut self, operands: &[ShapeId], rule: Rule) -> Result<Vectors, Problem> {
@@ -212,27 +214,29 @@ fn turn(matrix: &DMat3, vectors: &mut [[f32; 3]]) {
     }
 }
 
-/// The way of a half, and of its mirror image.
-struct Mirrored {
+/// The way of what is bent.
+struct Bent {
     inner: Arc<dyn Attribute<3>>,
-    axis: usize,
+    bend: Arc<dyn Bend>,
 }
 
-impl Attribute<3> for Mirrored {
+impl Attribute<3> for Bent {
     fn sampler(&self) -> Box<dyn Sampler<3> + '_> {
-        Box::new(MirroredSampler { inner: self.inner.sampler(), axis: self.axis, there: Points::new(DVec3::ZERO) })
+        let way = Way::Bent(Arc::clone(&self.bend));
+        Box::new(BentSampler { inner: self.inner.sampler(), way, bend: &*self.bend, there: Points::new(DVec3::ZERO) })
     }
 }
 
-struct MirroredSampler<'a> {
+struct BentSampler<'a> {
     inner: Box<dyn Sampler<3> + 'a>,
-    axis: usize,
+    way: Way,
+    bend: &'a dyn Bend,
     there: Points,
 }
 
-impl Sampler<3> for MirroredSampler<'_> {
+impl Sampler<3> for BentSampler<'_> {
     fn enter(&mut self, region: &Aabb) {
-        self.inner.enter(&Way::Folded(self.axis).region(region));
+        self.inner.enter(&self.way.region(region));
     }
 
     fn leave(&mut self) {
@@ -240,12 +244,11 @@ impl Sampler<3> for MirroredSampler<'_> {
     }
 
     fn sample(&mut self, points: &Points, out: &mut [[f32; 3]; BATCH]) {
-        Way::Folded(self.axis).points(points, &mut self.there);
+        self.way.points(points, &mut self.there);
         self.inner.sample(&self.there, out);
         for (i, out) in out.iter_mut().enumerate().take(points.len) {
-            if points.position(i)[self.axis] < 0.0 {
-                out[self.axis] = -out[self.axis];
-            }
+            let vector = DVec3::from_array(out.map(f64::from));
+            *out = self.bend.carried(points.position(i), vector).as_vec3().to_array();
         }
     }
 }

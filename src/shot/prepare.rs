@@ -16,10 +16,12 @@ use crate::field::Aabb;
 use crate::grid::{Lattice, VoxelSize};
 
 use crate::node::assets::Assets;
+use crate::node::attributes::{TheColour, TheScalar};
+use crate::node::id::Stage;
 use crate::node::measured::MOST_CELLS;
 use crate::node::model::{Content, Model, Morph, MorphMode, ShapeId};
-use crate::node::paint::{TheColour, TheScalar, surely_has};
-use crate::node::solid::{Solids, Stage};
+use crate::node::paint::surely_has;
+use crate::node::solid::Solids;
 use crate::node::variation::Variation;
 use crate::shot::error::Error;
 use crate::shot::level_sets::LevelSets;

@@ -13,7 +13,7 @@ use crate::grid::Lattice;
 use crate::morph::{FrameReport, Movement, Stage};
 
 use crate::node::assets::Assets;
-use crate::node::displace::{self, Displacement};
+use crate::node::displacement::{self, Displacement};
 use crate::node::extent::box_of;
 use crate::node::measured::measured;
 use crate::node::model::{AttributeSource, Content, Model, Morph, ScalarName, ShapeId};
@@ -256,7 +256,7 @@ impl Prepared {
     ) -> Result<Option<Displacement>, Problem> {
         let Some(scalar) = self.morph_scalar(planned, &by.name, frame)? else { return Ok(None) };
         let displacement = Displacement::new(scalar, solid);
-        let displacement = displacement.ok_or_else(|| displace::no_greatest(by.span, &by.name, "morph"))?;
+        let displacement = displacement.ok_or_else(|| displacement::no_greatest(by.span, &by.name, "morph"))?;
         Ok(Some(displacement))
     }
 

@@ -5,9 +5,10 @@ use std::sync::Arc;
 use crate::attribute::{Colour, Scalar};
 use crate::field::Field;
 use crate::grid::Lattice;
+use crate::node::attributes::{TheColour, TheScalar};
+use crate::node::id::Stage;
 use crate::node::model::ShapeId;
-use crate::node::paint::{TheColour, TheScalar};
-use crate::node::solid::{Solids, Stage};
+use crate::node::solid::Solids;
 use crate::text::problem::Problem;
 
 /// A field with its attributes.

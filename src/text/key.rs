@@ -9,6 +9,8 @@ pub enum Kind {
     Constant,
     /// A whole number.
     Whole,
+    /// A whole number that choices at random start from.
+    Seed,
     /// Three numbers, each as [`Kind::Number`].
     Vector,
     /// Three numbers, or one that stands for all three.
@@ -43,8 +45,8 @@ pub enum Kind {
     Scalar,
     /// Two shapes and the scalar that mixes them.
     Fill,
-    /// Names of shapes; one of them may be a shape written in place.
-    Shapes,
+    /// Names of shapes, at least so many; each may also be a shape written in place.
+    Shapes(usize),
     /// Pairs of names of shapes.
     ShapePairs,
     /// The name of cells, or cells written in place.
@@ -76,7 +78,7 @@ impl Kind {
         match self {
             Self::Number => "number".into(),
             Self::Constant => "number without time".into(),
-            Self::Whole => "whole number".into(),
+            Self::Whole | Self::Seed => "whole number".into(),
             Self::Vector => "three numbers".into(),
             Self::Lengths => "one number or three".into(),
             Self::Flag => "true or false".into(),
@@ -94,7 +96,7 @@ impl Kind {
             Self::Shape => "shape".into(),
             Self::Scalar => "name of an attribute".into(),
             Self::Fill => "`{ mix = [shape, shape], by = attribute }`".into(),
-            Self::Shapes => "list of shapes".into(),
+            Self::Shapes(_) => "list of shapes".into(),
             Self::ShapePairs => "list of pairs of shapes".into(),
             Self::Cells => "cells".into(),
             Self::Colour => "colour".into(),
@@ -184,6 +186,8 @@ pub enum Absent {
     Nothing,
     /// This number (all three where there are three).
     Number(f64),
+    /// So many times the number of another key.
+    Of(&'static str, f64),
     /// These three numbers.
     Vector([f64; 3]),
     /// This text or flag, as it is written.

@@ -12,7 +12,7 @@ pub(crate) mod keyed;
 pub(crate) mod moment;
 pub(crate) mod number;
 pub(crate) mod overrides;
-pub(crate) mod problem;
+pub mod problem;
 pub(crate) mod reader;
 pub(crate) mod source;
 pub(crate) mod value;

@@ -6,7 +6,7 @@ use crate::text::source::Span;
 
 /// A problem with its place, before the scene's texts are at hand.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Problem(pub Box<Diagnostic>);
+pub struct Problem(pub Box<Diagnostic>);
 
 impl Problem {
     /// About a piece of the scene.

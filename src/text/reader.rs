@@ -277,6 +277,7 @@ impl<'r, 'a> Fields<'r, 'a> {
                     Absent::Number(value) => format!("{value}"),
                     Absent::Vector([x, y, z]) => format!("[{x}, {y}, {z}]"),
                     Absent::Text(text) => text.into(),
+                    Absent::Of(other, share) => format!("({share} · `{other}`)"),
                     Absent::Words(words) => format!("({words})"),
                     Required | Absent::Nothing => return None,
                 };

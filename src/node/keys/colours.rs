@@ -64,7 +64,7 @@ pub const COLOURS: &[Maker] = &[
     Maker {
         key: Key::new(
             "parts",
-            Kind::Shapes,
+            Kind::Shapes(1),
             Required,
             "Each part's colour inside of it, the later one's where parts overlap, and outside of all parts the mean \
              by the inverse of the distances to them. Parts stand in the shape's own space and do not change its form.",
@@ -129,7 +129,7 @@ pub(super) const EDGE: Key = Key::new(
 pub(super) const SEED: Key = seed("The number that the choice starts from.");
 
 /// How parts of several colours meet.
-pub(super) const SEAM: Key = Key::new(
+pub(crate) const SEAM: Key = Key::new(
     "seam",
     Kind::Constant,
     Number(0.0),

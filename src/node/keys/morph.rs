@@ -9,7 +9,7 @@ pub const MORPH: &[Key] = &[
     Key::new("to", Kind::Shape, Words("must be there, or `through`"), "What it is at the last frame."),
     Key::new(
         "through",
-        Kind::Shapes,
+        Kind::Shapes(1),
         Nothing,
         "In place of `from` and `to`: the shapes that it becomes one after the other, each by a morph of its own with all other keys alike. At its frame each is shown as it is, so `volume` is 1 there.",
     ),
@@ -143,7 +143,12 @@ pub const MORPH: &[Key] = &[
 
 /// The table of `fill`.
 pub const FILL: &[Key] = &[
-    Key::new("mix", Kind::Shapes, Required, "The two structures: what is where the attribute is 0, and where it is 1."),
+    Key::new(
+        "mix",
+        Kind::Shapes(1),
+        Required,
+        "The two structures: what is where the attribute is 0, and where it is 1.",
+    ),
     Key::new("by", Kind::Scalar, Required, "The attribute that mixes them."),
 ];
 

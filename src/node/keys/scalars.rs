@@ -30,7 +30,7 @@ pub const SCALARS: &[Maker] = &[
     Maker {
         key: Key::new(
             "parts",
-            Kind::Shapes,
+            Kind::Shapes(1),
             Required,
             "What the attribute of the same name is on each of these shapes, as colours have them; 0 on those without it.",
         ),

@@ -3,8 +3,9 @@
 use std::collections::BTreeSet;
 
 use super::Building;
+use crate::node::argument::Arguments;
 use crate::node::keys;
-use crate::node::model::{Fill, Maker, Morph, ScalarName, ShapeId};
+use crate::node::model::{Fill, Morph, ScalarName, ShapeId};
 use crate::text::diagnostic::{Diagnostic, clip};
 use crate::text::reader::{Fields, NO_OWNER};
 use crate::text::value::Value;
@@ -38,7 +39,7 @@ impl<'r, 'a> Building<'r, 'a> {
     pub(super) fn check_displacements(&self) {
         for (place, shape) in self.shapes.iter().enumerate() {
             let Some(shape) = shape else { continue };
-            if let Some(by) = &shape.modifiers.displace {
+            for by in shape.all_arguments().flat_map(Arguments::scalars) {
                 self.check_name_of_scalar(by, &[ShapeId(place)]);
             }
         }
@@ -54,8 +55,7 @@ impl<'r, 'a> Building<'r, 'a> {
         let Some(by) = displace else { return };
         let moved = |id: &ShapeId| {
             let shape = self.shapes[id.0].as_ref()?;
-            let own = shape.modifiers.displace.as_ref()?;
-            (own.name == by.name).then_some(shape)
+            shape.all_arguments().flat_map(Arguments::scalars).any(|own| own.name == by.name).then_some(shape)
         };
         if let Some(shape) = objects.iter().find_map(moved) {
             let problem = format!("`{}` moves the surface of `{}` already", clip(&by.name), clip(&shape.name));
@@ -85,13 +85,7 @@ impl<'r, 'a> Building<'r, 'a> {
         while let Some(id) = found.get(next).copied() {
             next += 1;
             let Some(shape) = &self.shapes[id.0] else { continue };
-            let parts: &[ShapeId] = match &shape.maker {
-                Maker::Union { operands, .. } | Maker::Blend { operands, .. } => operands,
-                Maker::Intersection(operands) | Maker::Difference(operands) => operands,
-                Maker::Facet { of, .. } => std::slice::from_ref(of),
-                _ => &[],
-            };
-            for part in parts {
+            for part in shape.painters() {
                 if !found.contains(part) {
                     found.push(*part);
                 }

@@ -14,7 +14,9 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use crate::node::keys::{self};
+use crate::node::list;
 use crate::node::model::{Cells, CellsId, Model, Parameter, Shape, ShapeId};
+use crate::node::spec::Spec;
 use crate::text::diagnostic::{Diagnostic, Diagnostics, Severity, clip};
 use crate::text::files::{Base, Variables};
 use crate::text::formula::{Names, RESERVED};
@@ -344,13 +346,14 @@ fn mixed(seed: u64, name: &str) -> u64 {
     bytes.fold(0xcbf2_9ce4_8422_2325, |hash, byte| (hash ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3))
 }
 
-/// The keys of a shape with this maker.
-fn shape_keys(maker: &'static keys::Maker) -> Vec<&'static Key> {
-    std::iter::once(&maker.key).chain(maker.parameters).chain(keys::SHAPE).collect()
+/// The keys of a shape that is this.
+fn shape_keys(spec: &'static Spec) -> Vec<&'static Key> {
+    spec.keys().chain(list::modifier_keys()).chain(keys::SHAPE).collect()
 }
 
-/// All keys that a shape of any maker may have.
+/// All keys that a shape may have, whatever it is.
 fn any_shape_keys() -> Vec<&'static Key> {
-    let makers = keys::MAKERS.iter().map(|maker| &maker.key);
-    makers.chain(keys::SHAPE).chain(keys::MAKERS.iter().flat_map(|maker| maker.parameters)).collect()
+    let makers = list::MAKERS.iter().map(|spec| &spec.key);
+    let parameters = list::MAKERS.iter().flat_map(|spec| spec.parameters);
+    makers.chain(list::modifier_keys()).chain(keys::SHAPE).chain(parameters).collect()
 }

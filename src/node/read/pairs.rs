@@ -3,9 +3,10 @@
 use super::Building;
 use super::chain::Link;
 use crate::attribute::Overlap;
-use crate::node::model::{Correspondence, Maker, Modifiers, ShapeId};
+use crate::node::model::{Correspondence, Modifier, ShapeId};
+use crate::node::spec::Carries;
 use crate::text::diagnostic::{Diagnostic, clip, listed};
-use crate::text::number::NumberValue;
+use crate::text::number::{Number, NumberValue};
 use crate::text::reader::Fields;
 use crate::text::source::Span;
 use crate::text::value::Value;
@@ -75,22 +76,18 @@ impl<'r, 'a> Building<'r, 'a> {
     fn whole(&self, fields: &Fields<'r, 'a>, key: &'static str, id: ShapeId) -> Option<Whole<'_>> {
         let shape = self.shapes[id.0].as_ref()?;
         let name = clip(&shape.name);
-        let Maker::Union { operands, .. } = &shape.maker else {
+        if shape.spec.carries != Carries::Union {
             let span = fields.entry(key).map_or(shape.span, |entry| entry.value.span);
             let problem = format!("`{name}` is no union, so it has no parts for `pairs`");
             self.reader.say(Diagnostic::error(span, problem).help("union = [\"head\", \"body\"]"));
             return None;
+        }
+        // A cut leaves the parts as they are.
+        let changes = |modifier: &&Modifier| {
+            let still = |offset: &Number| matches!(offset.value, NumberValue::Constant(0.0));
+            modifier.arguments.bounds("bounds").is_none() && !modifier.arguments.numbers().any(still)
         };
-        let Modifiers { at, mirror, offset, shell, displace, .. } = &shape.modifiers;
-        let offset = !matches!(offset.value, NumberValue::Constant(0.0));
-        let changes = [
-            ("at", at.is_some()),
-            ("mirror", mirror.is_some()),
-            ("offset", offset),
-            ("shell", shell.is_some()),
-            ("displace", displace.is_some()),
-        ];
-        for (modifier, _) in changes.into_iter().filter(|(_, there)| *there) {
+        for modifier in shape.modifiers.iter().filter(changes).map(|modifier| modifier.spec.key.name) {
             let problem = format!("`{name}` has a `{modifier}`, so its parts cannot be told apart for `pairs`");
             self.reader.say(Diagnostic::error(shape.span, problem).help(format!("give its parts the `{modifier}`")));
         }
@@ -99,7 +96,7 @@ impl<'r, 'a> Building<'r, 'a> {
             let problem = format!("`{name}` has its own `{own}`, which hides those of its parts from `pairs`");
             self.reader.say(Diagnostic::error(shape.span, problem).help("give it to the parts"));
         }
-        Some(Whole { key, name: name.into(), parts: operands })
+        Some(Whole { key, name: name.into(), parts: shape.painters() })
     }
 
     /// Parts that become one another, each list with one of each object.

@@ -3,16 +3,18 @@
 use glam::DVec3;
 
 use crate::field::Aabb;
-use crate::mesh::{Conventions, Encoding, Turn};
 
 use super::links::{Link, Node};
 use super::{Building, any_shape_keys, family, shape_keys};
-use crate::node::keys::{self, MAKERS};
-use crate::node::model::{Bounds, Copies, Maker, Modifiers, Shape, ShapeId};
+use crate::node::argument::{Argument, Arguments, Bounds, Copies};
+use crate::node::keys;
+use crate::node::list;
+use crate::node::model::{Modifier, Placement, Shape, ShapeId};
+use crate::node::spec::Spec;
 use crate::text::diagnostic::{Diagnostic, clip, listed};
 use crate::text::formula::Formula;
 use crate::text::key::GREATEST;
-use crate::text::key::Limit;
+use crate::text::key::{Absent, Key, Kind, Limit};
 use crate::text::reader::{Fields, NO_OWNER};
 use crate::text::source::Span;
 use crate::text::value::{Table, Value};
@@ -30,11 +32,8 @@ impl<'r, 'a> Building<'r, 'a> {
     }
 
     /// The one maker of a table. Says so where there are two of them, or none and no unknown key that stands for one.
-    fn maker_of(&self, path: &str, span: Span, table: &'r Table) -> Option<&'static keys::Maker> {
-        let mut found = table
-            .0
-            .iter()
-            .filter_map(|entry| Some((entry, MAKERS.iter().find(|maker| maker.key.is_called(&entry.key))?)));
+    fn maker_of(&self, path: &str, span: Span, table: &'r Table) -> Option<&'static Spec> {
+        let mut found = table.0.iter().filter_map(|entry| Some((entry, list::maker(&entry.key)?)));
         match (found.next(), found.next()) {
             (Some((_, maker)), None) => Some(maker),
             (Some((first, _)), Some((second, _))) => {
@@ -49,7 +48,7 @@ impl<'r, 'a> Building<'r, 'a> {
                 let known = any_shape_keys();
                 let unknown = table.0.iter().any(|entry| !known.iter().any(|key| key.is_called(&entry.key)));
                 if !unknown {
-                    let makers: Vec<&str> = MAKERS.iter().map(|maker| maker.key.name).collect();
+                    let makers: Vec<&str> = list::MAKERS.iter().map(|spec| spec.key.name).collect();
                     let problem = format!("nothing says what `{}` is", clip(path));
                     self.reader
                         .say(Diagnostic::error(span, problem).help(format!("give it one of {}", listed(&makers))));
@@ -63,12 +62,25 @@ impl<'r, 'a> Building<'r, 'a> {
     fn read_shape(&mut self, path: &str, span: Span, table: &'r Table, id: ShapeId, may_nest: bool) -> Option<Shape> {
         let spec = self.maker_of(path, span, table);
         let keys = spec.map_or_else(any_shape_keys, shape_keys);
-        let fields = Fields::new(self.reader, path, keys::shape_owner, span, table, keys);
-        let maker = spec.and_then(|spec| self.maker(spec.key.name, &fields, id, may_nest));
+        let fields = Fields::new(self.reader, path, list::owner, span, table, keys);
+        let arguments = spec.and_then(|spec| self.arguments(spec, &fields, id, may_nest));
         // Without a maker all else is read, so that all errors come together.
-        let modifiers = self.modifiers(&fields, id, may_nest);
-        let bounds = fields.value("bounds").and_then(|value| self.bounds(&fields.full("bounds"), value));
-        let has_cells = spec.is_none_or(|spec| spec.key.name == "facet") || modifiers.at.is_some();
+        let mut modifiers = Vec::new();
+        for spec in list::MODIFIERS {
+            if spec.keys().all(|key| fields.entry(key.name).is_none()) {
+                // Its defaults are said.
+                spec.keys().for_each(|key| _ = fields.value(key.name));
+            } else if let Some(arguments) = self.arguments(spec, &fields, id, may_nest) {
+                modifiers.push(Modifier { spec, arguments });
+            }
+        }
+        let placement = Placement {
+            scale: fields.required_vector("scale"),
+            rotate: fields.required_vector("rotate"),
+            translate: fields.required_vector("move"),
+        };
+        let takes_cells = |spec: &Spec| spec.cells.is_some();
+        let has_cells = spec.is_none_or(takes_cells) || modifiers.iter().any(|modifier| takes_cells(modifier.spec));
         let colour = fields
             .value("color")
             .and_then(|value| self.shape_colour(&fields.full("color"), value, id, has_cells, may_nest));
@@ -77,87 +89,63 @@ impl<'r, 'a> Building<'r, 'a> {
             .map(|value| self.scalars(&fields.full("attribute"), value, id, has_cells, may_nest))
             .unwrap_or_default();
         let name = path.trim_start_matches("shape.").into();
-        Some(Shape { name, span, maker: maker?, modifiers, bounds, colour, scalars })
+        Some(Shape { name, span, spec: spec?, arguments: arguments?, modifiers, placement, colour, scalars })
     }
 
-    fn maker(&mut self, name: &str, fields: &Fields<'r, 'a>, id: ShapeId, may_nest: bool) -> Option<Maker> {
-        Some(match name {
-            "sphere" => Maker::Sphere { radius: fields.required_number("sphere") },
-            "box" => Maker::Box { edges: fields.required_vector("box") },
-            "ellipsoid" => Maker::Ellipsoid { half_axes: fields.required_vector("ellipsoid") },
-            "cylinder" => {
-                Maker::Cylinder { radius: fields.required_number("cylinder"), height: fields.number("height") }
+    /// The values of a node's keys. Reads them all even where one is wrong, so that all errors come together.
+    fn arguments(
+        &mut self,
+        spec: &'static Spec,
+        fields: &Fields<'r, 'a>,
+        id: ShapeId,
+        may_nest: bool,
+    ) -> Option<Arguments> {
+        let mut arguments = Arguments::default();
+        let mut sound = true;
+        for key in spec.keys() {
+            match self.argument(key, fields, id, may_nest) {
+                Some(argument) => arguments.0.push((key.name, argument)),
+                None => sound &= fields.entry(key.name).is_none() && key.default != Absent::Required,
             }
-            "torus" => Maker::Torus { radius: fields.required_number("torus"), tube: fields.number("tube") },
-            "capsule" => Maker::Capsule { radius: fields.required_number("capsule"), length: fields.number("length") },
-            "half_space" => Maker::HalfSpace {
-                normal: fields.required_vector("half_space"),
-                offset: fields.required_number("offset_along"),
-            },
-            "slab" => {
-                Maker::Slab { thickness: fields.required_number("slab"), normal: fields.required_vector("normal") }
-            }
-            "heart" => Maker::Heart { width: fields.required_number("heart") },
-            "formula" => self.formula(fields)?,
-            "mesh" => self.mesh(fields)?,
-            "union" => Maker::Union {
-                operands: self.operands("union", 1, fields, id, may_nest)?,
-                seam: fields.constant("seam").unwrap_or(0.0),
-            },
-            "intersection" => Maker::Intersection(self.operands("intersection", 1, fields, id, may_nest)?),
-            "difference" => Maker::Difference(self.operands("difference", 2, fields, id, may_nest)?),
-            "blend" => Maker::Blend {
-                operands: self.operands("blend", 2, fields, id, may_nest)?,
-                radius: fields.required_number("blend_radius"),
-                within: match fields.value("within") {
-                    Some(value) => Some(self.operand(&fields.full("within"), Node::Shape(id), value, may_nest)?),
-                    None => None,
-                },
-            },
-            _ => self.facet(fields, id, may_nest)?,
+        }
+        sound.then_some(arguments)
+    }
+
+    /// The value of one key, or its default; `None` where it has neither, and where an error was said.
+    fn argument(
+        &mut self,
+        key: &'static Key,
+        fields: &Fields<'r, 'a>,
+        id: ShapeId,
+        may_nest: bool,
+    ) -> Option<Argument> {
+        let (name, path) = (key.name, fields.full(key.name));
+        Some(match key.kind {
+            Kind::Number => Argument::Number(fields.number(name)?),
+            Kind::Vector | Kind::Lengths => Argument::Vector(Box::new(fields.vector(name)?)),
+            Kind::Constant => Argument::Constant(fields.constant(name)?),
+            Kind::Seed => Argument::Seed(self.seed_of(fields.whole(name), &fields.path)),
+            Kind::Choice(_) => Argument::Choice(fields.choice(name)?),
+            Kind::Formula => Argument::Formula(self.formula(&path, fields.value(name)?)?),
+            Kind::Path => Argument::File(self.file(name, fields)?),
+            Kind::Shape => Argument::Shape(self.operand(&path, Node::Shape(id), fields.value(name)?, may_nest)?),
+            Kind::Shapes(least) => Argument::Shapes(self.operands(name, least, fields, id, may_nest)?),
+            Kind::Cells => Argument::Cells(self.cells_reference(&path, id, fields.value(name)?, may_nest)?),
+            Kind::Copies => Argument::Copies(self.copies(&path, id, fields.value(name)?, may_nest)?),
+            Kind::Box => Argument::Box(self.bounds(&path, fields.value(name)?)?),
+            Kind::Scalar => Argument::Scalar(self.scalar_name(fields, name)?),
+            kind => unreachable!("`{name}` of a shape is {kind:?}"),
         })
     }
 
-    fn mesh(&self, fields: &Fields<'r, 'a>) -> Option<Maker> {
-        let file = self.file("mesh", fields)?;
-        let up = fields.choice("up");
-        let turn = match (up.unwrap_or(self.up), self.up) {
-            ("y", "z") => Turn::YToZ,
-            ("z", "y") => Turn::ZToY,
-            _ => Turn::None,
-        };
-        let colours = match fields.choice("vertex_colors") {
-            Some("linear") => Encoding::Linear,
-            _ => Encoding::Srgb,
-        };
-        let up_is_given = up.is_some() || self.up == "y";
-        Some(Maker::Mesh { file, conventions: Conventions { turn, colours }, up_is_given })
-    }
-
-    fn formula(&self, fields: &Fields<'r, 'a>) -> Option<Maker> {
-        let value = fields.value("formula")?;
+    fn formula(&self, path: &str, value: &'r Value) -> Option<Formula> {
         let Some(text) = value.text() else {
-            self.reader.wrong_kind(&fields.full("formula"), "a formula in quotes", value);
+            self.reader.wrong_kind(path, "a formula in quotes", value);
             return None;
         };
-        match Formula::of_space(text, self.reader.names.clone()) {
-            Ok(formula) => Some(Maker::Formula { formula, span: value.span }),
-            Err(problems) => {
-                self.reader.say_all(problems, value.span, text);
-                None
-            }
-        }
-    }
-
-    fn facet(&mut self, fields: &Fields<'r, 'a>, id: ShapeId, may_nest: bool) -> Option<Maker> {
-        let of = fields
-            .value("facet")
-            .and_then(|value| self.operand(&fields.full("facet"), Node::Shape(id), value, may_nest));
-        let cells =
-            fields.value("cells").and_then(|value| self.cells_reference(&fields.full("cells"), id, value, may_nest));
-        let (tilt, cut) = (fields.constant("tilt").unwrap_or(0.0), fields.constant("cut").unwrap_or(0.0));
-        let seed = self.seed_of(fields.whole("seed"), &fields.path);
-        Some(Maker::Facet { of: of?, cells: cells?, tilt, cut, seed })
+        Formula::of_space(text, self.reader.names.clone())
+            .map_err(|problems| self.reader.say_all(problems, value.span, text))
+            .ok()
     }
 
     /// The shapes of a list.
@@ -221,21 +209,6 @@ impl<'r, 'a> Building<'r, 'a> {
         };
         self.links.push(Link { from: Node::Output, to: Node::Shape(id), span: value.span });
         Some(id)
-    }
-
-    fn modifiers(&mut self, fields: &Fields<'r, 'a>, id: ShapeId, may_nest: bool) -> Modifiers {
-        let at = fields.value("at").and_then(|value| self.copies(&fields.full("at"), id, value, may_nest));
-        let mirror = fields.choice("mirror").and_then(|axis| ["x", "y", "z"].iter().position(|name| *name == axis));
-        Modifiers {
-            at,
-            mirror,
-            offset: fields.required_number("offset"),
-            shell: fields.number("shell"),
-            displace: self.scalar_name(fields, "displace"),
-            scale: fields.required_vector("scale"),
-            rotate: fields.required_vector("rotate"),
-            translate: fields.required_vector("move"),
-        }
     }
 
     fn copies(&mut self, path: &str, id: ShapeId, value: &'r Value, may_nest: bool) -> Option<Copies> {

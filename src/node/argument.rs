@@ -1,0 +1,169 @@
+//! The values of a node's keys, and what can be asked of all of them alike: which numbers, shapes, cells and files they
+//! name. Nothing that walks over a scene has to know what any node is.
+
+use crate::field::Aabb;
+use crate::node::id::{CellsId, ShapeId};
+use crate::text::files::FileReference;
+use crate::text::formula::Formula;
+use crate::text::number::Number;
+use crate::text::source::Span;
+
+/// The value of one key.
+#[derive(Clone, Debug)]
+pub enum Argument {
+    /// A number that may change over time.
+    Number(Number),
+    /// Three of them.
+    Vector(Box<[Number; 3]>),
+    /// A number that stands still.
+    Constant(f64),
+    /// What choices at random start from.
+    Seed(u64),
+    /// One of the key's names.
+    Choice(&'static str),
+    /// F as a formula of space.
+    Formula(Formula),
+    /// A file.
+    File(FileReference),
+    /// A shape.
+    Shape(ShapeId),
+    /// Shapes.
+    Shapes(Vec<ShapeId>),
+    /// Cells.
+    Cells(CellsId),
+    /// Copies in cells.
+    Copies(Copies),
+    /// A box.
+    Box(Bounds),
+    /// The name of a scalar of the shape.
+    Scalar(ScalarName),
+}
+
+/// The scalar that a key names.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct ScalarName {
+    /// Its name.
+    pub name: String,
+    /// Where the scene names it.
+    pub span: Span,
+}
+
+/// Copies in cells.
+#[derive(Clone, Debug)]
+pub struct Copies {
+    /// The cells.
+    pub cells: CellsId,
+    /// The share of them that gets one.
+    pub pick: f64,
+    /// What the choice starts from.
+    pub seed: u64,
+}
+
+/// A box to cut off at.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Bounds {
+    /// The box.
+    pub aabb: Aabb,
+    /// Whether it is meant to cut the shape.
+    pub cut: bool,
+    /// Where the scene gives it.
+    pub span: Span,
+}
+
+/// The values of the keys of one node. A key that is left out and has no default of its own is not among them.
+#[derive(Clone, Debug, Default)]
+pub struct Arguments(pub(crate) Vec<(&'static str, Argument)>);
+
+/// A row's key is of the kind that its functions ask for: a test builds every row.
+macro_rules! of_kind {
+    ($($(#[$doc:meta])* $name:ident: $kind:ident => $type:ty,)*) => {$(
+        $(#[$doc])*
+        pub fn $name(&self, key: &str) -> Option<&$type> {
+            match self.get(key)? {
+                Argument::$kind(value) => Some(value),
+                other => unreachable!("`{key}` is {other:?}"),
+            }
+        }
+    )*};
+}
+
+impl Arguments {
+    /// The value of a key.
+    pub fn get(&self, key: &str) -> Option<&Argument> {
+        self.0.iter().find(|(name, _)| *name == key).map(|(_, value)| value)
+    }
+
+    of_kind! {
+        /// A number.
+        number: Number => Number,
+        /// Three numbers.
+        vector: Vector => [Number; 3],
+        /// A number that stands still.
+        constant: Constant => f64,
+        /// What choices at random start from.
+        seed: Seed => u64,
+        /// One of the key's names.
+        choice: Choice => &'static str,
+        /// A formula of space.
+        formula: Formula => Formula,
+        /// A file.
+        file: File => FileReference,
+        /// A shape.
+        shape: Shape => ShapeId,
+        /// Shapes.
+        shapes: Shapes => Vec<ShapeId>,
+        /// Cells.
+        cells: Cells => CellsId,
+        /// Copies.
+        copies: Copies => Copies,
+        /// A box.
+        bounds: Box => Bounds,
+        /// The name of a scalar.
+        scalar: Scalar => ScalarName,
+    }
+
+    /// All numbers that may change over time.
+    pub fn numbers(&self) -> impl Iterator<Item = &Number> {
+        self.0.iter().flat_map(|(_, value)| match value {
+            Argument::Number(number) => std::slice::from_ref(number),
+            Argument::Vector(vector) => &vector[..],
+            _ => &[],
+        })
+    }
+
+    /// All formulas of space.
+    pub fn formulas(&self) -> impl Iterator<Item = &Formula> {
+        self.0.iter().filter_map(|(_, value)| if let Argument::Formula(formula) = value { Some(formula) } else { None })
+    }
+
+    /// All shapes, in the order of the keys.
+    pub fn all_shapes(&self) -> impl Iterator<Item = ShapeId> {
+        self.0
+            .iter()
+            .flat_map(|(_, value)| match value {
+                Argument::Shape(shape) => std::slice::from_ref(shape),
+                Argument::Shapes(shapes) => shapes,
+                _ => &[],
+            })
+            .copied()
+    }
+
+    /// All cells.
+    pub fn all_cells(&self) -> impl Iterator<Item = CellsId> {
+        self.0.iter().filter_map(|(_, value)| match value {
+            Argument::Cells(cells) => Some(*cells),
+            Argument::Copies(copies) => Some(copies.cells),
+            _ => None,
+        })
+    }
+
+    /// All files.
+    pub fn files(&self) -> impl Iterator<Item = &FileReference> {
+        self.0.iter().filter_map(|(_, value)| if let Argument::File(file) = value { Some(file) } else { None })
+    }
+
+    /// All scalars of the shape itself.
+    pub fn scalars(&self) -> impl Iterator<Item = &ScalarName> {
+        self.0.iter().filter_map(|(_, value)| if let Argument::Scalar(name) = value { Some(name) } else { None })
+    }
+}

@@ -1,0 +1,175 @@
+//! The attributes of shapes that can be asked for, colours and scalars alike, and what was found of them.
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use crate::attribute::{Attribute, ByFormula, Colour, Components, Constant, FieldValue, LinearRgb};
+use crate::attribute::{Mix, Mixer, Scalar, Straight};
+use crate::field::Field;
+use crate::node::assets::Assets;
+use crate::node::id::Stage;
+use crate::node::model::{AttributeSource, Shape, ShapeColour, ShapeId, ShapeScalar};
+use crate::node::placed::{Placed, Way};
+use crate::node::spec::Imported;
+use crate::text::colour::{GREY, css};
+use crate::text::problem::Problem;
+
+/// Which attribute of shapes is asked for.
+pub(crate) trait Asked<const N: usize>: Copy {
+    /// What a formula's numbers are.
+    type Meaning: Copy;
+    /// How values are mixed.
+    type Mix: Mix<N> + 'static;
+
+    /// A shape's own.
+    fn source(self, shape: &Shape) -> Option<&AttributeSource<N, Self::Meaning, Self::Mix>>;
+
+    /// What a shape has that has none, beside others that have one.
+    fn absent(self) -> [f32; N];
+
+    /// By formulas.
+    fn by_fields(self, fields: [Arc<dyn Field>; N], meaning: Self::Meaning) -> Arc<dyn Attribute<N>>;
+
+    /// What comes with a file.
+    fn of_import(self, import: &Imported) -> Option<Arc<dyn Attribute<N>>>;
+
+    /// Its own name among those of its kind.
+    fn name(&self) -> &str;
+
+    /// What was found of its kind.
+    fn known(paints: &mut Paints) -> &mut Known<N>;
+
+    /// What comes from the volume of voxels that a shape has it from.
+    fn of_voxels(self, assets: &Assets, id: ShapeId) -> Arc<dyn Attribute<N>>;
+
+    /// The problem of copies whose parts have several values.
+    fn several(self, shape: &Shape) -> Problem;
+}
+
+/// What was found of one kind of attribute, by its name, the shape, how far that is made, and the voxel's edge as bits.
+pub(crate) type Known<const N: usize> = BTreeMap<(String, ShapeId, Stage, u64), Option<Paint<N>>>;
+
+/// The attributes found at one moment: a shape that many others are made from is looked at once.
+#[derive(Clone, Default)]
+pub(crate) struct Paints {
+    colours: Known<3>,
+    scalars: Known<1>,
+}
+
+/// The colour.
+#[derive(Clone, Copy)]
+pub(crate) struct TheColour;
+
+impl Asked<3> for TheColour {
+    type Meaning = Components;
+    type Mix = Mixer;
+
+    fn source(self, shape: &Shape) -> Option<&ShapeColour> {
+        shape.colour.as_ref()
+    }
+
+    fn absent(self) -> LinearRgb {
+        css(GREY).expect("it is a colour")
+    }
+
+    fn by_fields(self, components: [Arc<dyn Field>; 3], meaning: Components) -> Arc<Colour> {
+        Arc::new(ByFormula { components, meaning })
+    }
+
+    fn of_import(self, import: &Imported) -> Option<Arc<Colour>> {
+        import.colours.clone()
+    }
+
+    fn name(&self) -> &str {
+        ""
+    }
+
+    fn known(paints: &mut Paints) -> &mut Known<3> {
+        &mut paints.colours
+    }
+
+    fn of_voxels(self, assets: &Assets, id: ShapeId) -> Arc<Colour> {
+        Arc::clone(assets.colours(id)) as Arc<Colour>
+    }
+
+    fn several(self, shape: &Shape) -> Problem {
+        Problem::new(shape.span, format!("the copies of `{}` cannot take its parts' several colours", shape.name))
+            .help("give it a `color` of its own: one, or { palette = …, by = \"cell\" }")
+    }
+}
+
+/// The scalar of a name.
+#[derive(Clone, Copy)]
+pub(crate) struct TheScalar<'n>(pub &'n str);
+
+impl Asked<1> for TheScalar<'_> {
+    type Meaning = ();
+    type Mix = Straight;
+
+    fn source(self, shape: &Shape) -> Option<&ShapeScalar> {
+        shape.scalars.get(self.0)
+    }
+
+    fn absent(self) -> [f32; 1] {
+        [0.0]
+    }
+
+    fn by_fields(self, [field]: [Arc<dyn Field>; 1], (): ()) -> Arc<Scalar> {
+        Arc::new(FieldValue(field))
+    }
+
+    fn of_import(self, _import: &Imported) -> Option<Arc<Scalar>> {
+        None
+    }
+
+    fn name(&self) -> &str {
+        self.0
+    }
+
+    fn known(paints: &mut Paints) -> &mut Known<1> {
+        &mut paints.scalars
+    }
+
+    fn of_voxels(self, assets: &Assets, id: ShapeId) -> Arc<Scalar> {
+        Arc::clone(assets.scalar(id, self.0)) as Arc<Scalar>
+    }
+
+    fn several(self, shape: &Shape) -> Problem {
+        let Shape { name, span, .. } = shape;
+        let problem = format!("the copies of `{name}` cannot take the several values of its parts' `{}`", self.0);
+        let help = format!("give it an `attribute.{}` of its own: one, or {{ range = …, by = \"cell\" }}", self.0);
+        Problem::new(*span, problem).help(help)
+    }
+}
+
+/// An attribute, and whether it has one value everywhere.
+#[derive(Clone)]
+pub(crate) struct Paint<const N: usize> {
+    /// The attribute.
+    pub attribute: Arc<dyn Attribute<N>>,
+    /// That value.
+    pub solid: Option<[f32; N]>,
+}
+
+impl<const N: usize> Paint<N> {
+    /// One value everywhere.
+    pub fn solid(value: [f32; N]) -> Self {
+        Self { attribute: Arc::new(Constant::new(value)), solid: Some(value) }
+    }
+
+    pub fn of(attribute: impl Attribute<N> + 'static) -> Self {
+        Self::shared(Arc::new(attribute))
+    }
+
+    pub fn shared(attribute: Arc<dyn Attribute<N>>) -> Self {
+        Self { attribute, solid: None }
+    }
+
+    /// Seen through a way; one value stays itself.
+    pub fn through(self, way: Way) -> Self {
+        match self.solid {
+            Some(_) => self,
+            None => Self::of(Placed { inner: self.attribute, way }),
+        }
+    }
+}

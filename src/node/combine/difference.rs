@@ -1,0 +1,20 @@
+//! A shape without others.
+
+use crate::field::SetSystem;
+use crate::node::spec::{Carries, Spec};
+use crate::text::key::Absent::Required;
+use crate::text::key::{Key, Kind};
+
+/// A shape without others.
+pub const DIFFERENCE: Spec = Spec {
+    key: Key::new("difference", Kind::Shapes(2), Required, "The first without all others."),
+    formula: "a − b − √(a² + b²)",
+    source: "R₀ of Rvachev's R-functions",
+    example: "difference = [\"a\", \"b\"]",
+    carries: Carries::First,
+    build: |build| {
+        let shapes = build.shapes("difference")?;
+        Ok(build.graph().difference(SetSystem::R0, shapes[0], &shapes[1..]))
+    },
+    ..Spec::PLAIN
+};

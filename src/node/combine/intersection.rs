@@ -1,0 +1,20 @@
+//! What is in all of several shapes.
+
+use crate::field::SetSystem;
+use crate::node::spec::{Carries, Spec};
+use crate::text::key::Absent::Required;
+use crate::text::key::{Key, Kind};
+
+/// What is in all of several shapes.
+pub const INTERSECTION: Spec = Spec {
+    key: Key::new("intersection", Kind::Shapes(1), Required, "What lies in all of them."),
+    formula: "a + b − √(a² + b²)",
+    source: "R₀ of Rvachev's R-functions",
+    example: "intersection = [\"a\", \"b\"]",
+    carries: Carries::Any,
+    build: |build| {
+        let shapes = build.different_shapes("intersection")?;
+        Ok(build.graph().intersection(SetSystem::R0, &shapes))
+    },
+    ..Spec::PLAIN
+};

@@ -1,0 +1,3 @@
+//! Many of one shape.
+
+pub(crate) mod at;

@@ -1,0 +1,3 @@
+//! Shapes from files.
+
+pub(crate) mod mesh;

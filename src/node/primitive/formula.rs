@@ -1,0 +1,23 @@
+//! F itself.
+
+use crate::node::spec::Spec;
+use crate::text::key::Absent::Required;
+use crate::text::key::{Key, Kind};
+
+/// F itself.
+pub const FORMULA: Spec = Spec {
+    key: Key::new(
+        "formula",
+        Kind::Formula,
+        Required,
+        "F itself, positive inside, of x, y, z, t, frame, time, pi and `[param]` names.",
+    ),
+    example: "formula = \"1 - x^4 - y^4 - z^4\"\nbounds = 3",
+    is_endless: true,
+    build: |build| {
+        let formula = build.arguments().formula("formula").expect("it must be there").clone();
+        let moment = build.moment().clone();
+        Ok(formula.node(build.graph(), &moment))
+    },
+    ..Spec::PLAIN
+};

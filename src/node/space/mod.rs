@@ -1,0 +1,3 @@
+//! What bends the space of a shape.
+
+pub(crate) mod mirror;

@@ -1,0 +1,218 @@
+//! A row of the table of nodes: what a shape can be, or what can be done to it.
+//!
+//! A node is one file with one [`Spec`], and one line in [`super::list`]. The scene format, its documentation, links
+//! between shapes, what changes over time, files and the scene's hash follow from the row.
+
+use std::sync::Arc;
+
+use glam::DVec3;
+
+use crate::attribute::{CellIndex, Colour, Scalar};
+use crate::field::cells::Cells;
+use crate::field::facet::Pieces;
+use crate::field::{Aabb, Field, Graph, Interval, Node};
+use crate::node::argument::Arguments;
+use crate::node::bend::Bend;
+use crate::node::id::{CellsId, ShapeId};
+use crate::text::diagnostic::Diagnostic;
+use crate::text::key::{Absent, Key, LEAST};
+use crate::text::moment::Moment;
+use crate::text::number::Number;
+use crate::text::problem::Problem;
+
+/// What a shape can be, or what can be done to one.
+#[derive(Clone, Copy)]
+pub struct Spec {
+    /// The key that names it; its value is the main argument.
+    pub key: Key,
+    /// The keys beside it.
+    pub parameters: &'static [Key],
+    /// Its function, positive inside, where one line says it.
+    pub formula: &'static str,
+    /// Where the formula comes from: paper and equation, or another work; empty for what everybody knows.
+    pub source: &'static str,
+    /// Keys of a shape that shows it, TOML. Names `a` and `b` are two shapes, `c` cells.
+    pub example: &'static str,
+    /// What its attributes and its motion come from.
+    pub carries: Carries,
+    /// Whether it reaches to infinity unless `bounds` cut it.
+    pub is_endless: bool,
+    /// Whether it takes the distance of what it is made of, outside of that.
+    pub measures: fn(&Arguments) -> bool,
+    /// Its cells, which can take colours each.
+    pub cells: Option<fn(&mut dyn Build) -> Result<Arc<dyn CellIndex>, Problem>>,
+    /// How it bends the space of the shape that it is done to.
+    pub bend: Option<fn(&dyn Build) -> Result<Arc<dyn Bend>, Problem>>,
+    /// What it reads from its file.
+    pub import: Option<fn(&Import<'_>) -> Result<Imported, Problem>>,
+    /// Its field at a moment.
+    pub build: fn(&mut dyn Build) -> Result<Node, Problem>,
+}
+
+impl Spec {
+    /// What most rows have nothing of.
+    pub const PLAIN: Self = Self {
+        key: Key::new("", crate::text::key::Kind::Table, Absent::Nothing, ""),
+        parameters: &[],
+        formula: "",
+        source: "",
+        example: "",
+        carries: Carries::Nothing,
+        is_endless: false,
+        measures: |_| false,
+        cells: None,
+        bend: None,
+        import: None,
+        build: |build| build.inner(),
+    };
+
+    /// All its keys.
+    pub fn keys(&'static self) -> impl Iterator<Item = &'static Key> + Clone {
+        std::iter::once(&self.key).chain(self.parameters)
+    }
+
+    /// Whether both are the same row.
+    pub fn is(&self, other: &Self) -> bool {
+        self.key.name == other.key.name
+    }
+}
+
+impl std::fmt::Debug for Spec {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(self.key.name)
+    }
+}
+
+/// What a node's attributes and its motion come from, where the shape has none of its own.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Carries {
+    /// It has none.
+    Nothing,
+    /// What its file holds.
+    Import,
+    /// Its operands', the later above the earlier, over `seam` where it has that.
+    Union,
+    /// Its operands', mixed by their distances.
+    Blend,
+    /// The first operand's that has one.
+    Any,
+    /// The first operand's.
+    First,
+}
+
+/// What an import may know.
+pub struct Import<'a> {
+    /// The values of its keys.
+    pub arguments: &'a Arguments,
+    /// The axis that points up in the scene: `y` or `z`.
+    pub up: &'a str,
+    /// Whether a frame shows the file's own colours.
+    pub shows_colours: bool,
+}
+
+/// What a file holds.
+pub struct Imported {
+    /// The distance, positive inside.
+    pub distance: Arc<dyn Field>,
+    /// The box of F ≥ 0.
+    pub solid: Aabb,
+    /// Half-spaces n · p ≤ o whose intersection has the same inside, where there are few: much faster where only the sign
+    /// is asked for.
+    pub half_spaces: Option<Vec<(DVec3, f64)>>,
+    /// Its colours.
+    pub colours: Option<Arc<Colour>>,
+    /// What there is to know about the file.
+    pub warnings: Vec<Diagnostic>,
+    /// Memory that it takes, about, in bytes.
+    pub bytes: u64,
+}
+
+/// What a row's function may ask for while its node is built, at one moment of the shot.
+pub trait Build {
+    /// The graph that the node goes into.
+    fn graph(&mut self) -> &mut Graph;
+    /// The values of the node's keys.
+    fn arguments(&self) -> &Arguments;
+    /// The row's own key.
+    fn key(&self, name: &str) -> &'static Key;
+    /// The moment.
+    fn moment(&self) -> &Moment;
+    /// What a number is over the whole shot.
+    fn over_shot(&self, number: &Number) -> Result<Interval, Problem>;
+    /// The shape so far, for what is done to one.
+    fn inner(&mut self) -> Result<Node, Problem>;
+    /// A shape where it stands.
+    fn shape(&mut self, id: ShapeId) -> Result<Node, Problem>;
+    /// The distance of a node wherever it is one of `levels`, positive inside: its own value where that is one.
+    fn distance(&mut self, solid: Node, levels: Interval, key: &'static str) -> Result<Node, Problem>;
+    /// The same of a shape where it stands. What moves without changing is measured once.
+    fn shape_distance(&mut self, id: ShapeId, levels: Interval, key: &'static str) -> Result<Node, Problem>;
+    /// The distance of a node as good as a band at its surface, and where `levels` are if that takes no measuring.
+    fn moving_distance(&mut self, solid: Node, levels: Interval, key: &'static str) -> Result<Node, Problem>;
+    /// A node that is another one grown by a distance, or lies within that: with its box, where its construction does not
+    /// tell it.
+    fn held(&mut self, grown: Node, solid: Node, by: f64) -> Node;
+    /// The box of F ≥ 0 of a node of this shape.
+    fn solid_box(&self, node: Node) -> Result<Aabb, Problem>;
+    /// An attribute of this shape in the space of `solid`.
+    fn scalar(&mut self, name: &str, solid: Aabb) -> Result<Option<Arc<Scalar>>, Problem>;
+    /// The name of this shape.
+    fn name(&self) -> &str;
+    /// Cells.
+    fn cells(&mut self, id: CellsId) -> Result<Arc<Cells>, Problem>;
+    /// The field of the shape that cells stand around.
+    fn host(&mut self, id: CellsId) -> Result<Arc<dyn Field>, Problem>;
+    /// The pieces that a `facet` was made of.
+    fn pieces(&mut self) -> Result<Arc<Pieces>, Problem>;
+    /// Keeps them.
+    fn keep_pieces(&mut self, pieces: Pieces);
+    /// What was read from the node's file.
+    fn imported(&self) -> Arc<Imported>;
+    /// Whether the values of the node count beside its surface, not only their sign.
+    fn needs_distance(&self) -> bool;
+}
+
+impl dyn Build + '_ {
+    /// The number of a key at the moment; where it is left out, its share of the key that its default refers to.
+    pub fn number(&self, key: &str) -> Result<f64, Problem> {
+        match (self.arguments().number(key), self.key(key).default) {
+            (Some(number), _) => Ok(number.at(self.moment())?),
+            (None, Absent::Of(other, share)) => Ok(share * self.number(other)?),
+            (None, default) => unreachable!("`{key}` has no value by itself, but {default:?}"),
+        }
+    }
+
+    /// The three numbers of a key at the moment.
+    pub fn vector(&self, key: &str) -> Result<DVec3, Problem> {
+        let [x, y, z] = self.arguments().vector(key).expect("it has a default");
+        Ok(DVec3::new(x.at(self.moment())?, y.at(self.moment())?, z.at(self.moment())?))
+    }
+
+    /// The direction of a key at the moment, of any length but 0.
+    pub fn direction(&self, key: &str) -> Result<DVec3, Problem> {
+        let direction = self.vector(key)?;
+        if direction.length() >= LEAST {
+            return Ok(direction);
+        }
+        let span = self.arguments().vector(key).map_or_else(Default::default, |vector| vector[0].span);
+        Err(Problem::new(span, "a direction needs a length other than 0"))
+    }
+
+    /// The number of a key that stands still.
+    pub fn constant(&self, key: &str) -> f64 {
+        *self.arguments().constant(key).expect("it has a default")
+    }
+
+    /// The shapes of a key where they stand.
+    pub fn shapes(&mut self, key: &str) -> Result<Vec<Node>, Problem> {
+        let shapes = self.arguments().shapes(key).cloned().unwrap_or_default();
+        shapes.into_iter().map(|id| self.shape(id)).collect()
+    }
+
+    /// The same without those that are met again. R₀ makes F of twice the same more than three times as steep inside: some
+    /// levels of that leave the range of a float.
+    pub fn different_shapes(&mut self, key: &str) -> Result<Vec<Node>, Problem> {
+        let mut seen = std::collections::BTreeSet::new();
+        Ok(self.shapes(key)?.into_iter().filter(|node| seen.insert(*node)).collect())
+    }
+}

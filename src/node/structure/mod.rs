@@ -1,0 +1,3 @@
+//! Shapes made of another by cells.
+
+pub(crate) mod facet;
