@@ -41,7 +41,7 @@ impl CellIndex for CubeLattice {
 
 impl CubeLattice {
     /// The cube of a position, both in edges.
-    fn cube_at(&self, position: DVec3) -> DVec3 {
+    pub fn cube_at(&self, position: DVec3) -> DVec3 {
         let cube = position.round();
         let off = position - cube;
         let near_face = |off: f64| (0.5 - off.abs()) * self.edge < self.tolerance;

@@ -93,6 +93,27 @@ impl Graph {
         self.binary(Binary::Max, a, b)
     }
 
+    /// The sine of an angle in radians.
+    pub fn sin(&mut self, a: Node) -> Node {
+        self.unary(Unary::Sin, a)
+    }
+
+    /// The cosine of an angle in radians.
+    pub fn cos(&mut self, a: Node) -> Node {
+        self.unary(Unary::Cos, a)
+    }
+
+    /// A power; not a number where the base is negative and the exponent not whole.
+    pub fn pow(&mut self, base: Node, exponent: f64) -> Node {
+        let exponent = self.constant(exponent);
+        self.binary(Binary::Pow, base, exponent)
+    }
+
+    /// The intersection of two solids whose surfaces meet at right angles: the exact distance where both are.
+    pub fn corner(&mut self, a: Node, b: Node) -> Node {
+        self.binary(Binary::Corner, a, b)
+    }
+
     /// The union of solids; of none, nothing (−1 everywhere).
     pub fn union(&mut self, system: SetSystem, solids: &[Node]) -> Node {
         let operation = if system == SetSystem::R0 { Binary::Union } else { Binary::Max };
@@ -253,6 +274,11 @@ impl Graph {
     /// clips nothing.
     pub fn bounded(&mut self, solid: Node, bounds: Aabb) -> Node {
         self.declare(solid, Facts::new(Some(bounds), Slope::Unknown))
+    }
+
+    /// States that a node is the signed distance to the surface of a solid in a box. It is believed.
+    pub fn exact(&mut self, solid: Node, bounds: Aabb) -> Node {
+        self.declare(solid, Facts::distance(Some(bounds)))
     }
 
     /// States how a solid falls outside of its known box: it is no more than −`fall` times the distance to that. It is

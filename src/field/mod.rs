@@ -25,6 +25,7 @@ mod leaf;
 mod machine;
 mod op;
 mod place;
+mod polygon;
 mod program;
 mod prune;
 mod rising;

@@ -1,6 +1,7 @@
 //! The values of a node's keys, and what can be asked of all of them alike: which numbers, shapes, cells and files they
 //! name. Nothing that walks over a scene has to know what any node is.
 
+use crate::attribute::LinearRgb;
 use crate::field::Aabb;
 use crate::node::id::{CellsId, ShapeId};
 use crate::text::files::FileReference;
@@ -37,6 +38,31 @@ pub enum Argument {
     Box(Bounds),
     /// The name of a scalar of the shape.
     Scalar(ScalarName),
+    /// A whole number.
+    Whole(i64),
+    /// Text, and where it stands.
+    Text(String, Span),
+    /// A colour, scene-linear.
+    Colour(LinearRgb),
+    /// Colours.
+    Colours(Vec<LinearRgb>),
+    /// Numbers that stand still.
+    Numbers(Vec<f32>),
+    /// Colours with the depths at which they begin.
+    Bands(Vec<(f64, LinearRgb)>),
+    /// Numbers with the depths at which they begin.
+    NumberBands(Vec<(f64, [f32; 1])>),
+    /// Numbers or formulas of space: three of a colour, or one.
+    Components(Vec<Component>),
+}
+
+/// A number that may be a formula of space.
+#[derive(Clone, Debug)]
+pub enum Component {
+    /// The same everywhere.
+    Number(Number),
+    /// A formula of space and time.
+    Formula(Formula),
 }
 
 /// The scalar that a key names.
@@ -120,20 +146,55 @@ impl Arguments {
         bounds: Box => Bounds,
         /// The name of a scalar.
         scalar: Scalar => ScalarName,
+        /// A whole number.
+        whole: Whole => i64,
+        /// Colours.
+        colours: Colours => Vec<LinearRgb>,
+        /// Numbers that stand still.
+        values: Numbers => Vec<f32>,
+        /// Colours by depth.
+        bands: Bands => Vec<(f64, LinearRgb)>,
+        /// Numbers by depth.
+        number_bands: NumberBands => Vec<(f64, [f32; 1])>,
     }
 
-    /// All numbers that may change over time.
-    pub fn numbers(&self) -> impl Iterator<Item = &Number> {
+    /// Whether any of them is a number or formula of space.
+    pub fn has_components(&self) -> bool {
+        self.0.iter().any(|(_, value)| matches!(value, Argument::Components(_)))
+    }
+
+    fn components(&self) -> impl Iterator<Item = &Component> {
         self.0.iter().flat_map(|(_, value)| match value {
-            Argument::Number(number) => std::slice::from_ref(number),
-            Argument::Vector(vector) => &vector[..],
+            Argument::Components(components) => &components[..],
             _ => &[],
         })
     }
 
+    /// All numbers that may change over time.
+    pub fn numbers(&self) -> impl Iterator<Item = &Number> {
+        let whole = self.0.iter().flat_map(|(_, value)| match value {
+            Argument::Number(number) => std::slice::from_ref(number),
+            Argument::Vector(vector) => &vector[..],
+            _ => &[],
+        });
+        let of_space = self.components().filter_map(|component| match component {
+            Component::Number(number) => Some(number),
+            Component::Formula(_) => None,
+        });
+        whole.chain(of_space)
+    }
+
     /// All formulas of space.
     pub fn formulas(&self) -> impl Iterator<Item = &Formula> {
-        self.0.iter().filter_map(|(_, value)| if let Argument::Formula(formula) = value { Some(formula) } else { None })
+        let whole = self.0.iter().filter_map(|(_, value)| match value {
+            Argument::Formula(formula) => Some(formula),
+            _ => None,
+        });
+        let of_space = self.components().filter_map(|component| match component {
+            Component::Formula(formula) => Some(formula),
+            Component::Number(_) => None,
+        });
+        whole.chain(of_space)
     }
 
     /// All shapes, in the order of the keys.

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use crate::attribute::VoxelValues;
 
-use crate::node::model::{AttributeSource, Content, Model, ShapeId, VoxelSource};
+use crate::node::model::{Content, Model, ShapeId, VoxelSource};
 use crate::node::spec::{Import, Imported};
 use crate::node::volume;
 use crate::text::diagnostic::Diagnostic;
@@ -41,13 +41,13 @@ impl Assets {
                 }
                 assets.imported.insert(id, Arc::new(imported));
             }
-            if let Some(AttributeSource::Voxels(source)) = &shape.colour {
+            if let Some(given) = shape.colour.as_ref().filter(|given| given.source.is_volume) {
+                let source = VoxelSource::of(&given.arguments, "Cd");
                 assets.colours.insert(id, colours.values(&volume::COLOURS, source)?);
             }
-            for (name, scalar) in &shape.scalars {
-                if let AttributeSource::Voxels(source) = scalar {
-                    assets.scalars.insert((id, name.clone()), scalars.values(&volume::SCALARS, source)?);
-                }
+            for (name, given) in shape.scalars.iter().filter(|(_, given)| given.source.is_volume) {
+                let source = VoxelSource::of(&given.arguments, name);
+                assets.scalars.insert((id, name.clone()), scalars.values(&volume::SCALARS, source)?);
             }
         }
         Ok(assets)
@@ -91,21 +91,21 @@ fn memory_of<'v, const N: usize>(volumes: impl Iterator<Item = &'v Arc<VoxelValu
 }
 
 /// Volumes read so far: what several shapes name is read once.
-struct Loaded<'m, const N: usize> {
+struct Loaded<const N: usize> {
     memory_limit: Option<usize>,
-    known: Vec<(&'m VoxelSource, Arc<VoxelValues<N>>)>,
+    known: Vec<(VoxelSource, Arc<VoxelValues<N>>)>,
 }
 
-impl<'m, const N: usize> Loaded<'m, N> {
+impl<const N: usize> Loaded<N> {
     fn new(memory_limit: Option<usize>) -> Self {
         Self { memory_limit, known: Vec::new() }
     }
 
-    fn values(&mut self, wanted: &volume::Wanted<N>, source: &'m VoxelSource) -> Result<Arc<VoxelValues<N>>, Problem> {
+    fn values(&mut self, wanted: &volume::Wanted<N>, source: VoxelSource) -> Result<Arc<VoxelValues<N>>, Problem> {
         if let Some((_, values)) = self.known.iter().find(|(other, _)| source.is_same(other)) {
             return Ok(Arc::clone(values));
         }
-        let values = Arc::new(volume::load(wanted, source, self.memory_limit)?);
+        let values = Arc::new(volume::load(wanted, &source, self.memory_limit)?);
         self.known.push((source, Arc::clone(&values)));
         Ok(values)
     }
@@ -126,7 +126,7 @@ fn shown_with_own_colours(model: &Model) -> HashSet<ShapeId> {
         }
         let shape = model.shape(id);
         match &shape.colour {
-            Some(source) => open.extend(source.parts()),
+            Some(given) => open.extend(given.arguments.all_shapes()),
             None => open.extend(shape.painters()),
         }
         if shape.colour.is_none() && shape.spec.import.is_some() {

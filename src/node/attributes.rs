@@ -3,32 +3,23 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use crate::attribute::{Attribute, ByFormula, Colour, Components, Constant, FieldValue, LinearRgb};
-use crate::attribute::{Mix, Mixer, Scalar, Straight};
-use crate::field::Field;
+use crate::attribute::{Attribute, Colour, Constant, LinearRgb, Scalar};
 use crate::node::assets::Assets;
 use crate::node::id::Stage;
-use crate::node::model::{AttributeSource, Shape, ShapeColour, ShapeId, ShapeScalar};
+use crate::node::model::{Shape, ShapeColour, ShapeId, ShapeScalar};
 use crate::node::placed::{Placed, Way};
+use crate::node::source::Given;
 use crate::node::spec::Imported;
 use crate::text::colour::{GREY, css};
 use crate::text::problem::Problem;
 
 /// Which attribute of shapes is asked for.
 pub(crate) trait Asked<const N: usize>: Copy {
-    /// What a formula's numbers are.
-    type Meaning: Copy;
-    /// How values are mixed.
-    type Mix: Mix<N> + 'static;
-
     /// A shape's own.
-    fn source(self, shape: &Shape) -> Option<&AttributeSource<N, Self::Meaning, Self::Mix>>;
+    fn source(self, shape: &Shape) -> Option<&Given<N>>;
 
     /// What a shape has that has none, beside others that have one.
     fn absent(self) -> [f32; N];
-
-    /// By formulas.
-    fn by_fields(self, fields: [Arc<dyn Field>; N], meaning: Self::Meaning) -> Arc<dyn Attribute<N>>;
 
     /// What comes with a file.
     fn of_import(self, import: &Imported) -> Option<Arc<dyn Attribute<N>>>;
@@ -61,19 +52,12 @@ pub(crate) struct Paints {
 pub(crate) struct TheColour;
 
 impl Asked<3> for TheColour {
-    type Meaning = Components;
-    type Mix = Mixer;
-
     fn source(self, shape: &Shape) -> Option<&ShapeColour> {
         shape.colour.as_ref()
     }
 
     fn absent(self) -> LinearRgb {
         css(GREY).expect("it is a colour")
-    }
-
-    fn by_fields(self, components: [Arc<dyn Field>; 3], meaning: Components) -> Arc<Colour> {
-        Arc::new(ByFormula { components, meaning })
     }
 
     fn of_import(self, import: &Imported) -> Option<Arc<Colour>> {
@@ -103,19 +87,12 @@ impl Asked<3> for TheColour {
 pub(crate) struct TheScalar<'n>(pub &'n str);
 
 impl Asked<1> for TheScalar<'_> {
-    type Meaning = ();
-    type Mix = Straight;
-
     fn source(self, shape: &Shape) -> Option<&ShapeScalar> {
         shape.scalars.get(self.0)
     }
 
     fn absent(self) -> [f32; 1] {
         [0.0]
-    }
-
-    fn by_fields(self, [field]: [Arc<dyn Field>; 1], (): ()) -> Arc<Scalar> {
-        Arc::new(FieldValue(field))
     }
 
     fn of_import(self, _import: &Imported) -> Option<Arc<Scalar>> {
@@ -144,7 +121,7 @@ impl Asked<1> for TheScalar<'_> {
 
 /// An attribute, and whether it has one value everywhere.
 #[derive(Clone)]
-pub(crate) struct Paint<const N: usize> {
+pub struct Paint<const N: usize> {
     /// The attribute.
     pub attribute: Arc<dyn Attribute<N>>,
     /// That value.
@@ -166,7 +143,7 @@ impl<const N: usize> Paint<N> {
     }
 
     /// Seen through a way; one value stays itself.
-    pub fn through(self, way: Way) -> Self {
+    pub(crate) fn through(self, way: Way) -> Self {
         match self.solid {
             Some(_) => self,
             None => Self::of(Placed { inner: self.attribute, way }),

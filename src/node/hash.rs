@@ -3,7 +3,7 @@
 use sha2::{Digest, Sha256};
 
 use crate::node::argument::Arguments;
-use crate::node::model::{AttributeSource, Model};
+use crate::node::model::Model;
 use crate::text::files::FileReference;
 
 impl Model {
@@ -14,8 +14,7 @@ impl Model {
         digest.update(self.canonical.as_bytes());
         for shape in &self.shapes {
             let named = shape.all_arguments().flat_map(Arguments::files);
-            let colour = shape.colour.iter().filter_map(AttributeSource::file);
-            let voxels = colour.chain(shape.scalars.values().filter_map(AttributeSource::file));
+            let voxels = shape.given_arguments().flat_map(Arguments::files);
             for file in named.chain(voxels) {
                 let bytes = file.read().map_err(|error| (file.clone(), error))?;
                 digest.update(shape.name.as_bytes());

@@ -1,27 +1,11 @@
 //! Every key of the format, in one place: what is checked, what is proposed when a name is wrong, what a default
 //! is, and what `docs/scene.md` says.
 
-mod colours;
 mod morph;
-mod scalars;
 
-pub use colours::COLOURS;
-pub(crate) use colours::SEAM;
 pub use morph::{BY_MODE, DELAY, FILL, MORPH, ROUND};
-pub use scalars::SCALARS;
 
 use crate::text::key::{Absent, Key, Kind, Limit};
-
-/// A maker: the one key that says what a shape is, and the parameters beside it.
-#[derive(Clone, Copy, Debug)]
-pub struct Maker {
-    /// The key itself; its value is the main parameter, or the operands.
-    pub key: Key,
-    /// What else it takes.
-    pub parameters: &'static [Key],
-    /// Its function, positive inside, where one line says it.
-    pub formula: &'static str,
-}
 
 use Absent::{Nothing, Number, Required, Text, Words};
 
@@ -172,18 +156,3 @@ pub const OUTPUT: &[Key] = &[
     .unit("units/s"),
     Key::new("color_name", Kind::Text, Text("Cd"), "The colour grid's name.").also(&["colour_name"]),
 ];
-
-/// The maker that a parameter goes with.
-fn owner(makers: &'static [Maker], name: &str) -> Option<&'static str> {
-    makers.iter().find(|maker| maker.parameters.iter().any(|key| key.is_called(name))).map(|maker| maker.key.name)
-}
-
-/// The maker of colours that a key goes with.
-pub fn colour_owner(name: &str) -> Option<&'static str> {
-    owner(COLOURS, name)
-}
-
-/// The maker of scalars that a key goes with.
-pub fn scalar_owner(name: &str) -> Option<&'static str> {
-    owner(SCALARS, name)
-}

@@ -6,6 +6,7 @@ use std::sync::Arc;
 
 use super::read::{self, Surroundings};
 use crate::disk;
+use crate::node::example::{node_names, node_scene};
 use crate::node::keys::SCENE;
 use crate::node::model::Model;
 use crate::terminal;
@@ -22,7 +23,7 @@ use crate::text::value::{Origin, parse_json, parse_toml};
 pub enum Source {
     /// A file: TOML, or JSON where its name ends in `.json`.
     Path(PathBuf),
-    /// A scene inside the program.
+    /// A scene inside the program, or a node as a scene of its own.
     Builtin(String),
     /// A text that is no file.
     Text {
@@ -36,10 +37,11 @@ pub enum Source {
 }
 
 impl Source {
-    /// What an argument of the command line means: a built-in scene's name where no such file exists. (A folder is none.)
+    /// What an argument of the command line means: a built-in scene's name, or a node's, where no such file exists. (A folder is none.)
     pub fn of_argument(argument: &str) -> Self {
         let path = Path::new(argument);
-        let is_name = builtin_text(argument).is_some() && (path.is_dir() || !path.exists());
+        let is_known = builtin_text(argument).is_some() || node_scene(argument).is_some();
+        let is_name = is_known && (path.is_dir() || !path.exists());
         if is_name { Self::Builtin(argument.into()) } else { Self::Path(argument.into()) }
     }
 }
@@ -96,11 +98,11 @@ fn alone(problem: Diagnostic) -> Diagnostics {
 /// The name, the text, and where its paths begin.
 fn fetch(source: &Source) -> Result<(String, String, Base), Diagnostic> {
     match source {
-        Source::Builtin(name) => match builtin_text(name) {
-            Some(text) => Ok((format!("{name}.toml"), text.into(), Base::BuiltIn)),
+        Source::Builtin(name) => match builtin_text(name).map(str::to_owned).or_else(|| node_scene(name)) {
+            Some(text) => Ok((format!("{name}.toml"), text, Base::BuiltIn)),
             None => {
                 let problem = format!("there is no built-in scene `{}`", clip(name));
-                Err(Diagnostic::without_place(problem).suggest(name, builtin_names()))
+                Err(Diagnostic::without_place(problem).suggest(name, builtin_names().chain(node_names())))
             }
         },
         Source::Text { name, text, folder } => Ok((name.clone(), text.clone(), Base::Folder(folder.clone()))),
@@ -136,7 +138,7 @@ fn read_text(path: &Path) -> Result<String, Diagnostic> {
 
 fn not_found(shown: &str) -> Diagnostic {
     let problem = Diagnostic::without_place(format!("there is no scene `{}`", clip(shown)));
-    match nearest(shown, builtin_names()) {
+    match nearest(shown, builtin_names().chain(node_names())) {
         Some(name) => problem.help(format!("did you mean the built-in scene `{name}`?")),
         None => problem.help("`hfvdb scenes` lists the built-in scenes"),
     }

@@ -3,21 +3,21 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
-use crate::attribute::{Choice, Components, Mixer, Outside, Overlap, Straight};
+use crate::attribute::{Outside, Overlap, Power};
 use crate::distance::without::Keep;
 
 use crate::node::argument::{Argument, Arguments, Bounds};
+use crate::node::source::Given;
 use crate::node::spec::{Carries, Spec};
 use crate::text::diagnostic::Diagnostics;
 use crate::text::files::FileReference;
-use crate::text::formula::Formula;
 use crate::text::frames::{FrameRange, Shot};
 use crate::text::moment::Moment;
 use crate::text::number::Number;
 use crate::text::reader::Setting;
 use crate::text::source::{Sources, Span};
 
-pub use crate::node::argument::ScalarName;
+pub use crate::node::argument::{Component, ScalarName};
 pub use crate::node::id::{CellsId, ShapeId};
 
 /// A checked scene.
@@ -158,6 +158,12 @@ impl Shape {
         std::iter::once(&self.arguments).chain(self.modifiers.iter().map(|modifier| &modifier.arguments))
     }
 
+    /// The arguments of its own colour and scalars.
+    pub(crate) fn given_arguments(&self) -> impl Iterator<Item = &Arguments> {
+        let scalars = self.scalars.values().map(|scalar| &scalar.arguments);
+        self.colour.iter().map(|colour| &colour.arguments).chain(scalars)
+    }
+
     /// Whether the values of its field count beside its surface, not only their sign.
     pub(crate) fn is_measured(&self) -> bool {
         self.modifiers.iter().any(|modifier| (modifier.spec.measures)(&modifier.arguments))
@@ -171,9 +177,8 @@ impl Shape {
     /// Whether its parts' attributes go over into one another.
     pub fn has_seam(&self) -> bool {
         let soft = |seam: f64| seam > 0.0;
-        soft(self.seam())
-            || matches!(self.colour, Some(AttributeSource::Parts { seam, .. }) if soft(seam))
-            || self.scalars.values().any(|source| matches!(source, AttributeSource::Parts { seam, .. } if soft(*seam)))
+        let given = |arguments: &Arguments| arguments.constant("seam").is_some_and(|seam| soft(*seam));
+        soft(self.seam()) || self.given_arguments().any(given)
     }
 
     /// The shapes whose attributes it takes where it has none of its own. What is cut shows the inside of what it is cut
@@ -193,46 +198,10 @@ impl Shape {
 }
 
 /// A shape's colour, scene-linear.
-pub type ShapeColour = AttributeSource<3, Components, Mixer>;
+pub type ShapeColour = Given<3>;
 
 /// A scalar of a shape.
-pub type ShapeScalar = AttributeSource<1, (), Straight>;
-
-/// Where an attribute of a shape comes from: `N` numbers, which formulas give as `K` says and which are mixed by `M`.
-#[derive(Clone, Debug)]
-pub enum AttributeSource<const N: usize, K, M> {
-    /// One value.
-    Solid([f32; N]),
-    /// Numbers of space and time.
-    Formula {
-        /// The numbers.
-        components: Box<[Component; N]>,
-        /// What they are.
-        meaning: K,
-        /// Where they stand.
-        span: Span,
-    },
-    /// One for each piece of space, at random.
-    Random {
-        /// What is chosen from.
-        choice: Choice<N, M>,
-        /// The pieces.
-        by: Pieces,
-        /// What the choice starts from.
-        seed: u64,
-    },
-    /// One for each band of depth below the surface: where it begins, units, rising.
-    Bands(Vec<(f64, [f32; N])>),
-    /// Those of other shapes, which stand in this one's own space.
-    Parts {
-        /// The shapes, the later above the earlier.
-        shapes: Vec<ShapeId>,
-        /// The width of the transition where they meet, units.
-        seam: f64,
-    },
-    /// A volume of voxels, which stand in the shape's own space.
-    Voxels(VoxelSource),
-}
+pub type ShapeScalar = Given<1>;
 
 /// A grid of colours or scalars in a file.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -247,42 +216,21 @@ pub struct VoxelSource {
     pub outside: Outside,
 }
 
-impl<const N: usize, K, M> AttributeSource<N, K, M> {
-    /// The shapes whose values it takes.
-    pub fn parts(&self) -> &[ShapeId] {
-        match self {
-            Self::Parts { shapes, .. } => shapes,
-            _ => &[],
-        }
+impl VoxelSource {
+    /// The grid that a source reads, by this name where the scene gives none.
+    pub(crate) fn of(arguments: &Arguments, usual: &str) -> Self {
+        let file = arguments.file("vdb").expect("it must be there").clone();
+        let (grid, grid_span) = match arguments.get("grid") {
+            Some(Argument::Text(grid, span)) => (grid.clone(), *span),
+            _ => (usual.to_owned(), file.span),
+        };
+        let power = arguments.whole("power").and_then(|power| Power::new(u32::try_from(*power).ok()?));
+        let outside = match (arguments.choice("outside"), power) {
+            (Some(&"potential"), Some(power)) => Outside::Potential(power),
+            _ => Outside::Foot,
+        };
+        Self { file, grid, grid_span, outside }
     }
-
-    /// The file that it comes from, if one.
-    pub fn file(&self) -> Option<&FileReference> {
-        if let Self::Voxels(source) = self { Some(&source.file) } else { None }
-    }
-
-    /// Where its formulas stand, if they are what it is.
-    pub fn formula(&self) -> Option<Span> {
-        if let Self::Formula { span, .. } = self { Some(*span) } else { None }
-    }
-}
-
-/// One of an attribute's numbers.
-#[derive(Clone, Debug)]
-pub enum Component {
-    /// The same everywhere.
-    Number(Number),
-    /// A formula of space and time.
-    Formula(Formula),
-}
-
-/// Pieces of space that take a value each.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Pieces {
-    /// The cells of a facet or of copies.
-    Cells,
-    /// Cubes of this edge, units.
-    Cubes(f64),
 }
 
 /// Octree cells around a shape.

@@ -5,25 +5,22 @@ use std::sync::{Arc, OnceLock};
 
 use glam::DAffine3;
 
-use crate::attribute::{Bands, ByCell, CellIndex, Choice, CubeLattice, FieldValue, Mix, Part, Parts, Rule, Scalar};
+use crate::attribute::{Attribute, CellIndex, FieldValue, Part, Parts, Rule, Scalar};
 use crate::distance::nearest::BallsByTree;
 use crate::distance::octree::BuildError;
 use crate::field::{Expression, Field, Graph, Interval};
+use crate::node::argument::{Arguments, Component};
 use crate::node::attributes::{Asked, Paint};
 use crate::node::depth::Depth;
 use crate::node::extent::{box_of, solid_box};
 use crate::node::id::Stage;
 use crate::node::measured::Purpose;
-use crate::node::model::{AttributeSource, Component, Model, Pieces, Shape, ShapeId};
+use crate::node::model::{Model, Shape, ShapeId};
 use crate::node::placed::Way;
 use crate::node::solid::Solids;
+use crate::node::source::{Sourcing, TOLERANCE_VOXELS};
 use crate::node::spec::Carries;
 use crate::text::problem::Problem;
-
-/// How far outside of a part a surface point may be, in voxels, and still count as inside it: feet lie on the
-/// surface to about a thousandth of a voxel. Less: specks of the parts behind; more: parts that end just below the
-/// surface shine through.
-pub(crate) const TOLERANCE_VOXELS: f64 = 0.05;
 
 /// The shapes of a list without those that come again: a part is a part once.
 pub(crate) fn last_of_each(shapes: &[ShapeId]) -> Vec<ShapeId> {
@@ -85,24 +82,10 @@ impl Solids {
         voxel: f64,
     ) -> Result<Option<Paint<N>>, Problem> {
         let paint = match what.source(shape) {
-            Some(AttributeSource::Solid(value)) => return Ok(Some(Paint::solid(*value))),
-            Some(AttributeSource::Formula { components, meaning, .. }) => {
-                let mut fields = Vec::with_capacity(N);
-                for component in components.iter() {
-                    fields.push(self.component(component)?);
-                }
-                let fields = fields.try_into().unwrap_or_else(|_| unreachable!("one field a component"));
-                Some(Paint::shared(what.by_fields(fields, *meaning)))
+            Some(given) => {
+                let mut painting = Painting { solids: self, what, id, shape, arguments: &given.arguments, voxel };
+                Some((given.source.build)(&mut painting)?)
             }
-            Some(AttributeSource::Random { choice, by, seed }) => {
-                Some(self.at_random(id, choice.clone(), *by, *seed, voxel)?)
-            }
-            Some(AttributeSource::Bands(bands)) => Some(self.by_bands(id, bands.clone(), voxel)?),
-            Some(AttributeSource::Parts { shapes, seam }) => {
-                let paint = self.parts_paint(what, shapes, Rule::Union { seam: *seam }, voxel)?;
-                Some(paint.unwrap_or_else(|| Paint::solid(what.absent())))
-            }
-            Some(AttributeSource::Voxels(_)) => Some(Paint::shared(what.of_voxels(self.assets(), id))),
             None => {
                 let paint = self.made_paint(what, id, shape, voxel)?;
                 if shape.modifier("at").is_some() && paint.as_ref().is_some_and(|paint| paint.solid.is_none()) {
@@ -195,60 +178,72 @@ impl Solids {
         };
         Ok(Arc::new(Expression::new(&graph, node).keeping_values()))
     }
+}
 
-    fn at_random<const N: usize>(
-        &mut self,
-        id: ShapeId,
-        choice: Choice<N, impl Mix<N> + 'static>,
-        by: Pieces,
-        seed: u64,
-        voxel: f64,
-    ) -> Result<Paint<N>, Problem> {
-        let model = self.model();
-        let shape = model.shape(id);
-        let cells: Arc<dyn CellIndex> = match by {
-            Pieces::Cubes(edge) => {
-                let solid = self.field(id, Stage::Bare)?;
-                Arc::new(CubeLattice { edge, solid, tolerance: TOLERANCE_VOXELS * voxel })
-            }
-            Pieces::Cells => self
-                .cell_index(id)?
-                .ok_or_else(|| Problem::new(shape.span, format!("`{}` has no cells to take colours", shape.name)))?,
-        };
-        Ok(Paint::of(ByCell { cells, choice, seed }))
+/// An attribute of one shape while it is built.
+struct Painting<'b, W> {
+    solids: &'b mut Solids,
+    what: W,
+    id: ShapeId,
+    shape: &'b Shape,
+    arguments: &'b Arguments,
+    voxel: f64,
+}
+
+impl<const N: usize, W: Asked<N>> Sourcing<N> for Painting<'_, W> {
+    fn arguments(&self) -> &Arguments {
+        self.arguments
     }
 
-    /// Bands need a distance: the shape is measured where nothing else tells it, once a point off its surface is asked for.
-    /// They stand as before `displace`, which they may be what it goes by.
-    fn by_bands<const N: usize>(
-        &mut self,
-        id: ShapeId,
-        bands: Vec<(f64, [f32; N])>,
-        voxel: f64,
-    ) -> Result<Paint<N>, Problem> {
-        let model = self.model();
-        let shape = model.shape(id);
-        // What lies before the first has the first's: it begins nowhere.
-        let levels = match &bands[..] {
-            [] | [_] => return Ok(Paint::solid(bands.first().map_or([0.0; N], |(_, value)| *value))),
-            [_, (first, _), .., (last, _)] | [_, (first @ last, _)] => Interval::new(*first, *last),
-        };
+    fn component(&self, component: &Component) -> Result<Arc<dyn Field>, Problem> {
+        self.solids.component(component)
+    }
+
+    fn solid(&mut self) -> Result<Arc<dyn Field>, Problem> {
+        self.solids.field(self.id, Stage::Bare)
+    }
+
+    fn voxel(&self) -> f64 {
+        self.voxel
+    }
+
+    fn cells(&mut self) -> Result<Arc<dyn CellIndex>, Problem> {
+        let cells = self.solids.cell_index(self.id)?;
+        cells
+            .ok_or_else(|| Problem::new(self.shape.span, format!("`{}` has no cells to take colours", self.shape.name)))
+    }
+
+    fn parts(&mut self, shapes: &[ShapeId], rule: Rule) -> Result<Option<Paint<N>>, Problem> {
+        self.solids.parts_paint(self.what, shapes, rule, self.voxel)
+    }
+
+    /// The shape is measured where nothing else tells its distance, once a point off its surface is asked for.
+    fn depth(&mut self, levels: Interval) -> Result<Arc<Scalar>, Problem> {
+        let (id, voxel) = (self.id, self.voxel);
+        if let Some(distance) = self.solids.distance_without_measuring(id, levels)? {
+            return Ok(Arc::new(FieldValue(distance)));
+        }
+        let solid = self.solids.field(id, Stage::Bare)?;
+        let aabb = solid_box(&self.solids.model(), id, solid.as_ref())?;
+        let (failure, name, span) = (Arc::clone(self.solids.failure()), self.shape.name.clone(), self.shape.span);
+        let failed = Box::new(move |error: BuildError| {
+            // Which of several comes first does not matter.
+            let _ = failure.set(Problem::new(span, format!("`{name}`: {error}")));
+        });
+        let cancel = Arc::clone(self.solids.cancel());
         let tolerance = TOLERANCE_VOXELS * voxel;
-        let depth: Arc<Scalar> = match self.distance_without_measuring(id, levels)? {
-            Some(distance) => Arc::new(FieldValue(distance)),
-            None => {
-                let solid = self.field(id, Stage::Bare)?;
-                let aabb = solid_box(&model, id, solid.as_ref())?;
-                let (failure, name, span) = (Arc::clone(self.failure()), shape.name.clone(), shape.span);
-                let failed = move |error: BuildError| {
-                    // Which of several comes first does not matter.
-                    let _ = failure.set(Problem::new(span, format!("`{name}`: {error}")));
-                };
-                let (cancel, failed) = (Arc::clone(self.cancel()), Box::new(failed));
-                Arc::new(Depth { solid, aabb, levels, voxel, tolerance, cancel, failed, measured: OnceLock::new() })
-            }
-        };
-        let bands = Bands::new(depth, bands, tolerance);
-        bands.map(Paint::of).ok_or_else(|| Problem::new(shape.span, "bands begin one below the other"))
+        Ok(Arc::new(Depth { solid, aabb, levels, voxel, tolerance, cancel, failed, measured: OnceLock::new() }))
+    }
+
+    fn volume(&self) -> Arc<dyn Attribute<N>> {
+        self.what.of_voxels(self.solids.assets(), self.id)
+    }
+
+    fn absent(&self) -> [f32; N] {
+        self.what.absent()
+    }
+
+    fn problem(&self, message: &str) -> Problem {
+        Problem::new(self.shape.span, message)
     }
 }

@@ -3,8 +3,9 @@
 use std::fmt::Write;
 
 use crate::field::functions;
-use crate::node::keys::{self, Maker};
+use crate::node::keys;
 use crate::node::list;
+use crate::node::source::Source;
 use crate::node::spec::Spec;
 use crate::text::builtin::{builtin_line, builtin_names};
 use crate::text::key::{Absent, Key, Limit};
@@ -168,9 +169,9 @@ pub fn reference() -> String {
     section(&mut out, "`at`: copies", "", keys::COPIES);
     section(&mut out, "`[cells.NAME]`", "", keys::CELLS);
     out.push_str(COLOURS);
-    makers(&mut out, keys::COLOURS, "c");
+    sources(&mut out, list::COLOURS, "c");
     out.push_str(SCALARS);
-    makers(&mut out, keys::SCALARS, "a");
+    sources(&mut out, list::SCALARS, "a");
     section(&mut out, "A key as a table", KEY, keys::KEY);
     section(&mut out, "`[param]`: a parameter as a table", "", keys::PARAMETER);
     section(&mut out, "`[morph]`", "", keys::MORPH);
@@ -251,15 +252,18 @@ fn specs(out: &mut String, specs: &'static [Spec]) {
     out.push('\n');
 }
 
-fn makers(out: &mut String, makers: &[Maker], symbol: &str) {
-    for maker in makers {
-        let _ = write!(out, "### `{}`\n\n{} Takes: {}.\n", maker.key.name, maker.key.text, takes(&maker.key));
-        if !maker.formula.is_empty() {
-            let _ = write!(out, "\n{symbol} = {}\n", maker.formula);
+fn sources<const N: usize>(out: &mut String, sources: &'static [Source<N>], symbol: &str) {
+    for source in sources {
+        let _ = write!(out, "### `{}`\n\n{} Takes: {}.\n", source.key.name, source.key.text, takes(&source.key));
+        if !source.formula.is_empty() {
+            let _ = write!(out, "\n{symbol} = {}\n", source.formula);
+        }
+        if !source.example.is_empty() {
+            let _ = write!(out, "\n`{}`\n", source.example);
         }
         out.push('\n');
-        if !maker.parameters.is_empty() {
-            table(out, maker.parameters.iter());
+        if !source.parameters.is_empty() {
+            table(out, source.parameters.iter());
             out.push('\n');
         }
     }

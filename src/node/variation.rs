@@ -1,7 +1,7 @@
 //! What of a scene changes over the shot, and what does not.
 
 use crate::node::argument::{Arguments, ScalarName};
-use crate::node::model::{AttributeSource, Component, Model, Placement, ShapeId};
+use crate::node::model::{Model, Placement, ShapeId};
 use crate::text::formula::Formula;
 use crate::text::number::{Number, NumberValue};
 
@@ -60,30 +60,19 @@ impl Variation {
         let shape = model.shape(id);
         // Parts that move change the shape itself.
         model.needs(id).into_iter().any(|part| self.painted[part.0])
-            || shape.colour.as_ref().is_some_and(|source| self.source_varies(model, source))
-            || shape.scalars.values().any(|source| self.source_varies(model, source))
+            || shape.given_arguments().any(|arguments| self.source_varies(model, arguments))
     }
 
-    fn source_varies<const N: usize, K, M>(&self, model: &Model, source: &AttributeSource<N, K, M>) -> bool {
-        match source {
-            AttributeSource::Formula { components, .. } => components.iter().any(|component| match component {
-                Component::Number(number) => model.varies(number),
-                Component::Formula(formula) => model.formula_varies(formula),
-            }),
-            AttributeSource::Parts { shapes, .. } => {
-                shapes.iter().any(|part| self.placed[part.0] || self.painted[part.0])
-            }
-            AttributeSource::Solid(_)
-            | AttributeSource::Random { .. }
-            | AttributeSource::Bands(_)
-            | AttributeSource::Voxels(_) => false,
-        }
+    fn source_varies(&self, model: &Model, arguments: &Arguments) -> bool {
+        arguments.numbers().any(|number| model.varies(number))
+            || arguments.formulas().any(|formula| model.formula_varies(formula))
+            || arguments.all_shapes().any(|part| self.placed[part.0] || self.painted[part.0])
     }
 
     /// Whether what a shape's node is made from changes.
     fn arguments_vary(&self, model: &Model, id: ShapeId, arguments: &Arguments) -> bool {
         let scalar_varies = |by: &ScalarName| match model.shape(id).scalars.get(&by.name) {
-            Some(source) => self.source_varies(model, source),
+            Some(given) => self.source_varies(model, &given.arguments),
             None => model.needs(id).into_iter().any(|part| self.painted[part.0]),
         };
         arguments.numbers().any(|number| model.varies(number))
@@ -111,9 +100,7 @@ impl Model {
 
     /// The shapes whose colours and scalars a shape takes without being made from them.
     fn painted_by(&self, id: ShapeId) -> Vec<ShapeId> {
-        let shape = self.shape(id);
-        let colour = shape.colour.iter().flat_map(AttributeSource::parts);
-        colour.chain(shape.scalars.values().flat_map(AttributeSource::parts)).copied().collect()
+        self.shape(id).given_arguments().flat_map(Arguments::all_shapes).collect()
     }
 
     /// Some shapes and all that they are made from or painted by, each once, in the order of the scene.

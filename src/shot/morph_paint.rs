@@ -7,7 +7,7 @@ use crate::field::Field;
 
 use crate::node::attributes::{Asked, Paint, TheColour, TheScalar};
 use crate::node::model::{Content, Correspondence};
-use crate::node::paint::TOLERANCE_VOXELS;
+use crate::node::source::TOLERANCE_VOXELS;
 use crate::shot::morphing::{Brush, Planned};
 use crate::shot::prepared::Prepared;
 use crate::text::problem::Problem;

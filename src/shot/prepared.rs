@@ -16,8 +16,9 @@ use crate::node::assets::Assets;
 use crate::node::displacement::{self, Displacement};
 use crate::node::extent::box_of;
 use crate::node::measured::measured;
-use crate::node::model::{AttributeSource, Content, Model, Morph, ScalarName, ShapeId};
+use crate::node::model::{Content, Model, Morph, ScalarName, ShapeId};
 use crate::node::solid::Solids;
+use crate::node::source::Given;
 use crate::node::variation::Variation;
 use crate::shot::error::Error;
 use crate::shot::level_sets::LevelSets;
@@ -293,8 +294,8 @@ impl Prepared {
         let is_colour = grid == self.model.output.colour_name;
         let span = |id: ShapeId| {
             let shape = self.model.shape(id);
-            let scalar = shape.scalars.get(grid).and_then(AttributeSource::formula);
-            if is_colour { shape.colour.as_ref().and_then(AttributeSource::formula) } else { scalar }
+            let scalar = shape.scalars.get(grid).and_then(Given::formula);
+            if is_colour { shape.colour.as_ref().and_then(Given::formula) } else { scalar }
         };
         let named = |id: &ShapeId| Some((self.model.shape(*id).name.clone(), span(*id)?));
         let found: Vec<(String, Span)> = self.parts.iter().filter_map(named).collect();

@@ -1,5 +1,7 @@
 //! What a table of a scene may hold: keys with their kinds, limits and defaults.
 
+use crate::attribute::Components;
+
 /// What a key takes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
@@ -53,16 +55,20 @@ pub enum Kind {
     Cells,
     /// A colour.
     Colour,
-    /// A list of colours.
+    /// A list of colours, or its name.
     Palette,
-    /// Three numbers of a colour, each also as a formula of space.
-    Components,
+    /// Two colours.
+    TwoColours,
+    /// Three numbers of a colour, each also as a formula of space, and what they are.
+    Components(Components),
     /// Colours with the depths at which they begin.
     Bands,
     /// Numbers with the depths at which they begin.
     NumberBands,
     /// A list of numbers.
     Numbers,
+    /// Two numbers that stand still.
+    TwoNumbers,
     /// Copies in cells.
     Copies,
     /// An axis.
@@ -100,11 +106,11 @@ impl Kind {
             Self::ShapePairs => "list of pairs of shapes".into(),
             Self::Cells => "cells".into(),
             Self::Colour => "colour".into(),
-            Self::Palette => "list of colours".into(),
-            Self::Components => "three numbers or formulas of space".into(),
+            Self::Palette | Self::TwoColours => "list of colours".into(),
+            Self::Components(_) => "three numbers or formulas of space".into(),
             Self::Bands => "list of `[depth, colour]`, depths rising".into(),
             Self::NumberBands => "list of `[depth, number]`, depths rising".into(),
-            Self::Numbers => "list of numbers".into(),
+            Self::Numbers | Self::TwoNumbers => "list of numbers".into(),
             Self::Copies => "copies".into(),
             Self::Box => "box".into(),
             Self::Table => "table".into(),

@@ -244,6 +244,11 @@ impl<'r, 'a> Fields<'r, 'a> {
         });
     }
 
+    /// Where the value of the first of the keys stands, or else the table.
+    pub fn main_span(&self) -> Span {
+        self.entry(self.keys[0].name).map_or(self.span, |entry| entry.value.span)
+    }
+
     /// The key as it is known. Every caller names a key of the table it was made with.
     fn key(&self, name: &str) -> &'static Key {
         self.keys.iter().find(|key| key.name == name).expect("readers ask for keys of their own table")

@@ -1,7 +1,7 @@
 //! All in any of several shapes.
 
 use crate::field::SetSystem;
-use crate::node::keys::SEAM;
+use crate::node::source::SEAM;
 use crate::node::spec::{Carries, Spec};
 use crate::text::key::Absent::Required;
 use crate::text::key::{Key, Kind};

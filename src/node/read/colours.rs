@@ -1,16 +1,19 @@
 //! Colours, palettes and names of both.
 
-use crate::attribute::{Choice, ColourSpace, Components, LinearRgb, Mixer, Outside, Power};
+use crate::attribute::{Components, LinearRgb};
 
 use super::{Building, family};
-use crate::node::keys::{self};
-use crate::node::model::{Component, Pieces, ShapeColour, ShapeId, VoxelSource};
+use crate::node::argument::{Argument, Arguments};
+use crate::node::color::components::SRGB;
+use crate::node::list;
+use crate::node::model::{Component, ShapeColour, ShapeId};
+use crate::node::source::Source;
 use crate::text::colour::{constant, css, limits, not_a_colour};
 use crate::text::diagnostic::{Diagnostic, clip, listed};
 use crate::text::files::{self, FileReference};
 use crate::text::formula::Formula;
-use crate::text::key::Limit;
-use crate::text::reader::{Fields, Reader};
+use crate::text::key::{Key, Kind, Limit};
+use crate::text::reader::{Fields, Owner, Reader};
 use crate::text::source::Span;
 use crate::text::value::{Data, Entry, Table, Value};
 
@@ -47,7 +50,7 @@ impl<'r, 'a> Building<'r, 'a> {
     }
 
     /// One colour that is the same everywhere.
-    fn solid(&self, path: &str, value: &Value) -> Option<LinearRgb> {
+    pub(super) fn solid(&self, path: &str, value: &Value) -> Option<LinearRgb> {
         match &value.data {
             Data::Text(text) => {
                 let named = self.named_colours().find(|entry| entry.key == *text && entry.value.span != value.span);
@@ -65,26 +68,27 @@ impl<'r, 'a> Building<'r, 'a> {
             }
             Data::List(_) => constant(self.reader, path, value, Components::Srgb),
             Data::Table(table) => {
-                let elsewhere = |entry: &&Entry| !PLAIN.iter().any(|(name, _)| *name == entry.key);
-                let known = |entry: &&Entry| keys::COLOURS.iter().any(|maker| maker.key.is_called(&entry.key));
-                if let Some(entry) = table.0.iter().filter(elsewhere).find(known) {
+                let is_plain = |source: &&'static Source<3>| matches!(source.key.kind, Kind::Components(_));
+                let named = |entry: &Entry| list::COLOURS.iter().find(|source| source.key.is_called(&entry.key));
+                if let Some(entry) = table.0.iter().find(|entry| named(entry).is_some_and(|source| !is_plain(&source)))
+                {
                     let problem = format!("`{}` is for the `color` of a shape only", entry.key);
                     self.reader.say(Diagnostic::error(entry.key_span, problem));
                     return None;
                 }
-                let keys = keys::COLOURS.iter().map(|maker| &maker.key);
-                let plain = keys.filter(|key| PLAIN.iter().any(|(name, _)| *name == key.name)).collect();
-                let fields = Fields::new(self.reader, path, keys::colour_owner, value.span, table, plain);
-                let mut given = PLAIN.iter().filter(|(name, _)| fields.entry(name).is_some());
+                let plain: Vec<&'static Key> =
+                    list::COLOURS.iter().filter(is_plain).map(|source| &source.key).collect();
+                let fields = Fields::new(self.reader, path, list::colour_owner, value.span, table, plain.clone());
+                let mut given = plain.into_iter().filter(|key| fields.entry(key.name).is_some());
                 match (given.next(), given.next()) {
-                    (Some((name, meaning)), None) => {
+                    (Some(Key { name, kind: Kind::Components(meaning), .. }), None) => {
                         constant(self.reader, &fields.full(name), fields.value(name)?, *meaning)
                     }
                     (Some(_), Some(_)) => {
-                        self.reader.say(two_makers(path, table, keys::COLOURS));
+                        self.reader.say(two_makers(path, table, list::COLOURS));
                         None
                     }
-                    (None, _) => {
+                    _ => {
                         if table.0.is_empty() {
                             self.reader.say(not_a_colour("{}", value, &[]));
                         }
@@ -110,58 +114,58 @@ impl<'r, 'a> Building<'r, 'a> {
         may_nest: bool,
     ) -> Option<ShapeColour> {
         let Some(table) = value.table() else {
-            return self.numbers(path, value, Components::Srgb);
+            let arguments = Arguments(vec![("srgb", self.components(path, value, Components::Srgb)?)]);
+            return Some(ShapeColour { source: &SRGB, arguments, span: value.span });
         };
-        let maker = self.attribute_maker(path, value, table, "color", keys::COLOURS)?;
-        let keys = std::iter::once(&maker.key).chain(maker.parameters).collect();
-        let fields = Fields::new(self.reader, path, keys::colour_owner, value.span, table, keys);
-        let main = fields.value(maker.key.name)?;
-        let full = fields.full(maker.key.name);
-        if let Some((_, meaning)) = PLAIN.iter().find(|(name, _)| *name == maker.key.name) {
-            return self.numbers(&full, main, *meaning);
-        }
-        match maker.key.name {
-            "bands" => self
-                .bands(&full, main, "[depth, colour]", |path, value| self.solid(path, value))
-                .map(ShapeColour::Bands),
-            "parts" => {
-                let shapes = self.operands("parts", 1, &fields, id, may_nest);
-                let seam = fields.constant("seam").unwrap_or(0.0);
-                Some(ShapeColour::Parts { shapes: shapes?, seam })
-            }
-            "vdb" => self.voxels(&fields, "Cd").map(ShapeColour::Voxels),
-            name => {
-                let by = self.pieces(&fields, main.span, has_cells);
-                let seed = self.seed_of(fields.whole("seed"), path);
-                let choice =
-                    if name == "palette" { self.named_palette(&full, main) } else { self.range(&fields, main) };
-                Some(ShapeColour::Random { choice: choice?, by: by?, seed })
-            }
-        }
+        let source = self.source_of(path, value, table, list::COLOURS, list::colour_owner, "colour")?;
+        let arguments =
+            self.source_arguments(path, value, table, source, list::colour_owner, id, has_cells, may_nest)?;
+        let main = table.0.iter().find(|entry| source.key.is_called(&entry.key));
+        Some(ShapeColour { source, arguments, span: main.map_or(value.span, |entry| entry.value.span) })
     }
 
-    /// The one maker of the table of a colour or scalar, or the error that names them all.
-    pub(super) fn attribute_maker(
+    /// The values of the keys of a source.
+    #[allow(clippy::too_many_arguments)]
+    pub(super) fn source_arguments<const N: usize>(
+        &mut self,
+        path: &str,
+        value: &'r Value,
+        table: &'r Table,
+        source: &'static Source<N>,
+        owner: Owner,
+        id: ShapeId,
+        has_cells: bool,
+        may_nest: bool,
+    ) -> Option<Arguments> {
+        let fields = Fields::new(self.reader, path, owner, value.span, table, source.keys().collect());
+        let arguments = self.arguments(source.keys(), &fields, id, may_nest);
+        if let Some(problem) = (source.check)(&fields, has_cells) {
+            self.reader.say(problem);
+            return None;
+        }
+        arguments
+    }
+
+    /// The one source that a table of a colour or scalar names, or the error that names them all.
+    pub(super) fn source_of<const N: usize>(
         &self,
         path: &str,
         value: &Value,
         table: &'r Table,
-        family: &str,
-        makers: &'static [keys::Maker],
-    ) -> Option<&'static keys::Maker> {
-        let mut found = makers.iter().filter(|maker| table.0.iter().any(|entry| maker.key.is_called(&entry.key)));
+        sources: &'static [Source<N>],
+        owner: Owner,
+        noun: &str,
+    ) -> Option<&'static Source<N>> {
+        let mut found = sources.iter().filter(|source| table.0.iter().any(|entry| source.key.is_called(&entry.key)));
         match (found.next(), found.next()) {
-            (Some(maker), None) => return Some(maker),
-            (Some(_), Some(_)) => self.reader.say(two_makers(path, table, makers)),
+            (Some(source), None) => return Some(source),
+            (Some(_), Some(_)) => self.reader.say(two_makers(path, table, sources)),
             _ => {
-                let known: Vec<_> =
-                    makers.iter().flat_map(|maker| std::iter::once(&maker.key).chain(maker.parameters)).collect();
+                let known: Vec<_> = sources.iter().flat_map(Source::keys).collect();
                 let unknown = table.0.iter().any(|entry| !known.iter().any(|key| key.is_called(&entry.key)));
-                let owner = if family == "color" { keys::colour_owner } else { keys::scalar_owner };
                 Fields::new(self.reader, path, owner, value.span, table, known);
                 if !unknown {
-                    let names: Vec<&str> = makers.iter().map(|maker| maker.key.name).collect();
-                    let noun = if family == "color" { "colour" } else { "number" };
+                    let names: Vec<&str> = sources.iter().map(|source| source.key.name).collect();
                     let problem = format!("`{}` says no {noun}", clip(path));
                     let problem = Diagnostic::error(value.span, problem);
                     self.reader.say(problem.help(format!("give it one of {}", listed(&names))));
@@ -172,14 +176,14 @@ impl<'r, 'a> Building<'r, 'a> {
     }
 
     /// A colour of three numbers, each of which may be a formula or keys; or one that is written otherwise.
-    fn numbers(&self, path: &str, value: &'r Value, meaning: Components) -> Option<ShapeColour> {
+    pub(super) fn components(&self, path: &str, value: &'r Value, meaning: Components) -> Option<Argument> {
         let varies = |list: &[Value]| list.iter().any(|part| matches!(part.data, Data::Text(_) | Data::Table(_)));
         if !value.list().is_some_and(varies) {
             return match meaning {
                 Components::Srgb => self.solid(path, value),
                 _ => constant(self.reader, path, value, meaning),
             }
-            .map(ShapeColour::Solid);
+            .map(Argument::Colour);
         }
         let three = self.reader.three(path, value)?;
         let limits = limits(meaning);
@@ -193,28 +197,9 @@ impl<'r, 'a> Building<'r, 'a> {
                 }
             },
         };
+        // All are read, so that all errors come together.
         let [a, b, c] = [component(0), component(1), component(2)];
-        Some(ShapeColour::Formula { components: Box::new([a?, b?, c?]), meaning, span: value.span })
-    }
-
-    /// A grid of a file, of this name where none is given.
-    pub(super) fn voxels(&self, fields: &Fields<'r, 'a>, usual: &str) -> Option<VoxelSource> {
-        let file = self.file("vdb", fields);
-        let grid = fields.text("grid").unwrap_or_else(|| usual.to_owned());
-        let outside = fields.choice("outside");
-        let power = fields.whole("power");
-        let outside = match (outside?, fields.entry("power")) {
-            ("potential", _) => Outside::Potential(Power::new(u32::try_from(power?).ok()?)?),
-            (_, None) => Outside::Foot,
-            (_, Some(entry)) => {
-                let problem = "`power` is for `outside = \"potential\"` only";
-                self.reader.say(Diagnostic::error(entry.key_span, problem));
-                return None;
-            }
-        };
-        let file = file?;
-        let grid_span = fields.entry("grid").map_or(file.span, |entry| entry.value.span);
-        Some(VoxelSource { file, grid, grid_span, outside })
+        Some(Argument::Components(vec![a?, b?, c?]))
     }
 
     /// The file that a key names; it is there.
@@ -233,47 +218,26 @@ impl<'r, 'a> Building<'r, 'a> {
         }
     }
 
-    /// What takes the values that are chosen at random.
-    pub(super) fn pieces(&self, fields: &Fields<'r, 'a>, span: Span, has_cells: bool) -> Option<Pieces> {
-        let by_voxel = fields.choice("by") == Some("voxel");
-        let edge = fields.constant("voxel_size");
-        let problem = match (by_voxel, fields.entry("voxel_size")) {
-            (true, Some(_)) => return edge.map(Pieces::Cubes),
-            (true, None) => {
-                Diagnostic::error(span, format!("`{}` has no `voxel_size`", clip(&fields.path))).help("the cubes' edge")
-            }
-            (false, Some(entry)) => Diagnostic::error(entry.key_span, "`voxel_size` is for `by = \"voxel\"` only"),
-            (false, None) if has_cells => return Some(Pieces::Cells),
-            (false, None) => Diagnostic::error(span, "only a shape with `facet` or `at` has cells")
-                .help("by = \"voxel\" with a `voxel_size` takes the cubes of a lattice"),
-        };
-        self.reader.say(problem);
-        None
-    }
-
     /// A palette's name, or colours.
-    fn named_palette(&self, path: &str, value: &'r Value) -> Option<Choice<3, Mixer>> {
-        let Some(name) = value.text() else { return self.palette(path, value).map(Choice::Palette) };
+    pub(super) fn named_palette(&self, path: &str, value: &'r Value) -> Option<Vec<LinearRgb>> {
+        let Some(name) = value.text() else { return self.palette(path, value) };
         let palettes = family(self.root, "palette").map(|entry| (entry.key.as_str(), &entry.value)).collect();
         let value = self.resolve("palette", &palettes, value, path)?;
         // Its problems were said where it stands.
         let quiet = Reader::new(self.reader.sources, self.reader.names.clone());
         let silent = Building::new(&quiet, self.surroundings, self.root, self.seed, self.up);
-        silent.palette(name, value).map(Choice::Palette)
+        silent.palette(name, value)
     }
 
     /// Two colours.
-    fn range(&self, fields: &Fields<'r, 'a>, value: &'r Value) -> Option<Choice<3, Mixer>> {
-        let path = fields.full("range");
-        let space = fields.choice("color_space").and_then(ColourSpace::named);
+    pub(super) fn two_colours(&self, path: &str, value: &'r Value) -> Option<Vec<LinearRgb>> {
         match value.list() {
             Some([from, to]) => {
                 let (from, to) = (self.solid(&format!("{path}[0]"), from), self.solid(&format!("{path}[1]"), to));
-                let (from, to) = (from?, to?);
-                Some(Choice::Range { from, to, mix: Mixer::between(space?, from, to) })
+                Some(vec![from?, to?])
             }
             _ => {
-                self.reader.wrong_kind(&path, "a list of two colours", value);
+                self.reader.wrong_kind(path, "a list of two colours", value);
                 None
             }
         }
@@ -310,12 +274,9 @@ impl<'r, 'a> Building<'r, 'a> {
     }
 }
 
-/// Colours of three numbers, as tables.
-const PLAIN: [(&str, Components); 2] = [("linear", Components::Linear), ("hsv", Components::Hsv)];
-
 /// The error about a table with two makers of the same family.
-fn two_makers(path: &str, table: &Table, makers: &[keys::Maker]) -> Diagnostic {
-    let is_maker = |entry: &&Entry| makers.iter().any(|maker| maker.key.is_called(&entry.key));
+fn two_makers<const N: usize>(path: &str, table: &Table, sources: &[Source<N>]) -> Diagnostic {
+    let is_maker = |entry: &&Entry| sources.iter().any(|source| source.key.is_called(&entry.key));
     let mut found = table.0.iter().filter(is_maker);
     let (first, second) = (found.next(), found.next());
     let name = |entry: Option<&Entry>| entry.map_or_else(String::new, |entry| entry.key.clone());

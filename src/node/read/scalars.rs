@@ -2,16 +2,17 @@
 
 use std::collections::BTreeMap;
 
-use crate::attribute::{Choice, Straight};
-
 use super::Building;
-use crate::node::keys::{self};
+use crate::node::argument::{Argument, Arguments};
+use crate::node::keys;
+use crate::node::list;
 use crate::node::model::{Component, ShapeId, ShapeScalar};
+use crate::node::number::value::VALUE;
 use crate::text::diagnostic::{Diagnostic, clip};
 use crate::text::formula::Formula;
 use crate::text::key::Limit;
 use crate::text::number::NumberValue;
-use crate::text::reader::Fields;
+use crate::text::source::Span;
 use crate::text::value::{Data, Entry, Value};
 
 impl<'r, 'a> Building<'r, 'a> {
@@ -34,7 +35,10 @@ impl<'r, 'a> Building<'r, 'a> {
             let scalar = self.scalar(&format!("{path}.{}", entry.key), &entry.value, id, has_cells, may_nest);
             if name_is_sound {
                 // One that is wrong was said; those who name it are not.
-                scalars.insert(entry.key.clone(), scalar.unwrap_or(ShapeScalar::Solid([0.0])));
+                scalars.insert(
+                    entry.key.clone(),
+                    scalar.unwrap_or_else(|| given(Argument::Numbers(vec![0.0]), entry.value.span)),
+                );
             }
         }
         scalars
@@ -64,8 +68,7 @@ impl<'r, 'a> Building<'r, 'a> {
         has_cells: bool,
         may_nest: bool,
     ) -> Option<ShapeScalar> {
-        let formula =
-            |component| ShapeScalar::Formula { components: Box::new([component]), meaning: (), span: value.span };
+        let formula = |component| given(Argument::Components(vec![component]), value.span);
         if let Some(text) = value.text() {
             return match Formula::of_space(text, self.reader.names.clone()) {
                 Ok(of_space) => Some(formula(Component::Formula(of_space))),
@@ -81,65 +84,46 @@ impl<'r, 'a> Building<'r, 'a> {
             _ => {
                 let number = self.reader.number(path, Limit::Any, value);
                 return Some(match number.value {
-                    NumberValue::Constant(constant) => ShapeScalar::Solid([constant as f32]),
+                    NumberValue::Constant(constant) => given(Argument::Numbers(vec![constant as f32]), value.span),
                     _ => formula(Component::Number(number)),
                 });
             }
         };
-        let maker = self.attribute_maker(path, value, table, "attribute", keys::SCALARS)?;
-        let keys = std::iter::once(&maker.key).chain(maker.parameters).collect();
-        let fields = Fields::new(self.reader, path, keys::scalar_owner, value.span, table, keys);
-        let main = fields.value(maker.key.name)?;
-        let full = fields.full(maker.key.name);
-        match maker.key.name {
-            "bands" => {
-                let one = |path: &str, value: &'r Value| Some(self.one(path, value));
-                self.bands(&full, main, "[depth, number]", one).map(ShapeScalar::Bands)
-            }
-            "parts" => {
-                let shapes = self.operands("parts", 1, &fields, id, may_nest);
-                let seam = fields.constant("seam").unwrap_or(0.0);
-                Some(ShapeScalar::Parts { shapes: shapes?, seam })
-            }
-            "vdb" => {
-                let name = path.rsplit('.').next().unwrap_or(path);
-                self.voxels(&fields, name).map(ShapeScalar::Voxels)
-            }
-            name => {
-                let by = self.pieces(&fields, main.span, has_cells);
-                let seed = self.seed_of(fields.whole("seed"), path);
-                let choice = if name == "values" { self.values(&full, main) } else { self.ends(&full, main) };
-                Some(ShapeScalar::Random { choice: choice?, by: by?, seed })
-            }
-        }
+        let source = self.source_of(path, value, table, list::SCALARS, list::scalar_owner, "number")?;
+        let arguments =
+            self.source_arguments(path, value, table, source, list::scalar_owner, id, has_cells, may_nest)?;
+        Some(ShapeScalar { source, arguments, span: value.span })
     }
 
     /// A number that stands still.
-    fn one(&self, path: &str, value: &Value) -> [f32; 1] {
+    pub(super) fn one(&self, path: &str, value: &Value) -> [f32; 1] {
         [self.reader.constant(path, Limit::Any, value) as f32]
     }
 
     /// Numbers to choose from.
-    fn values(&self, path: &str, value: &Value) -> Option<Choice<1, Straight>> {
+    pub(super) fn several(&self, path: &str, value: &Value) -> Option<Vec<f32>> {
         match value.list() {
             Some([]) | None => {
                 self.reader.wrong_kind(path, "a list of numbers", value);
                 None
             }
-            Some(list) => Some(Choice::Palette(list.iter().map(|value| self.one(path, value)).collect())),
+            Some(list) => Some(list.iter().map(|value| self.one(path, value)[0]).collect()),
         }
     }
 
     /// Two numbers to choose between.
-    fn ends(&self, path: &str, value: &Value) -> Option<Choice<1, Straight>> {
+    pub(super) fn two_numbers(&self, path: &str, value: &Value) -> Option<Vec<f32>> {
         match value.list() {
-            Some([from, to]) => {
-                Some(Choice::Range { from: self.one(path, from), to: self.one(path, to), mix: Straight })
-            }
+            Some([from, to]) => Some(vec![self.one(path, from)[0], self.one(path, to)[0]]),
             _ => {
                 self.reader.wrong_kind(path, "a list of two numbers", value);
                 None
             }
         }
     }
+}
+
+/// A scalar written without a table.
+fn given(value: Argument, span: Span) -> ShapeScalar {
+    ShapeScalar { source: &VALUE, arguments: Arguments(vec![("value", value)]), span }
 }

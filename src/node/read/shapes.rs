@@ -63,14 +63,14 @@ impl<'r, 'a> Building<'r, 'a> {
         let spec = self.maker_of(path, span, table);
         let keys = spec.map_or_else(any_shape_keys, shape_keys);
         let fields = Fields::new(self.reader, path, list::owner, span, table, keys);
-        let arguments = spec.and_then(|spec| self.arguments(spec, &fields, id, may_nest));
+        let arguments = spec.and_then(|spec| self.arguments(spec.keys(), &fields, id, may_nest));
         // Without a maker all else is read, so that all errors come together.
         let mut modifiers = Vec::new();
         for spec in list::MODIFIERS {
             if spec.keys().all(|key| fields.entry(key.name).is_none()) {
                 // Its defaults are said.
                 spec.keys().for_each(|key| _ = fields.value(key.name));
-            } else if let Some(arguments) = self.arguments(spec, &fields, id, may_nest) {
+            } else if let Some(arguments) = self.arguments(spec.keys(), &fields, id, may_nest) {
                 modifiers.push(Modifier { spec, arguments });
             }
         }
@@ -93,16 +93,16 @@ impl<'r, 'a> Building<'r, 'a> {
     }
 
     /// The values of a node's keys. Reads them all even where one is wrong, so that all errors come together.
-    fn arguments(
+    pub(super) fn arguments(
         &mut self,
-        spec: &'static Spec,
+        keys: impl Iterator<Item = &'static Key>,
         fields: &Fields<'r, 'a>,
         id: ShapeId,
         may_nest: bool,
     ) -> Option<Arguments> {
         let mut arguments = Arguments::default();
         let mut sound = true;
-        for key in spec.keys() {
+        for key in keys {
             match self.argument(key, fields, id, may_nest) {
                 Some(argument) => arguments.0.push((key.name, argument)),
                 None => sound &= fields.entry(key.name).is_none() && key.default != Absent::Required,
@@ -134,7 +134,25 @@ impl<'r, 'a> Building<'r, 'a> {
             Kind::Copies => Argument::Copies(self.copies(&path, id, fields.value(name)?, may_nest)?),
             Kind::Box => Argument::Box(self.bounds(&path, fields.value(name)?)?),
             Kind::Scalar => Argument::Scalar(self.scalar_name(fields, name)?),
-            kind => unreachable!("`{name}` of a shape is {kind:?}"),
+            Kind::Whole => Argument::Whole(fields.whole(name)?),
+            Kind::Text => {
+                let span = fields.entry(name).map_or(fields.span, |entry| entry.value.span);
+                Argument::Text(fields.text(name)?, span)
+            }
+            Kind::Components(meaning) => self.components(&path, fields.value(name)?, meaning)?,
+            Kind::Palette => Argument::Colours(self.named_palette(&path, fields.value(name)?)?),
+            Kind::TwoColours => Argument::Colours(self.two_colours(&path, fields.value(name)?)?),
+            Kind::Numbers => Argument::Numbers(self.several(&path, fields.value(name)?)?),
+            Kind::TwoNumbers => Argument::Numbers(self.two_numbers(&path, fields.value(name)?)?),
+            Kind::Bands => {
+                let colour = |path: &str, value: &'r Value| self.solid(path, value);
+                Argument::Bands(self.bands(&path, fields.value(name)?, "[depth, colour]", colour)?)
+            }
+            Kind::NumberBands => {
+                let one = |path: &str, value: &'r Value| Some(self.one(path, value));
+                Argument::NumberBands(self.bands(&path, fields.value(name)?, "[depth, number]", one)?)
+            }
+            kind => unreachable!("`{name}` of a node is {kind:?}"),
         })
     }
 

@@ -1,0 +1,244 @@
+//! What must hold of every row of the tables, so that a new one is tested by being there.
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+
+use glam::DVec3;
+
+use super::assets::Assets;
+use super::id::{ShapeId, Stage};
+use super::list::{COLOURS, MAKERS, MODIFIERS, SCALARS};
+use super::solid::Solids;
+use super::source::Source;
+use super::{Source as From, keys, load, node_names, node_scene};
+use crate::attribute::Attribute;
+use crate::field::{Aabb, BATCH, Evaluator, Expression, Field, Gradients, Points, Slope, VectorWidth};
+use crate::node::attributes::{TheColour, TheScalar};
+use crate::text::Overrides;
+use crate::text::key::Key;
+
+/// Repeatable numbers in 0..1.
+struct Samples(u64);
+
+impl Samples {
+    fn next(&mut self) -> f64 {
+        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (self.0 >> 11) as f64 / (1_u64 << 53) as f64
+    }
+
+    fn within(&mut self, region: &Aabb) -> DVec3 {
+        region.min + DVec3::new(self.next(), self.next(), self.next()) * region.size()
+    }
+}
+
+const WORLD: Aabb = Aabb::new(DVec3::splat(-2.0), DVec3::splat(2.0));
+
+fn solids(text: &str) -> (Solids, ShapeId) {
+    let scene = From::Text {
+        name: "row.toml".into(),
+        text: text.into(),
+        folder: concat!(env!("CARGO_MANIFEST_DIR"), "/scenes").into(),
+    };
+    let model = Arc::new(load(&scene, &Overrides::default()).unwrap_or_else(|problems| panic!("{problems}\n{text}")));
+    let all: Vec<ShapeId> = (0..model.shapes.len()).map(ShapeId).collect();
+    let assets = Assets::load(&model, &all, None).unwrap_or_else(|problem| panic!("{problem:?}\n{text}"));
+    let solids = Solids::new(&model, &Arc::new(assets), model.moment(1.0), 64.0, &Arc::new(AtomicBool::new(false)));
+    (solids, ShapeId(0))
+}
+
+fn built(name: &str) -> Expression {
+    let text = node_scene(name).unwrap();
+    let (mut solids, id) = solids(&text);
+    solids.values(id).unwrap_or_else(|problem| panic!("{problem:?}\n{text}"))
+}
+
+fn batch(samples: &mut Samples, region: &Aabb) -> Points {
+    let mut points = Points::new(region.centre());
+    for _ in 0..200 {
+        points.push((samples.within(region) - region.centre()).as_vec3());
+    }
+    points
+}
+
+#[test]
+fn every_vector_width_gives_the_reference() {
+    for name in node_names() {
+        let (field, mut samples) = (built(name), Samples(7));
+        let points = batch(&mut samples, &WORLD);
+        let answers = VectorWidth::ALL.map(|width| {
+            let mut evaluator = field.evaluator_of_width(width);
+            let (mut values, mut gradients) = ([0.0; BATCH], Gradients::new());
+            evaluator.values(&points, &mut values);
+            evaluator.gradients(&points, &mut gradients);
+            let bits = |array: &[f32; BATCH]| array[..points.len].iter().map(|v| v.to_bits()).collect::<Vec<_>>();
+            [bits(&values), bits(&gradients.value), bits(&gradients.dx), bits(&gradients.dy), bits(&gradients.dz)]
+        });
+        assert!(answers.iter().all(|answer| *answer == answers[0]), "{name}: widths differ");
+        for i in 0..points.len {
+            let (value, exact) = (f64::from(f32::from_bits(answers[0][0][i])), field.reference(points.position(i)));
+            assert!(
+                (value - exact).abs() < 2e-5 * (1.0 + exact.abs()),
+                "{name} at {}: {value}, {exact}",
+                points.position(i)
+            );
+        }
+    }
+}
+
+#[test]
+fn every_nodes_bounds_hold_all_samples() {
+    for name in node_names() {
+        let (field, mut samples) = (built(name), Samples(11));
+        let mut evaluator = field.evaluator();
+        for _ in 0..40 {
+            let size = 4.0 * 0.5_f64.powf(1.0 + 6.0 * samples.next());
+            let min = samples.within(&Aabb::new(WORLD.min, WORLD.max - size));
+            let region = Aabb::new(min, min + size);
+            evaluator.enter(&region);
+            let bounds = evaluator.bounds();
+            evaluator.leave();
+            for _ in 0..50 {
+                let at = samples.within(&region);
+                let value = field.reference(at);
+                assert!(bounds.contains(value), "{name} at {at}: {value} not in {bounds:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn every_nodes_gradient_is_that_of_differences() {
+    for name in node_names() {
+        let (field, mut samples) = (built(name), Samples(13));
+        let points = batch(&mut samples, &WORLD);
+        let mut gradients = Gradients::new();
+        field.evaluator().gradients(&points, &mut gradients);
+        let mut compared = 0;
+        for i in 0..points.len {
+            let p = points.position(i);
+            let at =
+                |step: f64| {
+                    DVec3::from_array(DVec3::AXES.map(|axis| {
+                        (field.reference(p + axis * step) - field.reference(p - axis * step)) / (2.0 * step)
+                    }))
+                };
+            let (fine, coarse) = (at(1e-5), at(2e-4));
+            // Elsewhere there is a crease.
+            if (fine - coarse).length() < 1e-4 * (1.0 + fine.length()) {
+                let found = gradients.gradient(i).as_dvec3();
+                assert!((found - fine).length() < 2e-3 * (1.0 + fine.length()), "{name} at {p}: {found}, {fine}");
+                compared += 1;
+            }
+        }
+        assert!(compared > 20, "{name} is nowhere smooth");
+    }
+}
+
+#[test]
+fn what_every_node_declares_holds() {
+    for name in node_names() {
+        let (field, mut samples) = (built(name), Samples(17));
+        let bounds = field.bounding_box();
+        let mut inside = 0;
+        for _ in 0..4000 {
+            let (p, q) = (samples.within(&WORLD), samples.within(&WORLD));
+            let q = p + (q - p) * samples.next().powi(4);
+            let (first, second) = (field.reference(p), field.reference(q));
+            inside += usize::from(first > 0.0);
+            let bound = match field.slope() {
+                Slope::Exact { .. } => 1.0,
+                Slope::Lipschitz(bound) => bound,
+                Slope::Unknown => f64::INFINITY,
+            };
+            let way = bound * p.distance(q) * (1.0 + 1e-6) + 1e-6;
+            assert!(bound.is_infinite() || (first - second).abs() <= way, "{name} is steeper than {bound} at {p}");
+            assert!(first < 0.0 || bounds.is_none_or(|bounds| bounds.contains(p)), "{name}: {p} is inside, {bounds:?}");
+        }
+        assert!(inside > 10, "nothing is inside the example of {name}");
+        exact_distances(name, &field, &mut samples);
+    }
+}
+
+/// Where a node says that its value is the distance, a ball of that radius holds no point of the other side, and one a
+/// little larger does.
+fn exact_distances(name: &str, field: &Expression, samples: &mut Samples) {
+    let Slope::Exact { outside, inside } = field.slope() else { return };
+    let directions: Vec<DVec3> = (0..2000)
+        .map(|_| (samples.within(&Aabb::new(DVec3::splat(-1.0), DVec3::splat(1.0)))).normalize_or(DVec3::X))
+        .collect();
+    for _ in 0..60 {
+        let p = samples.within(&WORLD);
+        let value = field.reference(p);
+        if !(if value < 0.0 { outside } else { inside }) || value.abs() < 1e-3 {
+            continue;
+        }
+        let crosses =
+            |radius: f64| directions.iter().any(|way| (field.reference(p + *way * radius) > 0.0) != (value > 0.0));
+        assert!(!crosses(0.999 * value.abs()), "{name} at {p}: the surface is nearer than {value}");
+        // Directions are some degrees apart.
+        assert!(crosses(1.02 * value.abs() + 0.06), "{name} at {p}: the surface is farther than {value}");
+    }
+}
+
+#[test]
+fn every_source_of_attributes_gives_numbers() {
+    fn each<const N: usize>(
+        sources: &'static [Source<N>],
+        key: &str,
+        sampled: impl Fn(&mut Solids) -> Arc<dyn Attribute<N>>,
+    ) {
+        for source in sources.iter().filter(|source| !source.is_volume) {
+            let text = format!(
+                "[output]\nshape = 's'\n[shape.s]\nsphere = 1\n{key} = {}\n[shape.a]\nbox = 1\n{key} = {1}\n[shape.b]\nsphere = 0.5\n{key} = {1}\n",
+                source.example,
+                if N == 3 { "'red'" } else { "0.5" },
+            );
+            let (mut solids, _) = solids(&text);
+            let attribute = sampled(&mut solids);
+            let mut samples = Samples(3);
+            let points = batch(&mut samples, &Aabb::new(DVec3::splat(-1.0), DVec3::splat(1.0)));
+            let mut out = [[f32::NAN; N]; BATCH];
+            let mut sampler = attribute.sampler();
+            sampler.enter(&WORLD);
+            sampler.sample(&points, &mut out);
+            assert!(out[..points.len].iter().flatten().all(|number| number.is_finite()), "{}", source.key.name);
+            let distinct = out[..points.len].iter().any(|value| *value != out[0]);
+            assert!(distinct || matches!(source.key.name, "parts"), "{} is one value", source.key.name);
+        }
+    }
+    each(COLOURS, "color", |solids| {
+        solids.paint(TheColour, ShapeId(0), Stage::Own, 0.02).unwrap().expect("it has a colour").attribute
+    });
+    each(SCALARS, "attribute.n", |solids| {
+        solids.paint(TheScalar("n"), ShapeId(0), Stage::Own, 0.02).unwrap().expect("it has a scalar").attribute
+    });
+}
+
+/// Node keys are one namespace: the same name never means two things in a shape.
+#[test]
+fn no_name_means_two_things() {
+    let mut known: BTreeMap<&str, &Key> = BTreeMap::new();
+    let mains = MAKERS.iter().chain(MODIFIERS).map(|spec| &spec.key).chain(keys::SHAPE);
+    for key in mains {
+        for name in [key.name].iter().chain(key.also) {
+            assert!(known.insert(name, key).is_none(), "`{name}` is used twice");
+        }
+    }
+    for spec in MAKERS.iter().chain(MODIFIERS) {
+        for key in spec.parameters {
+            for name in [key.name].iter().chain(key.also) {
+                assert!(!known.contains_key(name), "`{name}` of `{}` is a node", spec.key.name);
+            }
+        }
+    }
+}
+
+#[test]
+fn every_row_says_what_it_is() {
+    for spec in MAKERS.iter().chain(MODIFIERS) {
+        assert!(!spec.key.text.is_empty() && !spec.example.is_empty(), "{}", spec.key.name);
+        assert!(spec.parameters.iter().all(|key| !key.text.is_empty()), "{}", spec.key.name);
+        assert!(spec.example.contains(spec.key.name), "{}", spec.key.name);
+    }
+}
