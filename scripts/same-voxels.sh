@@ -33,7 +33,7 @@ cargo build --release --locked --quiet --bin hfvdb
 bake_all() {
     local name variant variants
     mkdir -p "$2"
-    for name in $("$1" scenes --quiet | awk '{ print $1 }'); do
+    for name in $("$1" scenes --quiet | awk 'NF == 0 { exit } { print $1 }'); do
         variants=$("$1" scenes "$name" | sed -n 's/^\[variants\?\.\([a-z0-9-]*\).*/\1/p' | sort -u)
         for variant in "" $variants; do
             "$1" bake "$name" ${variant:+--variant "$variant"} --resolution "$resolution" --quiet --overwrite \

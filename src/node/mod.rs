@@ -6,33 +6,25 @@ pub(crate) mod argument;
 pub(crate) mod assets;
 pub(crate) mod attributes;
 pub(crate) mod bend;
-mod color;
-mod combine;
-mod copies;
 pub(crate) mod depth;
+pub(crate) mod direct;
 pub(crate) mod displacement;
 mod example;
 pub(crate) mod extent;
 mod hash;
 pub(crate) mod id;
-mod import;
 pub mod keys;
-pub(crate) mod list;
 pub(crate) mod load;
 pub(crate) mod measured;
 pub(crate) mod model;
-mod number;
 pub(crate) mod paint;
 pub(crate) mod placed;
-mod primitive;
 mod read;
 mod reference;
 pub(crate) mod solid;
 pub(crate) mod source;
-pub(crate) mod space;
 pub(crate) mod spec;
-mod structure;
-mod surface;
+pub(crate) mod table;
 pub(crate) mod variation;
 mod volume;
 
@@ -45,3 +37,81 @@ pub use example::{node_names, node_scene};
 pub use load::{Source, load, morph_of_meshes};
 pub use model::*;
 pub use reference::reference;
+
+/// Tables of nodes, each row a file with a `NODE`: a line is all that a new one needs.
+macro_rules! nodes {
+    ($($(#[$doc:meta])* $table:ident: $row:ty = { $($room:ident: $($file:ident)*;)* })*) => {
+        $($(
+            pub(crate) mod $room {
+                $(pub(crate) mod $file;)*
+            }
+        )*)*
+        /// The tables.
+        pub(crate) mod list {
+            use super::{source::Source, spec::Spec};
+            $($(#[$doc])* pub static $table: &[$row] = &[$($(super::$room::$file::NODE,)*)*];)*
+        }
+    };
+}
+
+nodes! {
+    /// What a shape can be: exactly one of these. In the order of the documentation.
+    MAKERS: Spec = {
+        primitive:
+            sphere
+            cuboid
+            ellipsoid
+            cylinder
+            torus
+            capsule
+            half_space
+            slab
+            heart
+            formula;
+        import:
+            mesh;
+        combine:
+            union
+            intersection
+            difference
+            blend;
+        structure:
+            facet;
+    }
+
+    /// What can be done to a shape, in the order of work whatever the order of the text.
+    MODIFIERS: Spec = {
+        cut:
+            bounds;
+        copies:
+            at;
+        space:
+            mirror;
+        surface:
+            offset
+            shell
+            displace;
+    }
+
+    /// Where a colour written as a table can come from.
+    COLOURS: Source<3> = {
+        color:
+            linear
+            hsv
+            palette
+            range
+            bands
+            parts
+            vdb;
+    }
+
+    /// Where a scalar written as a table can come from.
+    SCALARS: Source<1> = {
+        number:
+            values
+            range
+            bands
+            parts
+            vdb;
+    }
+}

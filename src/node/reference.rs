@@ -243,6 +243,7 @@ fn specs(out: &mut String, specs: &'static [Spec]) {
             (formula, source) => _ = write!(out, "\nF = {formula} ({source})\n"),
         }
         let _ = write!(out, "\n```toml\n{}\n```\n\n", spec.example);
+        let _ = write!(out, "![{0}](images/nodes/{0}.png)\n\n", spec.key.name);
         if !spec.parameters.is_empty() {
             table(out, spec.parameters.iter());
             out.push('\n');

@@ -107,6 +107,16 @@ fn every_nodes_bounds_hold_all_samples() {
     }
 }
 
+/// A gradient by differences where two step sizes agree: elsewhere there is a crease.
+fn slope_at(field: &Expression, p: DVec3) -> Option<DVec3> {
+    let at = |step: f64| {
+        let along = |axis: DVec3| (field.reference(p + axis * step) - field.reference(p - axis * step)) / (2.0 * step);
+        DVec3::from_array(DVec3::AXES.map(along))
+    };
+    let (fine, coarse) = (at(1e-5), at(2e-4));
+    ((fine - coarse).length() < 1e-4 * (1.0 + fine.length())).then_some(fine)
+}
+
 #[test]
 fn every_nodes_gradient_is_that_of_differences() {
     for name in node_names() {
@@ -117,15 +127,7 @@ fn every_nodes_gradient_is_that_of_differences() {
         let mut compared = 0;
         for i in 0..points.len {
             let p = points.position(i);
-            let at =
-                |step: f64| {
-                    DVec3::from_array(DVec3::AXES.map(|axis| {
-                        (field.reference(p + axis * step) - field.reference(p - axis * step)) / (2.0 * step)
-                    }))
-                };
-            let (fine, coarse) = (at(1e-5), at(2e-4));
-            // Elsewhere there is a crease.
-            if (fine - coarse).length() < 1e-4 * (1.0 + fine.length()) {
+            if let Some(fine) = slope_at(&field, p) {
                 let found = gradients.gradient(i).as_dvec3();
                 assert!((found - fine).length() < 2e-3 * (1.0 + fine.length()), "{name} at {p}: {found}, {fine}");
                 compared += 1;
@@ -160,24 +162,23 @@ fn what_every_node_declares_holds() {
     }
 }
 
-/// Where a node says that its value is the distance, a ball of that radius holds no point of the other side, and one a
-/// little larger does.
+/// Where a node says that its value is the distance, a ball of that radius holds no point of the other side, and the
+/// gradient leads to the surface.
 fn exact_distances(name: &str, field: &Expression, samples: &mut Samples) {
     let Slope::Exact { outside, inside } = field.slope() else { return };
-    let directions: Vec<DVec3> = (0..2000)
-        .map(|_| (samples.within(&Aabb::new(DVec3::splat(-1.0), DVec3::splat(1.0)))).normalize_or(DVec3::X))
-        .collect();
+    let unit = Aabb::new(DVec3::splat(-1.0), DVec3::splat(1.0));
+    let directions: Vec<DVec3> = (0..2000).map(|_| samples.within(&unit).normalize_or(DVec3::X)).collect();
     for _ in 0..60 {
         let p = samples.within(&WORLD);
         let value = field.reference(p);
         if !(if value < 0.0 { outside } else { inside }) || value.abs() < 1e-3 {
             continue;
         }
-        let crosses =
-            |radius: f64| directions.iter().any(|way| (field.reference(p + *way * radius) > 0.0) != (value > 0.0));
-        assert!(!crosses(0.999 * value.abs()), "{name} at {p}: the surface is nearer than {value}");
-        // Directions are some degrees apart.
-        assert!(crosses(1.02 * value.abs() + 0.06), "{name} at {p}: the surface is farther than {value}");
+        let other_side = |way: &DVec3| (field.reference(p + *way * (0.999 * value.abs())) > 0.0) != (value > 0.0);
+        assert!(!directions.iter().any(other_side), "{name} at {p}: the surface is nearer than {value}");
+        let Some(slope) = slope_at(field, p) else { continue };
+        let foot = field.reference(p - slope * value);
+        assert!(foot.abs() < 1e-3 * value.abs() + 1e-6, "{name} at {p}: {value} away from it F is {foot}");
     }
 }
 

@@ -230,8 +230,9 @@ fn many_errors_stay_within_two_kilobytes() {
     let problems = load_text(&text, &Overrides::default()).unwrap_err();
     let report = problems.render(false);
     assert!(report.len() <= 2048, "{} bytes", report.len());
-    assert_eq!(report.matches("unknown key").count(), 10, "{report}");
-    assert!(report.ends_with("and 30 more\n"), "{report}");
+    let told = report.matches("unknown key").count();
+    assert!(told >= 8, "{report}");
+    assert!(report.ends_with(&format!("and {} more\n", 40 - told)), "{report}");
     assert!(report.contains("3:1"));
     let hostile = format!("[shape.\"{}\"]\nsphere = 1\n\"{}\" = 1\n", "x".repeat(5000), "y".repeat(5000));
     assert!(load_text(&hostile, &Overrides::default()).unwrap_err().render(false).len() <= 2048);
@@ -321,7 +322,8 @@ fn variants_and_set_override() {
     assert_eq!((edges(&plain), edges(&big)), ([1.0, 2.0, 3.0], [5.0; 3]));
     assert_eq!(big.shot.fps, 25.0);
     let blue = with(Some("dotted"), &[]);
-    assert!(matches!(shape(&blue, "a").colour, Some(ShapeColour::Solid([0.0, 0.0, 1.0]))));
+    let colour = shape(&blue, "a").colour.as_ref().unwrap().arguments.get("srgb").unwrap();
+    assert!(matches!(colour, argument::Argument::Colour([0.0, 0.0, 1.0])));
     let set = with(Some("big"), &["size=3", "width=2", "shape.a.box=[7, 8, 9]", "unit=cm"]);
     assert_eq!(set.moment(1.0).parameters.as_ref(), [3.0, 2.0]);
     assert_eq!(edges(&set), [7.0, 8.0, 9.0]);

@@ -93,8 +93,7 @@ impl Diagnostic {
         let help = match nearest(wrong, names.iter().copied()) {
             Some(name) => format!("did you mean `{name}`?"),
             None if names.is_empty() => return self,
-            None if names.len() <= MOST_LISTED => format!("there is {}", listed(&names)),
-            None => format!("there is {} and {} more", listed(&names[..MOST_LISTED]), names.len() - MOST_LISTED),
+            None => format!("there is {}", some_of(&names)),
         };
         self.help(help)
     }
@@ -123,6 +122,15 @@ pub fn listed(names: &[&str]) -> String {
         Some((last, [])) => last.clone(),
         Some((last, others)) => format!("{} and {last}", others.join(", ")),
     }
+}
+
+/// The same of the first of many.
+pub fn some_of(names: &[&str]) -> String {
+    if names.len() <= MOST_LISTED {
+        return listed(names);
+    }
+    let quoted: Vec<String> = names[..MOST_LISTED].iter().map(|name| format!("`{}`", clip(name))).collect();
+    format!("{} and {} more", quoted.join(", "), names.len() - MOST_LISTED)
 }
 
 /// A user's text, cut so that one hostile name cannot fill the report.

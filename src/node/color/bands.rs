@@ -5,7 +5,7 @@ use crate::text::key::Absent::Required;
 use crate::text::key::{Key, Kind};
 
 /// Colours by depth.
-pub const BANDS: Source<3> = Source {
+pub const NODE: Source<3> = Source {
     key: Key::new(
         "bands",
         Kind::Bands,

@@ -6,7 +6,7 @@ use crate::text::key::Absent::Required;
 use crate::text::key::{Key, Kind};
 
 /// One of a palette at random.
-pub const PALETTE: Source<3> = Source {
+pub const NODE: Source<3> = Source {
     key: Key::new("palette", Kind::Palette, Required, "One of a palette's colours at random: its name, or colours."),
     parameters: &[BY, EDGE, SEED],
     example: "{ palette = [\"tomato\", \"gold\"], by = \"voxel\", voxel_size = 0.2 }",

@@ -7,7 +7,7 @@ use crate::text::key::Absent::{Required, Text};
 use crate::text::key::{Key, Kind};
 
 /// Any colour between two at random.
-pub const RANGE: Source<3> = Source {
+pub const NODE: Source<3> = Source {
     key: Key::new("range", Kind::TwoColours, Required, "Any colour between two at random: the two."),
     parameters: &[
         BY,

@@ -5,7 +5,7 @@ use crate::text::key::Absent::{Required, Text};
 use crate::text::key::{Key, Kind};
 
 /// The colours of a volume.
-pub const VDB: Source<3> = Source {
+pub const NODE: Source<3> = Source {
     key: Key::new(
         "vdb",
         Kind::Path,

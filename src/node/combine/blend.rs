@@ -6,7 +6,7 @@ use crate::text::key::Absent::{Nothing, Number, Required};
 use crate::text::key::{Key, Kind};
 
 /// Shapes that flow together.
-pub const BLEND: Spec = Spec {
+pub const NODE: Spec = Spec {
     key: Key::new("blend", Kind::Shapes(2), Required, "Two shapes that flow into one another."),
     parameters: &[
         Key::length("blend_radius", Number(0.25), "How near they must be to one another to flow together."),

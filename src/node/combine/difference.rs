@@ -6,7 +6,7 @@ use crate::text::key::Absent::Required;
 use crate::text::key::{Key, Kind};
 
 /// A shape without others.
-pub const DIFFERENCE: Spec = Spec {
+pub const NODE: Spec = Spec {
     key: Key::new("difference", Kind::Shapes(2), Required, "The first without all others."),
     formula: "a − b − √(a² + b²)",
     source: "R₀ of Rvachev's R-functions",

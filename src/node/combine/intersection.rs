@@ -6,7 +6,7 @@ use crate::text::key::Absent::Required;
 use crate::text::key::{Key, Kind};
 
 /// What is in all of several shapes.
-pub const INTERSECTION: Spec = Spec {
+pub const NODE: Spec = Spec {
     key: Key::new("intersection", Kind::Shapes(1), Required, "What lies in all of them."),
     formula: "a + b − √(a² + b²)",
     source: "R₀ of Rvachev's R-functions",

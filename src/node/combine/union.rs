@@ -7,7 +7,7 @@ use crate::text::key::Absent::Required;
 use crate::text::key::{Key, Kind};
 
 /// All in any of several shapes.
-pub const UNION: Spec = Spec {
+pub const NODE: Spec = Spec {
     key: Key::new(
         "union",
         Kind::Shapes(1),

@@ -15,9 +15,9 @@ use crate::text::key::{Key, Kind};
 use crate::text::problem::Problem;
 
 /// Copies in cells, in place of the one at the origin.
-pub const AT: Spec = Spec {
+pub const NODE: Spec = Spec {
     key: Key::new("at", Kind::Copies, Nothing, "Copies in cells, in place of the one at the origin."),
-    example: "sphere = 0.1\nat = { cells = \"c\", pick = 0.5 }",
+    example: "sphere = 0.3\nat = { cells = \"c\", pick = 0.5 }",
     cells: Some(|build| {
         let (host, cells, picked) = picked(build)?;
         Ok(Arc::new(NearestCopy::new(surface_points(host.as_ref(), &cells, &picked))))

@@ -14,7 +14,7 @@ use crate::text::key::{Key, Kind};
 use crate::text::problem::Problem;
 
 /// A closed mesh.
-pub const MESH: Spec = Spec {
+pub const NODE: Spec = Spec {
     key: Key::new(
         "mesh",
         Kind::Path,

@@ -5,7 +5,7 @@ use crate::text::key::Absent::Required;
 use crate::text::key::{Key, Kind};
 
 /// Numbers by depth.
-pub const BANDS: Source<1> = Source {
+pub const NODE: Source<1> = Source {
     key: Key::new(
         "bands",
         Kind::NumberBands,

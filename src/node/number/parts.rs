@@ -5,7 +5,7 @@ use crate::text::key::Absent::Required;
 use crate::text::key::{Key, Kind};
 
 /// The scalars of other shapes.
-pub const PARTS: Source<1> = Source {
+pub const NODE: Source<1> = Source {
     key: Key::new(
         "parts",
         Kind::Shapes(1),

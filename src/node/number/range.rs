@@ -6,7 +6,7 @@ use crate::text::key::Absent::Required;
 use crate::text::key::{Key, Kind};
 
 /// Any number between two at random.
-pub const RANGE: Source<1> = Source {
+pub const NODE: Source<1> = Source {
     key: Key::new("range", Kind::TwoNumbers, Required, "Any number between two at random: the two."),
     parameters: &[BY, EDGE, SEED],
     example: "{ range = [0, 1], by = \"voxel\", voxel_size = 0.2 }",

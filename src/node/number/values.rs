@@ -6,7 +6,7 @@ use crate::text::key::Absent::Required;
 use crate::text::key::{Key, Kind};
 
 /// One of some numbers at random.
-pub const VALUES: Source<1> = Source {
+pub const NODE: Source<1> = Source {
     key: Key::new("values", Kind::Numbers, Required, "One of these numbers at random."),
     parameters: &[BY, EDGE, SEED],
     example: "{ values = [0.1, 0.5, 0.9], by = \"voxel\", voxel_size = 0.2 }",

@@ -5,7 +5,7 @@ use crate::text::key::Absent::{Required, Words};
 use crate::text::key::{Key, Kind};
 
 /// The scalars of a volume.
-pub const VDB: Source<1> = Source {
+pub const NODE: Source<1> = Source {
     key: Key::new(
         "vdb",
         Kind::Path,

@@ -5,7 +5,7 @@ use crate::text::key::Absent::Required;
 use crate::text::key::{Key, Kind, Limit};
 
 /// A box.
-pub const BOX: Spec = Spec {
+pub const NODE: Spec = Spec {
     key: Key::new("box", Kind::Lengths, Required, "A box around the origin: its edge lengths; one number is a cube.")
         .limit(Limit::Positive)
         .unit("units"),

@@ -5,7 +5,7 @@ use crate::text::key::Absent::{Of, Required};
 use crate::text::key::Key;
 
 /// A cylinder.
-pub const CYLINDER: Spec = Spec {
+pub const NODE: Spec = Spec {
     key: Key::length("cylinder", Required, "A cylinder along z around the origin: its radius."),
     parameters: &[Key::length("height", Of("cylinder", 2.0), "From its bottom to its top.")],
     formula: "the signed distance to it",

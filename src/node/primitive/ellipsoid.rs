@@ -5,7 +5,7 @@ use crate::text::key::Absent::Required;
 use crate::text::key::{Key, Kind, Limit};
 
 /// An ellipsoid.
-pub const ELLIPSOID: Spec = Spec {
+pub const NODE: Spec = Spec {
     key: Key::new("ellipsoid", Kind::Vector, Required, "An ellipsoid around the origin: its half axes.")
         .limit(Limit::Positive)
         .unit("units"),

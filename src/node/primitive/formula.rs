@@ -5,7 +5,7 @@ use crate::text::key::Absent::Required;
 use crate::text::key::{Key, Kind};
 
 /// F itself.
-pub const FORMULA: Spec = Spec {
+pub const NODE: Spec = Spec {
     key: Key::new(
         "formula",
         Kind::Formula,

@@ -5,7 +5,7 @@ use crate::text::key::Absent::{Number, Required};
 use crate::text::key::{Key, Kind};
 
 /// All behind a plane.
-pub const HALF_SPACE: Spec = Spec {
+pub const NODE: Spec = Spec {
     key: Key::new(
         "half_space",
         Kind::Vector,

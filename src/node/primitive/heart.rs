@@ -5,7 +5,7 @@ use crate::text::key::Absent::Required;
 use crate::text::key::Key;
 
 /// A heart.
-pub const HEART: Spec = Spec {
+pub const NODE: Spec = Spec {
     key: Key::length(
         "heart",
         Required,

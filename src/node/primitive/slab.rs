@@ -5,7 +5,7 @@ use crate::text::key::Absent::{Required, Vector};
 use crate::text::key::{Key, Kind};
 
 /// All between two planes.
-pub const SLAB: Spec = Spec {
+pub const NODE: Spec = Spec {
     key: Key::length(
         "slab",
         Required,

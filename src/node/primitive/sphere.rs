@@ -5,7 +5,7 @@ use crate::text::key::Absent::Required;
 use crate::text::key::Key;
 
 /// A ball.
-pub const SPHERE: Spec = Spec {
+pub const NODE: Spec = Spec {
     key: Key::length("sphere", Required, "A ball around the origin: its radius."),
     formula: "r − |p|",
     example: "sphere = 1",

@@ -5,7 +5,7 @@ use crate::text::key::Absent::{Of, Required};
 use crate::text::key::Key;
 
 /// A ring.
-pub const TORUS: Spec = Spec {
+pub const NODE: Spec = Spec {
     key: Key::length("torus", Required, "A ring around the z axis: the radius of its middle line."),
     parameters: &[Key::length("tube", Of("torus", 0.25), "The radius of its tube.")],
     formula: "s − |(|(x, y)| − r, z)|",

@@ -4,10 +4,11 @@ use crate::attribute::{Components, LinearRgb};
 
 use super::{Building, family};
 use crate::node::argument::{Argument, Arguments};
-use crate::node::color::components::SRGB;
+use crate::node::direct::SRGB;
 use crate::node::list;
 use crate::node::model::{Component, ShapeColour, ShapeId};
 use crate::node::source::Source;
+use crate::node::table;
 use crate::text::colour::{constant, css, limits, not_a_colour};
 use crate::text::diagnostic::{Diagnostic, clip, listed};
 use crate::text::files::{self, FileReference};
@@ -78,7 +79,7 @@ impl<'r, 'a> Building<'r, 'a> {
                 }
                 let plain: Vec<&'static Key> =
                     list::COLOURS.iter().filter(is_plain).map(|source| &source.key).collect();
-                let fields = Fields::new(self.reader, path, list::colour_owner, value.span, table, plain.clone());
+                let fields = Fields::new(self.reader, path, table::colour_owner, value.span, table, plain.clone());
                 let mut given = plain.into_iter().filter(|key| fields.entry(key.name).is_some());
                 match (given.next(), given.next()) {
                     (Some(Key { name, kind: Kind::Components(meaning), .. }), None) => {
@@ -117,9 +118,9 @@ impl<'r, 'a> Building<'r, 'a> {
             let arguments = Arguments(vec![("srgb", self.components(path, value, Components::Srgb)?)]);
             return Some(ShapeColour { source: &SRGB, arguments, span: value.span });
         };
-        let source = self.source_of(path, value, table, list::COLOURS, list::colour_owner, "colour")?;
+        let source = self.source_of(path, value, table, list::COLOURS, table::colour_owner, "colour")?;
         let arguments =
-            self.source_arguments(path, value, table, source, list::colour_owner, id, has_cells, may_nest)?;
+            self.source_arguments(path, value, table, source, table::colour_owner, id, has_cells, may_nest)?;
         let main = table.0.iter().find(|entry| source.key.is_called(&entry.key));
         Some(ShapeColour { source, arguments, span: main.map_or(value.span, |entry| entry.value.span) })
     }

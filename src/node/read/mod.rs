@@ -17,6 +17,7 @@ use crate::node::keys::{self};
 use crate::node::list;
 use crate::node::model::{Cells, CellsId, Model, Parameter, Shape, ShapeId};
 use crate::node::spec::Spec;
+use crate::node::table;
 use crate::text::diagnostic::{Diagnostic, Diagnostics, Severity, clip};
 use crate::text::files::{Base, Variables};
 use crate::text::formula::{Names, RESERVED};
@@ -348,12 +349,12 @@ fn mixed(seed: u64, name: &str) -> u64 {
 
 /// The keys of a shape that is this.
 fn shape_keys(spec: &'static Spec) -> Vec<&'static Key> {
-    spec.keys().chain(list::modifier_keys()).chain(keys::SHAPE).collect()
+    spec.keys().chain(table::modifier_keys()).chain(keys::SHAPE).collect()
 }
 
 /// All keys that a shape may have, whatever it is.
 fn any_shape_keys() -> Vec<&'static Key> {
     let makers = list::MAKERS.iter().map(|spec| &spec.key);
     let parameters = list::MAKERS.iter().flat_map(|spec| spec.parameters);
-    makers.chain(list::modifier_keys()).chain(keys::SHAPE).chain(parameters).collect()
+    makers.chain(table::modifier_keys()).chain(keys::SHAPE).chain(parameters).collect()
 }

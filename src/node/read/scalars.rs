@@ -4,10 +4,11 @@ use std::collections::BTreeMap;
 
 use super::Building;
 use crate::node::argument::{Argument, Arguments};
+use crate::node::direct::VALUE;
 use crate::node::keys;
 use crate::node::list;
 use crate::node::model::{Component, ShapeId, ShapeScalar};
-use crate::node::number::value::VALUE;
+use crate::node::table;
 use crate::text::diagnostic::{Diagnostic, clip};
 use crate::text::formula::Formula;
 use crate::text::key::Limit;
@@ -89,9 +90,9 @@ impl<'r, 'a> Building<'r, 'a> {
                 });
             }
         };
-        let source = self.source_of(path, value, table, list::SCALARS, list::scalar_owner, "number")?;
+        let source = self.source_of(path, value, table, list::SCALARS, table::scalar_owner, "number")?;
         let arguments =
-            self.source_arguments(path, value, table, source, list::scalar_owner, id, has_cells, may_nest)?;
+            self.source_arguments(path, value, table, source, table::scalar_owner, id, has_cells, may_nest)?;
         Some(ShapeScalar { source, arguments, span: value.span })
     }
 

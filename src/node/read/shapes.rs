@@ -11,7 +11,8 @@ use crate::node::keys;
 use crate::node::list;
 use crate::node::model::{Modifier, Placement, Shape, ShapeId};
 use crate::node::spec::Spec;
-use crate::text::diagnostic::{Diagnostic, clip, listed};
+use crate::node::table;
+use crate::text::diagnostic::{Diagnostic, clip, some_of};
 use crate::text::formula::Formula;
 use crate::text::key::GREATEST;
 use crate::text::key::{Absent, Key, Kind, Limit};
@@ -33,7 +34,7 @@ impl<'r, 'a> Building<'r, 'a> {
 
     /// The one maker of a table. Says so where there are two of them, or none and no unknown key that stands for one.
     fn maker_of(&self, path: &str, span: Span, table: &'r Table) -> Option<&'static Spec> {
-        let mut found = table.0.iter().filter_map(|entry| Some((entry, list::maker(&entry.key)?)));
+        let mut found = table.0.iter().filter_map(|entry| Some((entry, table::maker(&entry.key)?)));
         match (found.next(), found.next()) {
             (Some((_, maker)), None) => Some(maker),
             (Some((first, _)), Some((second, _))) => {
@@ -51,7 +52,7 @@ impl<'r, 'a> Building<'r, 'a> {
                     let makers: Vec<&str> = list::MAKERS.iter().map(|spec| spec.key.name).collect();
                     let problem = format!("nothing says what `{}` is", clip(path));
                     self.reader
-                        .say(Diagnostic::error(span, problem).help(format!("give it one of {}", listed(&makers))));
+                        .say(Diagnostic::error(span, problem).help(format!("give it one of {}", some_of(&makers))));
                 }
                 None
             }
@@ -62,7 +63,7 @@ impl<'r, 'a> Building<'r, 'a> {
     fn read_shape(&mut self, path: &str, span: Span, table: &'r Table, id: ShapeId, may_nest: bool) -> Option<Shape> {
         let spec = self.maker_of(path, span, table);
         let keys = spec.map_or_else(any_shape_keys, shape_keys);
-        let fields = Fields::new(self.reader, path, list::owner, span, table, keys);
+        let fields = Fields::new(self.reader, path, table::shape_owner, span, table, keys);
         let arguments = spec.and_then(|spec| self.arguments(spec.keys(), &fields, id, may_nest));
         // Without a maker all else is read, so that all errors come together.
         let mut modifiers = Vec::new();

@@ -11,7 +11,7 @@ use crate::text::key::Absent::Nothing;
 use crate::text::key::{Key, Kind};
 
 /// The half on one side of a plane, and its mirror image.
-pub const MIRROR: Spec = Spec {
+pub const NODE: Spec = Spec {
     key: Key::new(
         "mirror",
         Kind::Choice(&["x", "y", "z"]),

@@ -12,7 +12,7 @@ use crate::text::key::Absent::{Number, Required};
 use crate::text::key::{Key, Kind, Limit};
 
 /// A shape cut by planes at random, cell by cell.
-pub const FACET: Spec = Spec {
+pub const NODE: Spec = Spec {
     key: Key::new("facet", Kind::Shape, Required, "A shape whose surface, cell by cell, is cut by a plane at random."),
     parameters: &[
         Key::new("cells", Kind::Cells, Required, "The cells that the surface is cut by."),

@@ -6,7 +6,7 @@ use crate::text::key::Absent::Nothing;
 use crate::text::key::{Key, Kind};
 
 /// Moved along the normal.
-pub const DISPLACE: Spec = Spec {
+pub const NODE: Spec = Spec {
     key: Key::new(
         "displace",
         Kind::Scalar,

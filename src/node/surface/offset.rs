@@ -6,7 +6,7 @@ use crate::text::key::{Absent, Key, Kind};
 use crate::text::number::NumberValue;
 
 /// Grown on all sides.
-pub const OFFSET: Spec = Spec {
+pub const NODE: Spec = Spec {
     key: Key::new(
         "offset",
         Kind::Number,

@@ -6,7 +6,7 @@ use crate::text::key::Absent::Nothing;
 use crate::text::key::{Key, Kind, Limit};
 
 /// Only a wall stays.
-pub const SHELL: Spec = Spec {
+pub const NODE: Spec = Spec {
     key: Key::new("shell", Kind::Number, Nothing, "Only a wall of this thickness stays, its middle on the surface.")
         .limit(Limit::Positive)
         .unit("units"),

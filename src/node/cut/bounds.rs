@@ -10,7 +10,7 @@ use crate::text::problem::Problem;
 use crate::text::source::Span;
 
 /// Cut off outside of a box.
-pub const BOUNDS: Spec = Spec {
+pub const NODE: Spec = Spec {
     key: Key::new(
         "bounds",
         Kind::Box,

@@ -1,6 +1,0 @@
-//! Shapes made of several.
-
-pub(crate) mod blend;
-pub(crate) mod difference;
-pub(crate) mod intersection;
-pub(crate) mod union;

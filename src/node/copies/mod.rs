@@ -1,3 +1,0 @@
-//! Many of one shape.
-
-pub(crate) mod at;

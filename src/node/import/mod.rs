@@ -1,3 +1,0 @@
-//! Shapes from files.
-
-pub(crate) mod mesh;

@@ -1,3 +1,0 @@
-//! What bends the space of a shape.
-
-pub(crate) mod mirror;

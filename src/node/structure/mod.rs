@@ -1,3 +1,0 @@
-//! Shapes made of another by cells.
-
-pub(crate) mod facet;
