@@ -62,6 +62,7 @@ nodes! {
             cuboid
             ellipsoid
             cylinder
+            cone
             torus
             capsule
             half_space
