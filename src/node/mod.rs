@@ -63,6 +63,7 @@ nodes! {
             ellipsoid
             cylinder
             cone
+            wedge
             torus
             capsule
             half_space
