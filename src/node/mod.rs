@@ -88,7 +88,8 @@ nodes! {
         copies:
             at;
         space:
-            mirror;
+            mirror
+            twist;
         surface:
             offset
             shell
