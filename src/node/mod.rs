@@ -61,6 +61,7 @@ nodes! {
             sphere
             cuboid
             ellipsoid
+            superellipsoid
             cylinder
             cone
             wedge
