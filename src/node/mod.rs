@@ -104,6 +104,7 @@ nodes! {
             hsv
             palette
             range
+            checker
             bands
             parts
             vdb;
