@@ -28,7 +28,6 @@ mod place;
 mod program;
 mod prune;
 mod rising;
-mod scalar;
 mod solids;
 mod tape;
 #[cfg(test)]
