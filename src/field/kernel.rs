@@ -88,7 +88,7 @@ impl<const N: usize> Visitor<1> for OnLanes<'_, N> {
             .get_disjoint_mut([at.out as usize, at.a as usize])
             .expect("an output never shares its argument's register");
         for (out, &a) in out.get_mut::<N>().iter_mut().zip(a.get::<N>()) {
-            *out = operation.lane([a]);
+            (*out, _) = operation.slopes([a]);
         }
     }
 }
@@ -103,7 +103,7 @@ impl<const N: usize> Visitor<2> for OnLanes<'_, N> {
                 .get_disjoint_mut([at.out as usize, at.a as usize])
                 .expect("an output never shares its argument's register");
             for (out, &a) in out.get_mut::<N>().iter_mut().zip(a.get::<N>()) {
-                *out = operation.lane([a, a]);
+                (*out, _) = operation.slopes([a, a]);
             }
             return;
         }
@@ -111,7 +111,7 @@ impl<const N: usize> Visitor<2> for OnLanes<'_, N> {
             .get_disjoint_mut([at.out as usize, at.a as usize, at.b as usize])
             .expect("an output never shares its argument's register");
         for ((out, &a), &b) in out.get_mut::<N>().iter_mut().zip(a.get::<N>()).zip(b.get::<N>()) {
-            *out = operation.lane([a, b]);
+            (*out, _) = operation.slopes([a, b]);
         }
     }
 }

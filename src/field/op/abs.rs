@@ -2,20 +2,12 @@
 
 use super::*;
 
-#[derive(Clone, Copy)]
-pub struct Abs;
-
 impl Operation<1> for Abs {
     const NATURE: Nature = Nature { shortens: true, creases: true, ..Nature::PLAIN };
     const FUNCTIONS: &'static [Function] =
         &[function("abs", 1, "abs(x)", "x without its sign", |graph, a| graph.abs(a[0]))];
 
     fn value(self, [a]: [f64; 1]) -> f64 {
-        a.abs()
-    }
-
-    #[inline(always)]
-    fn lane(self, [a]: [f32; 1]) -> f32 {
         a.abs()
     }
 

@@ -2,16 +2,8 @@
 
 use super::*;
 
-#[derive(Clone, Copy)]
-pub struct Add;
-
 impl Operation<2> for Add {
     fn value(self, [a, b]: [f64; 2]) -> f64 {
-        a + b
-    }
-
-    #[inline(always)]
-    fn lane(self, [a, b]: [f32; 2]) -> f32 {
         a + b
     }
 

@@ -2,9 +2,6 @@
 
 use super::*;
 
-#[derive(Clone, Copy)]
-pub struct Atan2;
-
 impl Operation<2> for Atan2 {
     const NATURE: Nature = Nature { jumps: true, shortens: true, ..Nature::PLAIN };
     const FUNCTIONS: &'static [Function] = &[
@@ -23,11 +20,6 @@ impl Operation<2> for Atan2 {
 
     fn value(self, [y, x]: [f64; 2]) -> f64 {
         libm::atan2(y, x)
-    }
-
-    #[inline(always)]
-    fn lane(self, [y, x]: [f32; 2]) -> f32 {
-        math::atan2(y, x)
     }
 
     #[inline(always)]

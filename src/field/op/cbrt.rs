@@ -2,9 +2,6 @@
 
 use super::*;
 
-#[derive(Clone, Copy)]
-pub struct Cbrt;
-
 impl Operation<1> for Cbrt {
     const FUNCTIONS: &'static [Function] =
         &[function("cbrt", 1, "cbrt(x)", "the cube root, negative where x is", |graph, a| {
@@ -13,11 +10,6 @@ impl Operation<1> for Cbrt {
 
     fn value(self, [a]: [f64; 1]) -> f64 {
         libm::cbrt(a)
-    }
-
-    #[inline(always)]
-    fn lane(self, [a]: [f32; 1]) -> f32 {
-        math::cbrt(a)
     }
 
     #[inline(always)]

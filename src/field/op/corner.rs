@@ -2,9 +2,6 @@
 
 use super::*;
 
-#[derive(Clone, Copy)]
-pub struct Corner;
-
 impl Operation<2> for Corner {
     const NATURE: Nature = Nature::INTERSECTION;
 
@@ -17,21 +14,17 @@ impl Operation<2> for Corner {
     }
 
     #[inline(always)]
-    fn lane(self, [a, b]: [f32; 2]) -> f32 {
+    fn slopes(self, [a, b]: [f32; 2]) -> (f32, [f32; 2]) {
         let (lesser, greater) = if a < b { (a, b) } else { (b, a) };
         let greater = if greater < 0.0 { greater } else { 0.0 };
         let outside = -(lesser * lesser + greater * greater).sqrt();
-        if lesser >= 0.0 { lesser } else { outside }
-    }
-
-    #[inline(always)]
-    fn slopes(self, [a, b]: [f32; 2]) -> (f32, [f32; 2]) {
+        let value = if lesser >= 0.0 { lesser } else { outside };
         let (first, second) = (if a < 0.0 { -a } else { 0.0 }, if b < 0.0 { -b } else { 0.0 });
         let inverse = 1.0 / (first * first + second * second).sqrt();
-        let lesser = if a < b { 1.0 } else { 0.0 };
+        let nearer = if a < b { 1.0 } else { 0.0 };
         let outside = (first > 0.0 || second > 0.0) && inverse < f32::INFINITY;
-        let by_a = if outside { first * inverse } else { lesser };
-        (self.lane([a, b]), [by_a, if outside { second * inverse } else { 1.0 - lesser }])
+        let by_a = if outside { first * inverse } else { nearer };
+        (value, [by_a, if outside { second * inverse } else { 1.0 - nearer }])
     }
 
     /// By monotony.

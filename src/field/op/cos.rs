@@ -1,10 +1,6 @@
 //! The cosine.
 
-use super::sin::Sin;
 use super::*;
-
-#[derive(Clone, Copy)]
-pub struct Cos;
 
 impl Operation<1> for Cos {
     const FUNCTIONS: &'static [Function] =
@@ -15,18 +11,13 @@ impl Operation<1> for Cos {
     }
 
     #[inline(always)]
-    fn lane(self, [a]: [f32; 1]) -> f32 {
-        math::cos(a)
-    }
-
-    #[inline(always)]
     fn slopes(self, [a]: [f32; 1]) -> (f32, [f32; 1]) {
         (math::cos(a), [-math::sin(a)])
     }
 
     fn bounds(self, [a]: [Interval; 1]) -> Interval {
         use std::f64::consts::FRAC_PI_2;
-        Sin.bounds([a + Interval::widened(FRAC_PI_2, FRAC_PI_2)])
+        Unary::Sin.bounds([a + Interval::widened(FRAC_PI_2, FRAC_PI_2)])
     }
 
     fn facts(self, [a]: [Facts; 1]) -> Facts {

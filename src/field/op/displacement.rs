@@ -3,9 +3,6 @@
 
 use super::*;
 
-#[derive(Clone, Copy)]
-pub struct Displacement;
-
 impl Operation<2> for Displacement {
     const NATURE: Nature = Nature { shortens: true, ..Nature::PLAIN };
 
@@ -18,21 +15,16 @@ impl Operation<2> for Displacement {
     }
 
     #[inline(always)]
-    fn lane(self, [first, second]: [f32; 2]) -> f32 {
-        let share = second / (first + second);
-        let value = share * share * share / (2.0 - share);
-        if second > 0.0 { value } else { 0.0 }
-    }
-
-    #[inline(always)]
     fn slopes(self, [first, second]: [f32; 2]) -> (f32, [f32; 2]) {
         let sum = first + second;
         let share = second / sum;
         let rest = 2.0 - share;
+        let value = share * share * share / rest;
         let by_share = share * share * (6.0 - 2.0 * share) / (rest * rest);
         let (by_first, by_second) = (-by_share * share / sum, by_share * (1.0 - share) / sum);
         let within = second > 0.0;
-        (self.lane([first, second]), [if within { by_first } else { 0.0 }, if within { by_second } else { 0.0 }])
+        let by = [if within { by_first } else { 0.0 }, if within { by_second } else { 0.0 }];
+        (if within { value } else { 0.0 }, by)
     }
 
     /// It falls with r₁² and rises with r₂².
@@ -54,9 +46,9 @@ mod tests {
     fn it_is_the_papers_formula() {
         for (first, second) in [(0.2, 0.7), (3.0, 0.1), (0.0, 1.0)] {
             let r2: f64 = first / (first + second);
-            assert!((Displacement.value([first, second]) - (1.0 - r2).powi(3) / (1.0 + r2)).abs() < 1e-15);
+            assert!((Binary::Displacement.value([first, second]) - (1.0 - r2).powi(3) / (1.0 + r2)).abs() < 1e-15);
         }
-        assert_eq!(Displacement.value([0.0, 0.0]), 0.0);
-        assert_eq!(Displacement.value([1.0, 0.0]), 0.0);
+        assert_eq!(Binary::Displacement.value([0.0, 0.0]), 0.0);
+        assert_eq!(Binary::Displacement.value([1.0, 0.0]), 0.0);
     }
 }

@@ -1,18 +1,9 @@
 //! The quotient.
 
-use super::recip::Recip;
 use super::*;
-
-#[derive(Clone, Copy)]
-pub struct Div;
 
 impl Operation<2> for Div {
     fn value(self, [a, b]: [f64; 2]) -> f64 {
-        a / b
-    }
-
-    #[inline(always)]
-    fn lane(self, [a, b]: [f32; 2]) -> f32 {
         a / b
     }
 
@@ -24,7 +15,7 @@ impl Operation<2> for Div {
     }
 
     fn bounds(self, [a, b]: [Interval; 2]) -> Interval {
-        a * Recip.bounds([b])
+        a * Unary::Recip.bounds([b])
     }
 
     fn simplified(self, graph: &mut Graph, [a, b]: [Node; 2]) -> Option<Node> {

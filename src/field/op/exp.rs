@@ -2,20 +2,12 @@
 
 use super::*;
 
-#[derive(Clone, Copy)]
-pub struct Exp;
-
 impl Operation<1> for Exp {
     const FUNCTIONS: &'static [Function] =
         &[function("exp", 1, "exp(x)", "e to the power of x", |graph, a| graph.unary(Unary::Exp, a[0]))];
 
     fn value(self, [a]: [f64; 1]) -> f64 {
         libm::exp(a)
-    }
-
-    #[inline(always)]
-    fn lane(self, [a]: [f32; 1]) -> f32 {
-        math::exp(a)
     }
 
     #[inline(always)]

@@ -2,9 +2,6 @@
 
 use super::*;
 
-#[derive(Clone, Copy)]
-pub struct Floor;
-
 impl Operation<1> for Floor {
     const NATURE: Nature = Nature { jumps: true, shortens: true, ..Nature::PLAIN };
     const FUNCTIONS: &'static [Function] =
@@ -13,11 +10,6 @@ impl Operation<1> for Floor {
         })];
 
     fn value(self, [a]: [f64; 1]) -> f64 {
-        a.floor()
-    }
-
-    #[inline(always)]
-    fn lane(self, [a]: [f32; 1]) -> f32 {
         a.floor()
     }
 

@@ -3,25 +3,14 @@
 use super::super::facts::exact;
 use super::*;
 
-#[derive(Clone, Copy)]
-pub struct Linear {
-    pub scale: f64,
-    pub offset: f64,
-}
-
 impl Operation<1> for Linear {
     fn value(self, [a]: [f64; 1]) -> f64 {
         a * self.scale + self.offset
     }
 
     #[inline(always)]
-    fn lane(self, [a]: [f32; 1]) -> f32 {
-        a * self.scale as f32 + self.offset as f32
-    }
-
-    #[inline(always)]
     fn slopes(self, [a]: [f32; 1]) -> (f32, [f32; 1]) {
-        (self.lane([a]), [self.scale as f32])
+        (a * self.scale as f32 + self.offset as f32, [self.scale as f32])
     }
 
     fn bounds(self, [a]: [Interval; 1]) -> Interval {

@@ -2,9 +2,6 @@
 
 use super::*;
 
-#[derive(Clone, Copy)]
-pub struct Log;
-
 impl Operation<1> for Log {
     const FUNCTIONS: &'static [Function] = &[
         function("ln", 1, "ln(x)", "the natural logarithm; of a negative number not a number", |graph, a| {
@@ -15,11 +12,6 @@ impl Operation<1> for Log {
 
     fn value(self, [a]: [f64; 1]) -> f64 {
         libm::log(a)
-    }
-
-    #[inline(always)]
-    fn lane(self, [a]: [f32; 1]) -> f32 {
-        math::log(a)
     }
 
     #[inline(always)]

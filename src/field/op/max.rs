@@ -3,9 +3,6 @@
 use super::super::facts::exact;
 use super::*;
 
-#[derive(Clone, Copy)]
-pub struct Max;
-
 impl Operation<2> for Max {
     const NATURE: Nature = Nature { creases: true, ..Nature::UNION };
     const FUNCTIONS: &'static [Function] =
@@ -15,11 +12,6 @@ impl Operation<2> for Max {
 
     fn value(self, [a, b]: [f64; 2]) -> f64 {
         a.max(b)
-    }
-
-    #[inline(always)]
-    fn lane(self, [a, b]: [f32; 2]) -> f32 {
-        if a > b { a } else { b }
     }
 
     #[inline(always)]

@@ -3,9 +3,6 @@
 use super::super::facts::exact;
 use super::*;
 
-#[derive(Clone, Copy)]
-pub struct Min;
-
 impl Operation<2> for Min {
     const NATURE: Nature = Nature { creases: true, ..Nature::INTERSECTION };
     const FUNCTIONS: &'static [Function] =
@@ -15,11 +12,6 @@ impl Operation<2> for Min {
 
     fn value(self, [a, b]: [f64; 2]) -> f64 {
         a.min(b)
-    }
-
-    #[inline(always)]
-    fn lane(self, [a, b]: [f32; 2]) -> f32 {
-        if a < b { a } else { b }
     }
 
     #[inline(always)]

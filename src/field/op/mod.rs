@@ -21,10 +21,8 @@ pub(super) trait Operation<const N: usize>: Copy {
     /// The judge of every faster way, and the end points of bounds.
     fn value(self, arguments: [f64; N]) -> f64;
 
-    /// The value in one lane of a batch: inlined always, see [`Visitor`].
-    fn lane(self, arguments: [f32; N]) -> f32;
-
-    /// The value in one lane, and its derivatives by the arguments.
+    /// The value in one lane of a batch, and its derivatives by the arguments; compilers leave out what batches of values
+    /// do not ask for. Inlined always: see [`Visitor`].
     fn slopes(self, arguments: [f32; N]) -> (f32, [f32; N]);
 
     /// Bounds of the value, rounded outward.
@@ -99,7 +97,14 @@ macro_rules! operations {
         $dollar:tt $(#[$doc:meta])* $Enum:ident on $arity:literal:
         $($module:ident: $Name:ident $({ $($field:ident: $type:ty = $example:expr),+ })?,)+
     ) => {
-        $(mod $module;)+
+        $(
+            mod $module;
+
+            #[derive(Clone, Copy)]
+            struct $Name {
+                $($($field: $type),+)?
+            }
+        )+
 
         $(#[$doc])*
         #[derive(Clone, Copy, Debug, PartialEq)]
@@ -111,7 +116,7 @@ macro_rules! operations {
             ($dollar given:expr, $dollar operation:ident => $dollar body:expr) => {
                 match $dollar given {
                     $($Enum::$Name $({ $($field),+ })? => {
-                        let $dollar operation = $module::$Name $({ $($field),+ })?;
+                        let $dollar operation = $Name { $($($field),+)? };
                         $dollar body
                     })+
                 }
@@ -123,11 +128,11 @@ macro_rules! operations {
             #[cfg(test)]
             pub const ALL: &[Self] = &[$(Self::$Name $({ $($field: $example),+ })?),+];
 
-            const FUNCTIONS: &[&[Function]] = &[$($module::$Name::FUNCTIONS),+];
+            const FUNCTIONS: &[&[Function]] = &[$($Name::FUNCTIONS),+];
 
             pub fn nature(self) -> Nature {
                 match self {
-                    $(Self::$Name { .. } => $module::$Name::NATURE),+
+                    $(Self::$Name { .. } => $Name::NATURE),+
                 }
             }
 

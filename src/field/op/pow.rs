@@ -1,11 +1,6 @@
 //! A power of a base that is not negative; not a number otherwise.
 
-use super::exp::Exp;
-use super::log::Log;
 use super::*;
-
-#[derive(Clone, Copy)]
-pub struct Pow;
 
 impl Operation<2> for Pow {
     const FUNCTIONS: &'static [Function] = &[function(
@@ -21,11 +16,6 @@ impl Operation<2> for Pow {
     }
 
     #[inline(always)]
-    fn lane(self, [a, b]: [f32; 2]) -> f32 {
-        math::pow(a, b)
-    }
-
-    #[inline(always)]
     fn slopes(self, [a, b]: [f32; 2]) -> (f32, [f32; 2]) {
         let value = math::pow(a, b);
         let (by_a, by_b) = (value * b / a, value * math::log(a));
@@ -35,7 +25,7 @@ impl Operation<2> for Pow {
     /// Everything where it may be undefined.
     fn bounds(self, [a, b]: [Interval; 2]) -> Interval {
         let positive = a.lo > 0.0 || (a.lo == 0.0 && b.lo > 0.0);
-        if positive { Exp.bounds([Log.bounds([a]) * b]) } else { Interval::ALL }
+        if positive { Unary::Exp.bounds([Unary::Log.bounds([a]) * b]) } else { Interval::ALL }
     }
 
     fn simplified(self, graph: &mut Graph, [a, b]: [Node; 2]) -> Option<Node> {

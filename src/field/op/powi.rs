@@ -2,11 +2,6 @@
 
 use super::*;
 
-#[derive(Clone, Copy)]
-pub struct Powi {
-    pub exponent: u32,
-}
-
 impl Operation<1> for Powi {
     fn value(self, [a]: [f64; 1]) -> f64 {
         let (mut result, mut square, mut rest) = (1.0, a, self.exponent);
@@ -18,11 +13,6 @@ impl Operation<1> for Powi {
             rest >>= 1;
         }
         result
-    }
-
-    #[inline(always)]
-    fn lane(self, [a]: [f32; 1]) -> f32 {
-        power(a, self.exponent)
     }
 
     #[inline(always)]

@@ -1,26 +1,17 @@
 //! The intersection of system R₀, `a + b − √(a² + b²)`, by the union of complements.
 
-use super::r0_union::Union;
 use super::*;
-
-#[derive(Clone, Copy)]
-pub struct Intersection;
 
 impl Operation<2> for Intersection {
     const NATURE: Nature = Nature::INTERSECTION;
 
     fn value(self, [a, b]: [f64; 2]) -> f64 {
-        -Union.value([-a, -b])
-    }
-
-    #[inline(always)]
-    fn lane(self, [a, b]: [f32; 2]) -> f32 {
-        -Union.lane([-a, -b])
+        -Binary::Union.value([-a, -b])
     }
 
     #[inline(always)]
     fn slopes(self, [a, b]: [f32; 2]) -> (f32, [f32; 2]) {
-        let (value, by) = Union.slopes([-a, -b]);
+        let (value, by) = Union {}.slopes([-a, -b]);
         (-value, by)
     }
 
@@ -30,6 +21,6 @@ impl Operation<2> for Intersection {
     }
 
     fn facts(self, [a, b]: [Facts; 2]) -> Facts {
-        Facts::intersection(a, b, Union.facts([a, b]).slope)
+        Facts::intersection(a, b, Binary::Union.facts([a, b]).slope)
     }
 }

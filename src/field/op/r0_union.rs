@@ -5,9 +5,6 @@ use super::*;
 /// The share of the distance that unions keep of two equal distances outside: 2 − √2.
 const KEPT: f64 = 2.0 - std::f64::consts::SQRT_2;
 
-#[derive(Clone, Copy)]
-pub struct Union;
-
 impl Operation<2> for Union {
     const NATURE: Nature = Nature::UNION;
     const FUNCTIONS: &'static [Function] = &[function(
@@ -28,15 +25,6 @@ impl Operation<2> for Union {
         }
         let both = (lesser * lesser + greater * greater).sqrt() + lesser.abs();
         greater + if lesser < 0.0 { greater * greater / both } else { both }
-    }
-
-    #[inline(always)]
-    fn lane(self, [a, b]: [f32; 2]) -> f32 {
-        let (lesser, greater) = if a < b { (a, b) } else { (b, a) };
-        let square = greater * greater;
-        let both = (lesser * lesser + square).sqrt() + lesser.abs();
-        let ratio = square / both;
-        greater + if lesser < 0.0 { ratio } else { both }
     }
 
     /// By `1 + a/√(a² + b²)` and `1 + b/√(a² + b²)`; where both arguments are zero, the first one's side.
@@ -76,16 +64,16 @@ mod tests {
         for (a, b) in [(1.0, 2.0), (-1.0, 2.0), (-1.0, -2.0), (0.3, 0.3), (0.0, -4.0)] {
             let (a, b): (f64, f64) = (a, b);
             let root = (a * a + b * b).sqrt();
-            assert!((Union.value([a, b]) - (a + b + root)).abs() < 1e-14);
+            assert!((Binary::Union.value([a, b]) - (a + b + root)).abs() < 1e-14);
             assert!((Binary::Intersection.value([a, b]) - (a + b - root)).abs() < 1e-14);
         }
-        assert_eq!((Union.value([0.0, 0.0]), Union.lane([0.0, 0.0])), (0.0, 0.0));
+        assert_eq!((Binary::Union.value([0.0, 0.0]), Union {}.slopes([0.0, 0.0]).0), (0.0, 0.0));
     }
 
     #[test]
     fn it_keeps_signs_that_the_formula_loses() {
-        assert!(Union.value([-1.0, 1e-12]) > 0.0 && Binary::Intersection.value([1.0, -1e-12]) < 0.0);
-        assert!(Union.lane([-1.0, 1e-6]) > 0.0 && Union.lane([1e-6, -1.0]) > 0.0);
-        assert!(Union.lane([-1.0, -1e-6]) < 0.0);
+        assert!(Binary::Union.value([-1.0, 1e-12]) > 0.0 && Binary::Intersection.value([1.0, -1e-12]) < 0.0);
+        assert!(Union {}.slopes([-1.0, 1e-6]).0 > 0.0 && Union {}.slopes([1e-6, -1.0]).0 > 0.0);
+        assert!(Union {}.slopes([-1.0, -1e-6]).0 < 0.0);
     }
 }

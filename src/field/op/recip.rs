@@ -2,16 +2,8 @@
 
 use super::*;
 
-#[derive(Clone, Copy)]
-pub struct Recip;
-
 impl Operation<1> for Recip {
     fn value(self, [a]: [f64; 1]) -> f64 {
-        1.0 / a
-    }
-
-    #[inline(always)]
-    fn lane(self, [a]: [f32; 1]) -> f32 {
         1.0 / a
     }
 

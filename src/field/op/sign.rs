@@ -2,9 +2,6 @@
 
 use super::*;
 
-#[derive(Clone, Copy)]
-pub struct Sign;
-
 impl Operation<1> for Sign {
     const NATURE: Nature = Nature { jumps: true, shortens: true, ..Nature::PLAIN };
     const FUNCTIONS: &'static [Function] =
@@ -21,14 +18,9 @@ impl Operation<1> for Sign {
     }
 
     #[inline(always)]
-    fn lane(self, [a]: [f32; 1]) -> f32 {
-        let magnitude = if a == 0.0 { 0.0 } else { 1.0 };
-        if a < 0.0 { -magnitude } else { magnitude }
-    }
-
-    #[inline(always)]
     fn slopes(self, [a]: [f32; 1]) -> (f32, [f32; 1]) {
-        (self.lane([a]), [0.0])
+        let magnitude = if a == 0.0 { 0.0 } else { 1.0 };
+        (if a < 0.0 { -magnitude } else { magnitude }, [0.0])
     }
 
     fn bounds(self, [a]: [Interval; 1]) -> Interval {

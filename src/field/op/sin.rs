@@ -2,20 +2,12 @@
 
 use super::*;
 
-#[derive(Clone, Copy)]
-pub struct Sin;
-
 impl Operation<1> for Sin {
     const FUNCTIONS: &'static [Function] =
         &[function("sin", 1, "sin(x)", "the sine of an angle in radians", |graph, a| graph.unary(Unary::Sin, a[0]))];
 
     fn value(self, [a]: [f64; 1]) -> f64 {
         libm::sin(a)
-    }
-
-    #[inline(always)]
-    fn lane(self, [a]: [f32; 1]) -> f32 {
-        math::sin(a)
     }
 
     #[inline(always)]

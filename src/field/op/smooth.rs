@@ -2,20 +2,12 @@
 
 use super::*;
 
-#[derive(Clone, Copy)]
-pub struct Smooth;
-
 impl Operation<1> for Smooth {
     const NATURE: Nature = Nature { shortens: true, ..Nature::PLAIN };
 
     fn value(self, [a]: [f64; 1]) -> f64 {
         let a = a.clamp(0.0, 1.0);
         a * a * (3.0 - 2.0 * a)
-    }
-
-    #[inline(always)]
-    fn lane(self, [a]: [f32; 1]) -> f32 {
-        math::smooth(a)
     }
 
     #[inline(always)]

@@ -3,9 +3,6 @@
 use super::super::leaf::Quadric;
 use super::*;
 
-#[derive(Clone, Copy)]
-pub struct Sqrt;
-
 impl Operation<1> for Sqrt {
     const FUNCTIONS: &'static [Function] =
         &[function("sqrt", 1, "sqrt(x)", "the square root; of a negative number not a number", |graph, a| {
@@ -13,11 +10,6 @@ impl Operation<1> for Sqrt {
         })];
 
     fn value(self, [a]: [f64; 1]) -> f64 {
-        a.sqrt()
-    }
-
-    #[inline(always)]
-    fn lane(self, [a]: [f32; 1]) -> f32 {
         a.sqrt()
     }
 

@@ -3,16 +3,8 @@
 use super::super::leaf::Quadric;
 use super::*;
 
-#[derive(Clone, Copy)]
-pub struct Square;
-
 impl Operation<1> for Square {
     fn value(self, [a]: [f64; 1]) -> f64 {
-        a * a
-    }
-
-    #[inline(always)]
-    fn lane(self, [a]: [f32; 1]) -> f32 {
         a * a
     }
 
