@@ -29,7 +29,7 @@ use glam::{DVec3, IVec3};
 use hfvdb::attribute::Colour;
 use hfvdb::distance::band::{MeasuredBlock, Settings, measure};
 use hfvdb::distance::descent::{Scope, descend};
-use hfvdb::field::{Aabb, BATCH, Evaluator, Field, Gradients, Interval, Points, Slope};
+use hfvdb::field::{Aabb, BATCH, Evaluator, Field, Gradients, Hint, Hints, Interval, Points, Slope};
 use hfvdb::shot::{FrameContent, Prepared};
 use rayon::prelude::*;
 
@@ -77,12 +77,8 @@ impl Evaluator for CountedEvaluator<'_> {
         self.inner.bounds()
     }
 
-    fn vanishes(&mut self) -> bool {
-        self.inner.vanishes()
-    }
-
-    fn has_many_parts(&self) -> bool {
-        self.inner.has_many_parts()
+    fn hints(&mut self, asked: Hint) -> Hints {
+        self.inner.hints(asked)
     }
 
     fn leave(&mut self) {
@@ -96,10 +92,6 @@ impl Evaluator for CountedEvaluator<'_> {
     fn gradients(&mut self, points: &Points, out: &mut Gradients) {
         self.points.fetch_add(points.len as u64, Ordering::Relaxed);
         self.inner.gradients(points, out);
-    }
-
-    fn steepest(&mut self) -> Option<f64> {
-        self.inner.steepest()
     }
 
     fn branches(&self) -> usize {

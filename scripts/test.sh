@@ -30,6 +30,8 @@ step "install" scripts/install.sh --tests
 # Without it the tests in Blender would be skipped. (The step above would take it for a Blender that is there already.)
 export HFVDB_BLENDER_PYTHON=${HFVDB_BLENDER_PYTHON:-$PWD/.venv/bin/python}
 step "format" cargo fmt --check
+# Those that a macro declares, which the step above does not see.
+step "format of operations" rustfmt --check --edition 2024 src/field/op/*.rs
 # The benches too, and what they compare with.
 step "lint" cargo clippy --locked --all-targets --all-features -- -D warnings
 step "types of houdini_examples" .venv-houdini/bin/mypy --strict --cache-dir=.venv-houdini/cache houdini_examples/*.py

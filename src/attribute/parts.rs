@@ -317,6 +317,7 @@ mod tests {
 
     use super::*;
     use crate::attribute::{Constant, LinearRgb};
+    use crate::field::{Hint, Hints};
 
     const RED: LinearRgb = [1.0, 0.0, 0.0];
     const BLUE: LinearRgb = [0.0, 0.0, 1.0];
@@ -345,6 +346,10 @@ mod tests {
 
         fn bounds(&mut self) -> Interval {
             Interval::ALL
+        }
+
+        fn hints(&mut self, _: Hint) -> Hints {
+            Hints::NONE
         }
 
         fn leave(&mut self) {}

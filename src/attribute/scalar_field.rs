@@ -5,7 +5,7 @@ use std::sync::Arc;
 use glam::{DVec3, Vec3};
 
 use super::{Sampler, Scalar};
-use crate::field::{Aabb, BATCH, Evaluator, Field, Gradients, Interval, Points};
+use crate::field::{Aabb, BATCH, Evaluator, Field, Gradients, Hint, Hints, Interval, Points};
 
 /// Samples are `f32`, and so are the sums they come from: how far beyond its bounds one may be, as a share of them.
 const SLACK: f64 = 4.0 * f32::EPSILON as f64;
@@ -86,8 +86,8 @@ impl Evaluator for ScalarEvaluator<'_> {
         })
     }
 
-    fn keeps_values(&self) -> bool {
-        true
+    fn hints(&mut self, _: Hint) -> Hints {
+        Hints { keeps_values: true, ..Hints::NONE }
     }
 
     fn leave(&mut self) {

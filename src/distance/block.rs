@@ -6,7 +6,7 @@ mod lanes;
 use glam::{DVec3, IVec3, Vec3};
 
 use crate::{
-    field::{Aabb, BATCH, Evaluator, Field, Gradients, Points, Slope},
+    field::{Aabb, BATCH, Evaluator, Field, Gradients, Hint, Points, Slope},
     grid::{BLOCK_EDGE, BLOCK_VOXELS, BlockMask, mask, node_origin},
 };
 
@@ -85,7 +85,7 @@ impl<'a> Meter<'a> {
     /// before stay.
     pub fn enter_nodes(&mut self, block: IVec3) {
         let nodes = NODE_EDGES.map(|edge| (edge, node_origin(block, edge)));
-        let nodes = &nodes[usize::from(!self.evaluator.has_many_parts())..];
+        let nodes = &nodes[usize::from(!self.evaluator.hints(Hint::HasManyParts).has_many_parts)..];
         let same = self.entered.iter().zip(nodes).take_while(|(entered, (_, node))| *entered == node).count();
         for _ in self.entered.drain(same..) {
             self.evaluator.leave();

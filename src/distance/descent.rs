@@ -12,7 +12,7 @@ use rayon::prelude::*;
 
 use super::polish::Resolution;
 use crate::{
-    field::{Aabb, BATCH, Evaluator, Field, Interval, Points, Slope},
+    field::{Aabb, BATCH, Evaluator, Field, Hint, Interval, Points, Slope},
     grid::{BLOCK_EDGE, InsideTile, Lattice, block_order, node_origin},
 };
 
@@ -152,7 +152,8 @@ impl<'a> Walk<'a> {
         }
         let region = self.scope.centres(origin, edge, f64::from(self.scope.half_width));
         self.evaluator.enter(&region);
-        let bounds = if self.evaluator.vanishes() { Interval::ALL } else { self.evaluator.bounds() };
+        let vanishes = self.evaluator.hints(Hint::Vanishes).vanishes;
+        let bounds = if vanishes { Interval::ALL } else { self.evaluator.bounds() };
         if bounds.lo > 0.0 {
             self.tile(origin, edge);
         } else if bounds.hi >= 0.0 {

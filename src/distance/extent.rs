@@ -6,7 +6,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use crate::{
-    field::{Aabb, Evaluator, Field},
+    field::{Aabb, Evaluator, Field, Hint},
     grid::{BLOCK_EDGE, BLOCK_VOXELS},
 };
 
@@ -283,7 +283,7 @@ fn halves_at_band(field: &dyn Field, scope: &Scope, boxes: &[DVec3], edge: f64) 
         for corner in Aabb::new(origin, origin + half).corners() {
             let Some(cell) = Aabb::new(corner, corner + half).intersection(scope.region) else { continue };
             evaluator.enter(&cell.grown(margin));
-            if evaluator.vanishes() || evaluator.bounds().contains(0.0) {
+            if evaluator.hints(Hint::Vanishes).vanishes || evaluator.bounds().contains(0.0) {
                 found.push(corner);
             }
             evaluator.leave();

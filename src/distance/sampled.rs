@@ -3,7 +3,7 @@
 use glam::{DVec3, IVec3, Vec3};
 use rustc_hash::{FxHashMap, FxHashSet};
 
-use crate::field::{Aabb, BATCH, Evaluator, Field, Gradients, Interval, Points};
+use crate::field::{Aabb, BATCH, Evaluator, Field, Gradients, Hint, Hints, Interval, Points};
 use crate::grid::{BLOCK_EDGE, BLOCK_VOXELS, Band, block_origin, voxel_offset};
 
 /// The edges of tiles, in voxels.
@@ -203,6 +203,10 @@ impl Evaluator for SampledEvaluator<'_> {
         let Some(region) = self.regions.last() else { return Interval::ALL };
         let ends = [region.min, region.max].map(|end| self.field.cell(end).0);
         self.field.range(ends[0], ends[1].wrapping_add(IVec3::ONE))
+    }
+
+    fn hints(&mut self, _: Hint) -> Hints {
+        Hints::NONE
     }
 
     fn leave(&mut self) {

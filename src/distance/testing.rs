@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use crate::field::{Aabb, BATCH, Evaluator, Field, Gradients, Interval, Points};
+use crate::field::{Aabb, BATCH, Evaluator, Field, Gradients, Hint, Hints, Interval, Points};
 
 /// One smooth operand.
 #[derive(Clone, Copy, Debug)]
@@ -163,6 +163,10 @@ impl Evaluator for JoinedEvaluator<'_> {
         self.bounds.last().copied().unwrap_or(Interval::ALL)
     }
 
+    fn hints(&mut self, _: Hint) -> Hints {
+        Hints::NONE
+    }
+
     fn leave(&mut self) {
         self.kept.pop();
         self.bounds.pop();
@@ -229,6 +233,10 @@ impl Evaluator for SaturatedEvaluator<'_> {
 
     fn bounds(&mut self) -> Interval {
         self.inner.bounds()
+    }
+
+    fn hints(&mut self, asked: Hint) -> Hints {
+        Hints { steepest: None, ..self.inner.hints(asked) }
     }
 
     fn leave(&mut self) {

@@ -8,7 +8,7 @@ use glam::{DVec3, IVec3};
 use rustc_hash::{FxHashMap, FxHashSet};
 
 use crate::{
-    field::{Aabb, BATCH, Evaluator, Field, Gradients, Interval, Points, Slope},
+    field::{Aabb, BATCH, Evaluator, Field, Gradients, Hint, Hints, Interval, Points, Slope},
     grid::{
         BLOCK_EDGE, Band, BlockMask, InsideTile, Lattice, block_order, block_origin, is_active,
         measure::voxels_of_pieces, place_of, voxel_offset,
@@ -231,8 +231,15 @@ impl Evaluator for WithoutEvaluator<'_> {
         if self.near() { Interval::new(bounds.lo.min(least), bounds.hi) } else { bounds }
     }
 
-    fn vanishes(&mut self) -> bool {
-        !self.near() && self.inner.vanishes()
+    /// Near what is taken away F′ may be G, whose regions prune nothing.
+    fn hints(&mut self, asked: Hint) -> Hints {
+        let (hints, near) = (self.inner.hints(asked), self.near());
+        Hints {
+            keeps_values: hints.keeps_values,
+            has_many_parts: hints.has_many_parts,
+            vanishes: hints.vanishes && !near,
+            steepest: hints.steepest.filter(|_| !near),
+        }
     }
 
     fn leave(&mut self) {
@@ -263,10 +270,6 @@ impl Evaluator for WithoutEvaluator<'_> {
                 }
             }
         }
-    }
-
-    fn steepest(&mut self) -> Option<f64> {
-        if self.near() { None } else { self.inner.steepest() }
     }
 
     fn branches(&self) -> usize {
@@ -301,6 +304,7 @@ mod tests {
             accuracy::exact,
             testing::{Joined, Leaf},
         },
+        field::testing::{Hinted, assert_passes_hints_on},
         grid::{BLOCK_VOXELS, VoxelSize, measure::pieces},
     };
 
@@ -364,6 +368,18 @@ mod tests {
         assert_eq!(part.report.cut_voxels, whole.report.cut_voxels);
         assert_eq!(part.report.band_blocks, whole.report.band_blocks);
         assert_eq!(part.report.thin, whole.report.thin);
+    }
+
+    /// Near what is taken away all but those of a region.
+    #[test]
+    fn hints_are_passed_on() {
+        let lattice = Lattice { voxel_size: VoxelSize::new(1.0).unwrap() };
+        let without = Without::new(&Hinted, lattice, &[(IVec3::ZERO, [1, 0, 0, 0, 0, 0, 0, 0])]);
+        let mut evaluator = without.evaluator();
+        let near = Hints { keeps_values: true, has_many_parts: true, ..Hints::NONE };
+        assert_eq!(evaluator.hints(Hint::HasManyParts), near);
+        evaluator.enter(&Aabb::new(DVec3::splat(40.0), DVec3::splat(41.0)));
+        assert_passes_hints_on(&mut *evaluator);
     }
 
     #[test]

@@ -74,7 +74,7 @@ impl Branches {
             }
             match ops[index as usize] {
                 Op::Unary(Unary::Linear { scale, offset: 0.0 }, a) => self.stack.push((a, factor * scale)),
-                Op::Binary(operation, a, b) if operation.is_set_operation() => {
+                Op::Binary(operation, a, b) if operation.nature().set.is_some() => {
                     self.stack.push((b, factor));
                     self.stack.push((a, factor));
                 }
@@ -111,7 +111,7 @@ impl Branches {
             let op = ops[index as usize];
             match op {
                 Op::External { .. } => continue,
-                Op::Unary(Unary::Abs, _) | Op::Binary(Binary::Min | Binary::Max, ..) => self.creases.push(index),
+                _ if op.nature().creases => self.creases.push(index),
                 _ => {}
             }
             match smooth_square_of_positive_part(ops, op, zero) {

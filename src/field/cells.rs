@@ -368,7 +368,7 @@ fn octant_bounds(bounds: Aabb, octant: usize) -> Aabb {
 mod tests {
     use std::collections::BTreeSet;
 
-    use super::super::{BATCH, Gradients, Interval, Points, Slope};
+    use super::super::{BATCH, Gradients, Hint, Hints, Interval, Points, Slope};
     use super::*;
 
     /// A ball of radius 1 around a centre, by its exact distance.
@@ -403,6 +403,10 @@ mod tests {
             let region = self.1.last().expect("a region was entered");
             let (value, reach) = (self.0.reference(region.centre()), region.size().length() * 0.5);
             Interval::new(value - reach, value + reach)
+        }
+
+        fn hints(&mut self, _: Hint) -> Hints {
+            Hints::NONE
         }
 
         fn leave(&mut self) {

@@ -171,7 +171,7 @@ impl Graph {
                 let grown = self.linear(near, 1.0, 1.0);
                 // No more is added than the amount.
                 let most = Unary::Linear { scale: 1.0, offset: blend.amount };
-                (self.unary(Unary::Recip, grown), Facts::unary(most, known))
+                (self.unary(Unary::Recip, grown), most.facts([known]))
             }
             Some(BlendBounds { solid, weight }) => {
                 let zero = self.constant(0.0);
@@ -198,7 +198,7 @@ impl Graph {
 
     /// The solid grown by a distance (shrunk where that is negative), as exactly as its value is the distance.
     pub fn offset(&mut self, solid: Node, distance: f64) -> Node {
-        let facts = Facts::unary(Unary::Linear { scale: 1.0, offset: distance }, self.facts(solid));
+        let facts = Unary::Linear { scale: 1.0, offset: distance }.facts([self.facts(solid)]);
         let node = self.shifted(solid, 1.0, distance);
         self.declare(node, facts)
     }

@@ -9,7 +9,7 @@ use std::collections::BTreeMap;
 use super::Slope;
 use super::graph::{Graph, Node};
 use super::leaf::Affine;
-use super::op::{Binary, Op, Unary};
+use super::op::{Binary, Op, Set, Unary};
 
 /// A side of a surface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -70,10 +70,11 @@ impl Graph {
                 let length = form.slope.length();
                 if length > 0.0 { Origin::Plane(form.linear(1.0 / length, 0.0)) } else { Origin::Unknown }
             }
-            (Op::Binary(Binary::Max | Binary::Union, a, b), Side::Outside) => Origin::Of(Binary::Max, both(a, b)),
-            (Op::Binary(Binary::Min | Binary::Intersection | Binary::Corner, a, b), Side::Inside) => {
-                Origin::Of(Binary::Min, both(a, b))
-            }
+            (Op::Binary(operation, a, b), _) => match (operation.nature().set, side) {
+                (Some(Set::Union), Side::Outside) => Origin::Of(Binary::Max, both(a, b)),
+                (Some(Set::Intersection), Side::Inside) => Origin::Of(Binary::Min, both(a, b)),
+                _ => Origin::Unknown,
+            },
             (Op::Unary(Unary::Linear { scale, offset: 0.0 }, a), _) if scale > 0.0 => Origin::Same(Node(a)),
             (Op::Unary(Unary::Linear { scale, offset: 0.0 }, a), _) if scale < 0.0 => Origin::Turned(Node(a)),
             _ => Origin::Unknown,

@@ -15,7 +15,7 @@ use super::prune::{Asked, Pruner, has_choices};
 use super::rising::chosen_first;
 use super::tape::Tape;
 use super::width::VectorWidth;
-use super::{Aabb, BATCH, Evaluator, Field, Gradients, Interval, Points, Slope, extent, machine::Machine};
+use super::{Aabb, BATCH, Evaluator, Field, Gradients, Hint, Hints, Interval, Points, Slope, extent, machine::Machine};
 
 /// So many operations are many parts: bounding all of them for each small region takes longer than entering a wide one
 /// before.
@@ -247,7 +247,7 @@ impl Evaluator for ExpressionEvaluator<'_> {
                 let Op::External { leaf, .. } = *op else { continue };
                 // A field prunes by sign: where its values are needed it is read unpruned.
                 let external = &mut self.externals[leaf as usize];
-                if *asked == Asked::Sign || *asked == Asked::Value && external.keeps_values() {
+                if *asked == Asked::Sign || *asked == Asked::Value && external.hints(Hint::KeepsValues).keeps_values {
                     level.entered.push(leaf);
                 } else {
                     external.leave();
@@ -262,8 +262,8 @@ impl Evaluator for ExpressionEvaluator<'_> {
         }
     }
 
-    fn has_many_parts(&self) -> bool {
-        self.levels[0].ops.len() >= MANY
+    fn hints(&mut self, _: Hint) -> Hints {
+        Hints { has_many_parts: self.levels[0].ops.len() >= MANY, ..Hints::NONE }
     }
 
     fn bounds(&mut self) -> Interval {

@@ -13,8 +13,8 @@ use std::ops::Range;
 
 use super::graph::{Graph, Node};
 use super::op::Binary;
-use functions::Function;
 pub use functions::functions;
+pub(super) use functions::{Function, any_number, fold, function};
 
 /// What is wrong with a formula, and where.
 #[derive(Clone, Debug, PartialEq, Eq)]

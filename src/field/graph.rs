@@ -10,7 +10,7 @@ use std::sync::Arc;
 use super::facts::Facts;
 use super::leaf::{Affine, Quadric};
 use super::op::{Binary, Op, Unary};
-use super::{Aabb, Field, Slope, scalar};
+use super::{Aabb, Field, Slope};
 use glam::DVec3;
 
 /// A node of a [`Graph`].
@@ -62,7 +62,7 @@ impl Graph {
     }
 
     /// The node of an operation, new or known.
-    fn intern(&mut self, op: Op, facts: Facts) -> Node {
+    pub(super) fn intern(&mut self, op: Op, facts: Facts) -> Node {
         let next = Node(self.ops.len() as u32);
         let node = *self.known.entry(op.key()).or_insert(next);
         if node == next {
@@ -173,163 +173,35 @@ impl Graph {
     }
 
     pub(super) fn unary(&mut self, operation: Unary, a: Node) -> Node {
-        let facts = Facts::unary(operation, self.facts(a));
-        let node = match self.simplified_unary(operation, a) {
-            Some(node) => node,
-            None => self.intern(Op::Unary(operation, a.0), Facts::NONE),
+        let facts = operation.facts([self.facts(a)]);
+        let node = match self.as_constant(a) {
+            Some(value) => self.constant(operation.value([value])),
+            None => match operation.simplified(self, [a]) {
+                Some(node) => node,
+                None => self.intern(Op::Unary(operation, a.0), Facts::NONE),
+            },
         };
         self.declare(node, facts)
-    }
-
-    /// Whether a node is made of a few planes by min and max alone.
-    fn is_polyhedral(&self, node: Node) -> bool {
-        /// Operations looked at: more planes than half of this are rewritten at a cost that nobody wants.
-        const MOST: usize = 128;
-        let mut stack = vec![node.0];
-        for _ in 0..MOST {
-            match stack.pop().map(|index| self.op(Node(index))) {
-                None => return true,
-                Some(Op::Affine(_)) => {}
-                Some(Op::Binary(Binary::Min | Binary::Max, a, b)) => stack.extend([a, b]),
-                Some(_) => return false,
-            }
-        }
-        false
-    }
-
-    fn simplified_unary(&mut self, operation: Unary, a: Node) -> Option<Node> {
-        if let Some(value) = self.as_constant(a) {
-            return Some(self.constant(scalar::unary(operation, value)));
-        }
-        let inner = self.op(a);
-        match operation {
-            Unary::Linear { scale, offset } => {
-                if scale == 0.0 {
-                    return Some(self.constant(offset));
-                }
-                match inner {
-                    _ if scale == 1.0 && offset == 0.0 => Some(a),
-                    Op::Affine(index) => {
-                        let form = self.affines[index as usize].linear(scale, offset);
-                        Some(self.affine_leaf(form))
-                    }
-                    Op::Quadric(index) => {
-                        let quadric = self.quadrics[index as usize].linear(scale, offset);
-                        Some(self.quadric_leaf(quadric))
-                    }
-                    Op::Unary(Unary::Linear { scale: first, offset: shift }, value) => {
-                        let operation = Unary::Linear { scale: scale * first, offset: scale * shift + offset };
-                        Some(self.unary(operation, Node(value)))
-                    }
-                    // An offset polyhedron is a polyhedron: its faces stay branches of their own.
-                    Op::Binary(side @ (Binary::Min | Binary::Max), first, second) if self.is_polyhedral(a) => {
-                        let [first, second] = [first, second].map(|operand| self.unary(operation, Node(operand)));
-                        Some(self.binary(if scale > 0.0 { side } else { side.turned() }, first, second))
-                    }
-                    _ => None,
-                }
-            }
-            Unary::Square => match inner {
-                Op::Affine(index) => Some(self.quadric_leaf(Quadric::square(self.affines[index as usize]))),
-                Op::Unary(Unary::Abs | Unary::Linear { scale: -1.0, offset: 0.0 }, value) => {
-                    Some(self.unary(Unary::Square, Node(value)))
-                }
-                _ => None,
-            },
-            Unary::Sqrt => match inner {
-                Op::Unary(Unary::Square, value) => Some(self.unary(Unary::Abs, Node(value))),
-                Op::Quadric(index) => self.root_of_quadric(self.quadrics[index as usize]),
-                _ => None,
-            },
-            Unary::Abs => match inner {
-                Op::Unary(Unary::Abs | Unary::Square | Unary::Sqrt | Unary::Exp, _) => Some(a),
-                _ => None,
-            },
-            _ => None,
-        }
-    }
-
-    /// √ of a sum of squares, which has a known slope; of a single square, the absolute value.
-    fn root_of_quadric(&mut self, quadric: Quadric) -> Option<Node> {
-        let slope = quadric.root_slope()?;
-        if quadric.terms[1].0 == 0.0 {
-            let (weight, form) = quadric.terms[0];
-            let form = self.affine_leaf(form.linear(weight.sqrt(), 0.0));
-            return Some(self.unary(Unary::Abs, form));
-        }
-        let radicand = self.quadric_leaf(quadric);
-        Some(self.intern(Op::Unary(Unary::Sqrt, radicand.0), Facts::new(None, Slope::Lipschitz(slope))))
     }
 
     pub(super) fn binary(&mut self, operation: Binary, a: Node, b: Node) -> Node {
-        let facts = Facts::binary(operation, self.facts(a), self.facts(b));
-        let node = match self.simplified_binary(operation, a, b) {
-            Some(node) => node,
-            None => self.intern(Op::Binary(operation, a.0, b.0), Facts::NONE),
+        let facts = operation.facts([self.facts(a), self.facts(b)]);
+        let node = match (self.as_constant(a), self.as_constant(b)) {
+            (Some(first), Some(second)) => self.constant(operation.value([first, second])),
+            _ => match operation.simplified(self, [a, b]) {
+                Some(node) => node,
+                None => self.intern(Op::Binary(operation, a.0, b.0), Facts::NONE),
+            },
         };
         self.declare(node, facts)
     }
 
-    fn simplified_binary(&mut self, operation: Binary, a: Node, b: Node) -> Option<Node> {
-        let constants = (self.as_constant(a), self.as_constant(b));
-        if let (Some(first), Some(second)) = constants {
-            return Some(self.constant(scalar::binary(operation, first, second)));
-        }
-        let linear = |scale: f64, offset: f64| Unary::Linear { scale, offset };
-        match (operation, constants) {
-            (Binary::Add, (Some(value), _)) => Some(self.unary(linear(1.0, value), b)),
-            (Binary::Add, (_, Some(value))) => Some(self.unary(linear(1.0, value), a)),
-            (Binary::Sub, (Some(value), _)) => Some(self.unary(linear(-1.0, value), b)),
-            (Binary::Sub, (_, Some(value))) => Some(self.unary(linear(1.0, -value), a)),
-            (Binary::Mul, (Some(value), _)) => Some(self.unary(linear(value, 0.0), b)),
-            (Binary::Mul, (_, Some(value))) => Some(self.unary(linear(value, 0.0), a)),
-            (Binary::Div, (_, Some(value))) if value != 0.0 => Some(self.unary(linear(1.0 / value, 0.0), a)),
-            (Binary::Div, (Some(value), _)) => {
-                let inverse = self.unary(Unary::Recip, b);
-                Some(self.unary(linear(value, 0.0), inverse))
-            }
-            (Binary::Pow, (_, Some(exponent))) => self.constant_power(a, exponent),
-            (Binary::Pow, (Some(base), _)) if base > 0.0 => {
-                let power = self.unary(linear(scalar::log(base), 0.0), b);
-                Some(self.unary(Unary::Exp, power))
-            }
-            (Binary::Add | Binary::Sub, _) => {
-                let sign = if operation == Binary::Add { 1.0 } else { -1.0 };
-                self.sum_of_leaves(a, b, sign).or_else(|| match operation {
-                    Binary::Add if a == b => Some(self.unary(linear(2.0, 0.0), a)),
-                    Binary::Sub if a == b => Some(self.constant(0.0)),
-                    _ => None,
-                })
-            }
-            (Binary::Mul, _) if a == b => Some(self.unary(Unary::Square, a)),
-            (Binary::Min | Binary::Max, _) if a == b => Some(a),
-            _ => None,
-        }
-    }
-
     /// `a + sign · b` as one leaf, where it is one.
-    fn sum_of_leaves(&mut self, a: Node, b: Node, sign: f64) -> Option<Node> {
+    pub(super) fn sum_of_leaves(&mut self, a: Node, b: Node, sign: f64) -> Option<Node> {
         if let (Some(first), Some(second)) = (self.as_affine(a), self.as_affine(b)) {
             return Some(self.affine_leaf(first.plus(&second.linear(sign, 0.0))));
         }
         let sum = self.as_quadric(a)?.plus(&self.as_quadric(b)?.linear(sign, 0.0))?;
         Some(self.quadric_leaf(sum))
-    }
-
-    /// A power whose exponent is whole, or one half, by multiplication and roots.
-    fn constant_power(&mut self, base: Node, exponent: f64) -> Option<Node> {
-        if exponent == 0.5 {
-            return Some(self.unary(Unary::Sqrt, base));
-        }
-        if exponent.fract() != 0.0 || exponent.abs() > 64.0 {
-            return None;
-        }
-        let power = match exponent.abs() as u32 {
-            0 => return Some(self.constant(1.0)),
-            1 => base,
-            2 => self.unary(Unary::Square, base),
-            whole => self.unary(Unary::Powi(whole), base),
-        };
-        Some(if exponent < 0.0 { self.unary(Unary::Recip, power) } else { power })
     }
 }

@@ -2,9 +2,8 @@
 
 use multiversion::multiversion;
 
-use super::lane_math as math;
-use super::op::{Binary, Unary};
-use super::tape::{Code, LaneQuadric, QuadricShape, Tape};
+use super::op::{Operation, Visitor};
+use super::tape::{Code, Instruction, LaneQuadric, QuadricShape, Tape};
 use super::width::VectorWidth;
 use super::{BATCH, Gradients, Points};
 
@@ -75,32 +74,46 @@ pub(super) fn pass<const N: usize>(batch: &[f32; BATCH], first: usize) -> &[f32;
     batch[first..].first_chunk().expect("a pass begins a whole number of passes before the batch's end")
 }
 
-/// `out = f(a)` on every lane.
-macro_rules! each {
-    ($registers:ident, $at:ident, $a:ident => $value:expr) => {{
-        let [out, a] = $registers
-            .get_disjoint_mut([$at.out as usize, $at.a as usize])
-            .expect("an output never shares its argument's register");
-        for (out, &$a) in out.get_mut::<N>().iter_mut().zip(a.get::<N>()) {
-            *out = $value;
-        }
-    }};
+/// An instruction on every lane of the registers.
+struct OnLanes<'a, const N: usize> {
+    registers: &'a mut [Lanes],
+    at: &'a Instruction,
 }
 
-/// `out = f(a, b)` on every lane; the arguments may be one register.
-macro_rules! both {
-    ($registers:ident, $at:ident, $a:ident, $b:ident => $value:expr) => {{
-        if $at.a == $at.b {
-            each!($registers, $at, $a => { let $b = $a; $value })
-        } else {
-            let [out, a, b] = $registers
-                .get_disjoint_mut([$at.out as usize, $at.a as usize, $at.b as usize])
-                .expect("an output never shares its argument's register");
-            for ((out, &$a), &$b) in out.get_mut::<N>().iter_mut().zip(a.get::<N>()).zip(b.get::<N>()) {
-                *out = $value;
-            }
+impl<const N: usize> Visitor<1> for OnLanes<'_, N> {
+    #[inline(always)]
+    fn visit(self, operation: impl Operation<1>) {
+        let Self { registers, at } = self;
+        let [out, a] = registers
+            .get_disjoint_mut([at.out as usize, at.a as usize])
+            .expect("an output never shares its argument's register");
+        for (out, &a) in out.get_mut::<N>().iter_mut().zip(a.get::<N>()) {
+            (*out, _) = operation.slopes([a]);
         }
-    }};
+    }
+}
+
+/// The arguments may be one register.
+impl<const N: usize> Visitor<2> for OnLanes<'_, N> {
+    #[inline(always)]
+    fn visit(self, operation: impl Operation<2>) {
+        let Self { registers, at } = self;
+        if at.a == at.b {
+            let [out, a] = registers
+                .get_disjoint_mut([at.out as usize, at.a as usize])
+                .expect("an output never shares its argument's register");
+            for (out, &a) in out.get_mut::<N>().iter_mut().zip(a.get::<N>()) {
+                (*out, _) = operation.slopes([a, a]);
+            }
+            return;
+        }
+        let [out, a, b] = registers
+            .get_disjoint_mut([at.out as usize, at.a as usize, at.b as usize])
+            .expect("an output never shares its argument's register");
+        for ((out, &a), &b) in out.get_mut::<N>().iter_mut().zip(a.get::<N>()).zip(b.get::<N>()) {
+            (*out, _) = operation.slopes([a, b]);
+        }
+    }
 }
 
 #[inline(always)]
@@ -118,44 +131,8 @@ fn body<const N: usize>(run: &Run, registers: &mut [Lanes], outs: &mut [&mut [f3
                 Code::Input(leaf) => {
                     *registers[at.out as usize].get_mut::<N>() = *pass(&run.inputs[leaf as usize].value, first);
                 }
-                Code::Linear(scale, offset) => each!(registers, at, a => a * scale + offset),
-                Code::Unary(operation) => match operation {
-                    // Compiled to `Code::Linear`.
-                    Unary::Linear { .. } => {}
-                    Unary::Abs => each!(registers, at, a => a.abs()),
-                    Unary::Square => each!(registers, at, a => a * a),
-                    Unary::Sqrt => each!(registers, at, a => a.sqrt()),
-                    Unary::Cbrt => each!(registers, at, a => math::cbrt(a)),
-                    Unary::Recip => each!(registers, at, a => 1.0 / a),
-                    // With the exponent known, the loop over its bits is gone and lanes become vectors.
-                    Unary::Powi(3) => each!(registers, at, a => math::powi(a, 3)),
-                    Unary::Powi(4) => each!(registers, at, a => math::powi(a, 4)),
-                    Unary::Powi(5) => each!(registers, at, a => math::powi(a, 5)),
-                    Unary::Powi(6) => each!(registers, at, a => math::powi(a, 6)),
-                    Unary::Powi(8) => each!(registers, at, a => math::powi(a, 8)),
-                    Unary::Powi(exponent) => each!(registers, at, a => math::powi(a, exponent)),
-                    Unary::Sin => each!(registers, at, a => math::sin(a)),
-                    Unary::Cos => each!(registers, at, a => math::cos(a)),
-                    Unary::Exp => each!(registers, at, a => math::exp(a)),
-                    Unary::Log => each!(registers, at, a => math::log(a)),
-                    Unary::Floor => each!(registers, at, a => a.floor()),
-                    Unary::Sign => each!(registers, at, a => math::sign(a)),
-                    Unary::Smooth => each!(registers, at, a => math::smooth(a)),
-                },
-                Code::Binary(operation) => match operation {
-                    Binary::Add => both!(registers, at, a, b => a + b),
-                    Binary::Sub => both!(registers, at, a, b => a - b),
-                    Binary::Mul => both!(registers, at, a, b => a * b),
-                    Binary::Div => both!(registers, at, a, b => a / b),
-                    Binary::Min => both!(registers, at, a, b => if a < b { a } else { b }),
-                    Binary::Max => both!(registers, at, a, b => if a > b { a } else { b }),
-                    Binary::Union => both!(registers, at, a, b => math::r0_union(a, b)),
-                    Binary::Intersection => both!(registers, at, a, b => -math::r0_union(-a, -b)),
-                    Binary::Corner => both!(registers, at, a, b => math::corner(a, b)),
-                    Binary::Displacement => both!(registers, at, a, b => math::displacement(a, b)),
-                    Binary::Pow => both!(registers, at, a, b => math::pow(a, b)),
-                    Binary::Atan2 => both!(registers, at, a, b => math::atan2(a, b)),
-                },
+                Code::Unary(operation) => operation.visit(OnLanes::<N> { registers, at }),
+                Code::Binary(operation) => operation.visit(OnLanes::<N> { registers, at }),
             }
         }
         for (out, &register) in outs.iter_mut().zip(&run.tape.outputs) {

@@ -3,9 +3,8 @@
 use multiversion::multiversion;
 
 use super::kernel::{Run, pass};
-use super::lane_math as math;
-use super::op::{Binary, Unary};
-use super::tape::{Code, LaneQuadric, QuadricShape};
+use super::op::{Operation, Visitor};
+use super::tape::{Code, Instruction, LaneQuadric, QuadricShape};
 use super::width::VectorWidth;
 use super::{BATCH, Gradients};
 
@@ -63,21 +62,28 @@ fn run_avx512(run: &Run, registers: &mut [Dual], outs: &mut [&mut Gradients]) {
     either(run, registers, outs);
 }
 
-/// `out = f(a)` with `(value, derivative by a)` on every lane.
+/// An instruction on every lane of the registers.
 ///
 /// Lanes are taken in wholes of fixed length into arrays of their own: loops over all arrays at once have more pairs
 /// that might overlap than compilers check, and stay scalar. Plain indices, because what is not inlined into a function
 /// as large as this is compiled for the narrowest vectors.
-macro_rules! each {
-    ($registers:ident, $at:ident, $a:ident => $pair:expr) => {{
-        let [out, a] = $registers
-            .get_disjoint_mut([$at.out as usize, $at.a as usize])
+struct OnLanes<'a, const N: usize> {
+    registers: &'a mut [Dual],
+    at: &'a Instruction,
+}
+
+impl<const N: usize> OnLanes<'_, N> {
+    /// Of one argument, by its lanes' value and derivative.
+    #[inline(always)]
+    fn each(self, slopes: impl LaneSlopes) {
+        let Self { registers, at } = self;
+        let [out, a] = registers
+            .get_disjoint_mut([at.out as usize, at.a as usize])
             .expect("an output never shares its argument's register");
         for whole in 0..N / WIDE {
             let (mut value, mut along_a) = ([0.0; WIDE], [0.0; WIDE]);
             for i in 0..WIDE {
-                let $a = a.value[whole][i];
-                (value[i], along_a[i]) = $pair;
+                (value[i], along_a[i]) = slopes.of(a.value[whole][i]);
             }
             out.value[whole] = value;
             for axis in 0..3 {
@@ -88,39 +94,68 @@ macro_rules! each {
                 out.slope[axis][whole] = slope;
             }
         }
-    }};
+    }
 }
 
-/// `out = f(a, b)` with `(value, derivative by a, by b)` on every lane; the arguments may be one register.
-macro_rules! both {
-    ($registers:ident, $at:ident, $a:ident, $b:ident => $triple:expr) => {{
-        if $at.a == $at.b {
-            each!($registers, $at, $a => {
-                let $b = $a;
-                let (value, by_a, by_b) = $triple;
-                (value, by_a + by_b)
-            })
-        } else {
-            let [out, a, b] = $registers
-                .get_disjoint_mut([$at.out as usize, $at.a as usize, $at.b as usize])
-                .expect("an output never shares its argument's register");
-            for whole in 0..N / WIDE {
-                let (mut value, mut along_a, mut along_b) = ([0.0; WIDE], [0.0; WIDE], [0.0; WIDE]);
+/// Value and derivative by one argument.
+trait LaneSlopes {
+    fn of(&self, a: f32) -> (f32, f32);
+}
+
+struct OfOne<O>(O);
+
+impl<O: Operation<1>> LaneSlopes for OfOne<O> {
+    #[inline(always)]
+    fn of(&self, a: f32) -> (f32, f32) {
+        let (value, [by_a]) = self.0.slopes([a]);
+        (value, by_a)
+    }
+}
+
+/// An operation on one value twice.
+struct OfTwice<O>(O);
+
+impl<O: Operation<2>> LaneSlopes for OfTwice<O> {
+    #[inline(always)]
+    fn of(&self, a: f32) -> (f32, f32) {
+        let (value, [by_a, by_b]) = self.0.slopes([a, a]);
+        (value, by_a + by_b)
+    }
+}
+
+impl<const N: usize> Visitor<1> for OnLanes<'_, N> {
+    #[inline(always)]
+    fn visit(self, operation: impl Operation<1>) {
+        self.each(OfOne(operation));
+    }
+}
+
+/// The arguments may be one register.
+impl<const N: usize> Visitor<2> for OnLanes<'_, N> {
+    #[inline(always)]
+    fn visit(self, operation: impl Operation<2>) {
+        if self.at.a == self.at.b {
+            return self.each(OfTwice(operation));
+        }
+        let Self { registers, at } = self;
+        let [out, a, b] = registers
+            .get_disjoint_mut([at.out as usize, at.a as usize, at.b as usize])
+            .expect("an output never shares its argument's register");
+        for whole in 0..N / WIDE {
+            let (mut value, mut along_a, mut along_b) = ([0.0; WIDE], [0.0; WIDE], [0.0; WIDE]);
+            for i in 0..WIDE {
+                (value[i], [along_a[i], along_b[i]]) = operation.slopes([a.value[whole][i], b.value[whole][i]]);
+            }
+            out.value[whole] = value;
+            for axis in 0..3 {
+                let mut slope = [0.0; WIDE];
                 for i in 0..WIDE {
-                    let ($a, $b) = (a.value[whole][i], b.value[whole][i]);
-                    (value[i], along_a[i], along_b[i]) = $triple;
+                    slope[i] = flushed(along_a[i] * a.slope[axis][whole][i] + along_b[i] * b.slope[axis][whole][i]);
                 }
-                out.value[whole] = value;
-                for axis in 0..3 {
-                    let mut slope = [0.0; WIDE];
-                    for i in 0..WIDE {
-                        slope[i] = flushed(along_a[i] * a.slope[axis][whole][i] + along_b[i] * b.slope[axis][whole][i]);
-                    }
-                    out.slope[axis][whole] = slope;
-                }
+                out.slope[axis][whole] = slope;
             }
         }
-    }};
+    }
 }
 
 #[inline(always)]
@@ -142,84 +177,8 @@ fn body<const N: usize>(run: &Run, registers: &mut [Dual], outs: &mut [&mut Grad
                         to.as_flattened_mut()[..N].copy_from_slice(pass::<N>(from, first));
                     }
                 }
-                Code::Linear(scale, offset) => each!(registers, at, a => (a * scale + offset, scale)),
-                Code::Unary(operation) => match operation {
-                    // Compiled to `Code::Linear`.
-                    Unary::Linear { .. } => {}
-                    Unary::Abs => each!(registers, at, a => (a.abs(), if a < 0.0 { -1.0 } else { 1.0 })),
-                    Unary::Square => each!(registers, at, a => (a * a, 2.0 * a)),
-                    Unary::Sqrt => each!(registers, at, a => {
-                        let root = a.sqrt();
-                        let slope = 0.5 / root;
-                        (root, if root > 0.0 { slope } else { 0.0 })
-                    }),
-                    Unary::Cbrt => each!(registers, at, a => {
-                        let root = math::cbrt(a);
-                        let slope = 1.0 / (3.0 * root * root);
-                        (root, if root != 0.0 { slope } else { 0.0 })
-                    }),
-                    Unary::Recip => each!(registers, at, a => {
-                        let inverse = 1.0 / a;
-                        (inverse, -(inverse * inverse))
-                    }),
-                    Unary::Powi(exponent) => each!(registers, at, a => {
-                        let below = math::powi(a, exponent - 1);
-                        (math::powi(a, exponent), exponent as f32 * below)
-                    }),
-                    Unary::Sin => each!(registers, at, a => (math::sin(a), math::cos(a))),
-                    Unary::Cos => each!(registers, at, a => (math::cos(a), -math::sin(a))),
-                    Unary::Exp => each!(registers, at, a => {
-                        let value = math::exp(a);
-                        (value, value)
-                    }),
-                    Unary::Log => each!(registers, at, a => (math::log(a), 1.0 / a)),
-                    Unary::Floor => each!(registers, at, a => (a.floor(), 0.0)),
-                    Unary::Sign => each!(registers, at, a => (math::sign(a), 0.0)),
-                    Unary::Smooth => each!(registers, at, a => {
-                        let clamped = math::clamp01(a);
-                        (math::smooth(a), 6.0 * clamped * (1.0 - clamped))
-                    }),
-                },
-                Code::Binary(operation) => match operation {
-                    Binary::Add => both!(registers, at, a, b => (a + b, 1.0, 1.0)),
-                    Binary::Sub => both!(registers, at, a, b => (a - b, 1.0, -1.0)),
-                    Binary::Mul => both!(registers, at, a, b => (a * b, b, a)),
-                    Binary::Div => both!(registers, at, a, b => {
-                        let inverse = 1.0 / b;
-                        let value = a / b;
-                        (value, inverse, -(value * inverse))
-                    }),
-                    Binary::Min => both!(registers, at, a, b => {
-                        let first = if a < b { 1.0 } else { 0.0 };
-                        (if a < b { a } else { b }, first, 1.0 - first)
-                    }),
-                    Binary::Max => both!(registers, at, a, b => {
-                        let first = if a > b { 1.0 } else { 0.0 };
-                        (if a > b { a } else { b }, first, 1.0 - first)
-                    }),
-                    Binary::Union => both!(registers, at, a, b => math::r0_union_with_slopes(a, b)),
-                    Binary::Intersection => both!(registers, at, a, b => {
-                        let (value, by_a, by_b) = math::r0_union_with_slopes(-a, -b);
-                        (-value, by_a, by_b)
-                    }),
-                    Binary::Corner => both!(registers, at, a, b => {
-                        let (by_a, by_b) = corner_slopes(a, b);
-                        (math::corner(a, b), by_a, by_b)
-                    }),
-                    Binary::Displacement => both!(registers, at, a, b => {
-                        let (by_a, by_b) = displacement_slopes(a, b);
-                        (math::displacement(a, b), by_a, by_b)
-                    }),
-                    Binary::Pow => both!(registers, at, a, b => {
-                        let value = math::pow(a, b);
-                        let (by_a, by_b) = (value * b / a, value * math::log(a));
-                        (value, if a > 0.0 { by_a } else { 0.0 }, if a > 0.0 { by_b } else { 0.0 })
-                    }),
-                    Binary::Atan2 => both!(registers, at, a, b => {
-                        let square = a * a + b * b;
-                        (math::atan2(a, b), b / square, -a / square)
-                    }),
-                },
+                Code::Unary(operation) => operation.visit(OnLanes::<N> { registers, at }),
+                Code::Binary(operation) => operation.visit(OnLanes::<N> { registers, at }),
             }
         }
         for (out, &register) in outs.iter_mut().zip(&run.tape.outputs) {
@@ -242,27 +201,6 @@ fn flushed(derivative: f32) -> f32 {
 #[inline(always)]
 fn copy(to: &mut [f32], from: &Lanes) {
     to.copy_from_slice(&from.as_flattened()[..to.len()]);
-}
-
-#[inline(always)]
-fn corner_slopes(a: f32, b: f32) -> (f32, f32) {
-    let (first, second) = (if a < 0.0 { -a } else { 0.0 }, if b < 0.0 { -b } else { 0.0 });
-    let inverse = 1.0 / (first * first + second * second).sqrt();
-    let lesser = if a < b { 1.0 } else { 0.0 };
-    let outside = (first > 0.0 || second > 0.0) && inverse < f32::INFINITY;
-    (if outside { first * inverse } else { lesser }, if outside { second * inverse } else { 1.0 - lesser })
-}
-
-/// disp = u³/(2 − u) with u = r₂²/(r₁² + r₂²).
-#[inline(always)]
-fn displacement_slopes(first: f32, second: f32) -> (f32, f32) {
-    let sum = first + second;
-    let share = second / sum;
-    let rest = 2.0 - share;
-    let by_share = share * share * (6.0 - 2.0 * share) / (rest * rest);
-    let (by_first, by_second) = (-by_share * share / sum, by_share * (1.0 - share) / sum);
-    let within = second > 0.0;
-    (if within { by_first } else { 0.0 }, if within { by_second } else { 0.0 })
 }
 
 #[inline(always)]

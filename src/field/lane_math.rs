@@ -14,49 +14,6 @@ use std::hint::select_unpredictable;
 /// the low bits in between.
 const ROUND: f64 = 6_755_399_441_055_744.0;
 
-/// System R₀ union without cancellation: see `scalar::r0_union`.
-#[inline(always)]
-pub(super) fn r0_union(a: f32, b: f32) -> f32 {
-    let (lesser, greater) = if a < b { (a, b) } else { (b, a) };
-    let square = greater * greater;
-    let both = (lesser * lesser + square).sqrt() + lesser.abs();
-    let ratio = square / both;
-    greater + if lesser < 0.0 { ratio } else { both }
-}
-
-/// [`r0_union`] with its derivatives `1 + a/√(a² + b²)` and `1 + b/√(a² + b²)`; where both arguments are zero, the
-/// first one's side.
-#[inline(always)]
-pub(super) fn r0_union_with_slopes(a: f32, b: f32) -> (f32, f32, f32) {
-    let (lesser, greater) = if a < b { (a, b) } else { (b, a) };
-    let square = greater * greater;
-    let root = (lesser * lesser + square).sqrt();
-    let both = root + lesser.abs();
-    let ratio = square / both;
-    let value = greater + if lesser < 0.0 { ratio } else { both };
-    let inverse = 1.0 / root;
-    let (by_a, by_b) = (1.0 + a * inverse, 1.0 + b * inverse);
-    let smooth = root > 0.0;
-    (value, if smooth { by_a } else { 1.0 }, if smooth { by_b } else { 0.0 })
-}
-
-/// See `scalar::corner`.
-#[inline(always)]
-pub(super) fn corner(a: f32, b: f32) -> f32 {
-    let (lesser, greater) = if a < b { (a, b) } else { (b, a) };
-    let greater = if greater < 0.0 { greater } else { 0.0 };
-    let outside = -(lesser * lesser + greater * greater).sqrt();
-    if lesser >= 0.0 { lesser } else { outside }
-}
-
-/// See `scalar::displacement`.
-#[inline(always)]
-pub(super) fn displacement(first: f32, second: f32) -> f32 {
-    let share = second / (first + second);
-    let value = share * share * share / (2.0 - share);
-    if second > 0.0 { value } else { 0.0 }
-}
-
 /// `3v² − 2v³` of the value clamped to 0..1.
 #[inline(always)]
 pub(crate) fn smooth(value: f32) -> f32 {
@@ -68,26 +25,6 @@ pub(crate) fn smooth(value: f32) -> f32 {
 pub(crate) fn clamp01(value: f32) -> f32 {
     let value = select_unpredictable(value > 0.0, value, 0.0);
     select_unpredictable(value < 1.0, value, 1.0)
-}
-
-#[inline(always)]
-pub(super) fn sign(value: f32) -> f32 {
-    let magnitude = if value == 0.0 { 0.0 } else { 1.0 };
-    if value < 0.0 { -magnitude } else { magnitude }
-}
-
-/// A power by repeated squaring.
-#[inline(always)]
-pub(super) fn powi(value: f32, exponent: u32) -> f32 {
-    let (mut result, mut square, mut rest) = (1.0, value, exponent);
-    while rest > 0 {
-        if rest & 1 == 1 {
-            result *= square;
-        }
-        square *= square;
-        rest >>= 1;
-    }
-    result
 }
 
 /// The cube root by two of Halley's steps from a third of the exponent.
@@ -323,12 +260,5 @@ mod tests {
         assert_eq!(log(0.0), f32::NEG_INFINITY);
         assert!(log(-1.0).is_nan() && pow(-1.0, 0.5).is_nan() && sin(f32::INFINITY).is_nan());
         assert_eq!((pow(0.0, 2.0), pow(3.0, 0.0), cbrt(0.0), atan2(0.0, 0.0)), (0.0, 1.0, 0.0, 0.0));
-    }
-
-    #[test]
-    fn r0_keeps_signs_that_the_formula_loses() {
-        assert!(r0_union(-1.0, 1e-6) > 0.0 && r0_union(1e-6, -1.0) > 0.0);
-        assert!(r0_union(-1.0, -1e-6) < 0.0);
-        assert_eq!(r0_union(0.0, 0.0), 0.0);
     }
 }

@@ -29,9 +29,10 @@ mod polygon;
 mod program;
 mod prune;
 mod rising;
-mod scalar;
 mod solids;
 mod tape;
+#[cfg(test)]
+pub(crate) mod testing;
 #[cfg(test)]
 mod tests;
 mod width;
@@ -88,6 +89,38 @@ pub trait Field: Send + Sync {
     fn evaluator(&self) -> Box<dyn Evaluator + '_>;
 }
 
+/// What evaluators may know beyond what each must answer: it saves time, and changes no voxel. `false` and `None` tell
+/// nothing.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Hints {
+    /// Whether regions leave every value as it is, to the last bit: nothing is pruned, what is known of a region only finds
+    /// values faster.
+    pub keeps_values: bool,
+    /// Whether F has so many parts that regions are best entered on the way to small ones within.
+    pub has_many_parts: bool,
+    /// Whether F is known to be zero somewhere in the innermost region entered, for less than bounds take: then those
+    /// need not be asked for.
+    pub vanishes: bool,
+    /// The most that |∇F| may be in the innermost region entered. A morph of two fields that answer opens fewer blocks: a
+    /// value then tells how far away its surface is at least.
+    pub steepest: Option<f64>,
+}
+
+impl Hints {
+    /// Nothing is known.
+    pub const NONE: Self = Self { keeps_values: false, has_many_parts: false, vanishes: false, steepest: None };
+}
+
+/// Which of the [`Hints`] is asked for: others that take time to find may be left out.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[expect(missing_docs, reason = "the fields of `Hints`")]
+pub enum Hint {
+    KeepsValues,
+    HasManyParts,
+    Vanishes,
+    Steepest,
+}
+
 /// Evaluates one field on one thread. Regions nest: everything evaluated between [`Evaluator::enter`] and the
 /// matching [`Evaluator::leave`] must lie in the region entered.
 pub trait Evaluator: Send {
@@ -101,23 +134,6 @@ pub trait Evaluator: Send {
     /// never miss a zero.
     fn bounds(&mut self) -> Interval;
 
-    /// Whether F is known to be zero somewhere in the innermost region entered, for less than bounds take: then those
-    /// need not be asked for. `false` tells nothing.
-    fn vanishes(&mut self) -> bool {
-        false
-    }
-
-    /// Whether regions leave every value as it is, to the last bit: nothing is pruned, what is known of a region only finds
-    /// values faster.
-    fn keeps_values(&self) -> bool {
-        false
-    }
-
-    /// Whether F has so many parts that regions are best entered on the way to small ones within.
-    fn has_many_parts(&self) -> bool {
-        false
-    }
-
     /// Leaves the innermost region.
     fn leave(&mut self);
 
@@ -127,11 +143,9 @@ pub trait Evaluator: Send {
     /// F and its gradient at each point. Where F has no gradient (a crease) one of the sides' is given.
     fn gradients(&mut self, points: &Points, out: &mut Gradients);
 
-    /// The most that |∇F| may be in the innermost region entered, or `None` where that is not known. A morph of two
-    /// fields that answer opens fewer blocks: a value then tells how far away its surface is at least.
-    fn steepest(&mut self) -> Option<f64> {
-        None
-    }
+    /// What else is known, of which the one asked for is worked out. A wrapper starts from all hints of the field that it
+    /// wraps.
+    fn hints(&mut self, asked: Hint) -> Hints;
 
     /// The number of smooth branches that remain in the region: the operands, below all set operations, whose
     /// zero sets together contain the zero set of F. At least 1; 1 means that F is itself smooth here (or is

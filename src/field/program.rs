@@ -7,8 +7,8 @@ use glam::DVec3;
 use super::graph::{Graph, Node};
 use super::interval::Intervals;
 use super::leaf::{Affine, Quadric};
-use super::op::{Binary, Op, Unary};
-use super::{Aabb, Evaluator, Field, Interval, scalar};
+use super::op::Op;
+use super::{Aabb, Evaluator, Field, Interval};
 
 /// Operations, arguments first, the root last.
 pub(super) struct Program {
@@ -93,8 +93,7 @@ impl Program {
     /// Whether values may jump.
     pub fn jumps(&self) -> bool {
         let jump = |op: &Op| {
-            matches!(op, Op::Unary(Unary::Floor | Unary::Sign, _) | Op::Binary(Binary::Atan2, ..))
-                || matches!(op, Op::External { leaf, .. } if self.externals[*leaf as usize].jumps())
+            op.nature().jumps || matches!(op, Op::External { leaf, .. } if self.externals[*leaf as usize].jumps())
         };
         self.ops.iter().any(jump)
     }
@@ -110,8 +109,8 @@ impl Program {
                     let [x, y, z] = at.map(|argument| values[argument as usize]);
                     self.externals[leaf as usize].reference(DVec3::new(x, y, z))
                 }
-                Op::Unary(operation, a) => scalar::unary(operation, values[a as usize]),
-                Op::Binary(operation, a, b) => scalar::binary(operation, values[a as usize], values[b as usize]),
+                Op::Unary(operation, a) => operation.value([values[a as usize]]),
+                Op::Binary(operation, a, b) => operation.value([values[a as usize], values[b as usize]]),
             };
             values.push(value);
         }
@@ -140,45 +139,10 @@ impl Program {
                     external.enter(&read);
                     if asked { external.bounds() } else { Interval::ALL }
                 }
-                Op::Unary(operation, a) => unary(operation, bounds.at(a)),
-                Op::Binary(operation, a, b) => binary(operation, bounds.at(a), bounds.at(b)),
+                Op::Unary(operation, a) => operation.bounds([bounds.at(a)]),
+                Op::Binary(operation, a, b) => operation.bounds([bounds.at(a), bounds.at(b)]),
             };
             bounds.push(bound);
         }
-    }
-}
-
-fn unary(operation: Unary, a: Interval) -> Interval {
-    match operation {
-        Unary::Linear { scale, offset } => a.linear(scale, offset),
-        Unary::Abs => a.abs(),
-        Unary::Square => a.square(),
-        Unary::Sqrt => a.sqrt(),
-        Unary::Recip => a.recip(),
-        Unary::Powi(exponent) => a.powi(exponent),
-        Unary::Sin => a.sin(),
-        Unary::Cos => a.cos(),
-        Unary::Log => a.log(),
-        Unary::Floor => Interval::new(a.lo.floor(), a.hi.floor()),
-        Unary::Sign => Interval::new(scalar::sign(a.lo), scalar::sign(a.hi)),
-        Unary::Exp => a.exp(),
-        Unary::Cbrt | Unary::Smooth => a.rising(|end| scalar::unary(operation, end)),
-    }
-}
-
-fn binary(operation: Binary, a: Interval, b: Interval) -> Interval {
-    match operation {
-        Binary::Add => a + b,
-        Binary::Sub => a - b,
-        Binary::Mul => a * b,
-        Binary::Div => a * b.recip(),
-        Binary::Min => a.min(b),
-        Binary::Max => a.max(b),
-        Binary::Union => a.r0_union(b),
-        Binary::Intersection => a.r0_intersection(b),
-        Binary::Corner => a.corner(b),
-        Binary::Displacement => a.displacement(b),
-        Binary::Pow => a.pow(b),
-        Binary::Atan2 => a.atan2(b),
     }
 }

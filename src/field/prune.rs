@@ -15,7 +15,7 @@
 
 use super::Interval;
 use super::interval::Intervals;
-use super::op::{Binary, Op, Unary};
+use super::op::{Binary, Op, Same, Set, Unary};
 
 /// What is asked of an operation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -47,38 +47,25 @@ pub(super) struct Pruner {
     places: Vec<u32>,
 }
 
+/// What an operation is throughout its arguments' bounds, or, of a union or an intersection, within a window.
 fn choose(op: Op, window: Interval, bounds: &Intervals) -> Choice {
+    let chosen = |same: Same, arguments: &[u32]| match same {
+        Same::Itself => Choice::Keep,
+        Same::Argument(at) => Choice::Is(arguments[at]),
+        Same::Negated(at) => Choice::Negated(arguments[at]),
+    };
     match op {
-        Op::Unary(Unary::Abs, a) => match bounds.at(a) {
-            bound if bound.lo >= 0.0 => Choice::Is(a),
-            bound if bound.hi <= 0.0 => Choice::Negated(a),
-            _ => Choice::Keep,
-        },
+        Op::Unary(operation, a) => chosen(operation.same([bounds.at(a)]), &[a]),
         Op::Binary(operation, a, b) => {
             let (first, second) = (bounds.at(a), bounds.at(b));
-            match operation {
-                Binary::Add if first == Interval::ZERO => Choice::Is(b),
-                Binary::Add | Binary::Sub if second == Interval::ZERO => Choice::Is(a),
-                _ if !operation.is_set_operation() => Choice::Keep,
-                _ => same_value(operation, (a, first), (b, second))
-                    .or_else(|| same_in(window, operation, (a, first), (b, second)))
-                    .map_or(Choice::Keep, Choice::Is),
+            match (chosen(operation.same([first, second]), &[a, b]), operation.nature().set) {
+                (Choice::Keep, Some(set)) => {
+                    same_in(window, set, (a, first), (b, second)).map_or(Choice::Keep, Choice::Is)
+                }
+                (choice, _) => choice,
             }
         }
         _ => Choice::Keep,
-    }
-}
-
-/// The argument that the operation equals throughout.
-fn same_value(operation: Binary, a: (u32, Interval), b: (u32, Interval)) -> Option<u32> {
-    let below = |x: (u32, Interval), y: (u32, Interval)| (x.1.hi <= y.1.lo).then_some(x.0);
-    match operation {
-        Binary::Max => below(b, a).map(|_| a.0).or(below(a, b).map(|_| b.0)),
-        Binary::Min => below(a, b).or(below(b, a)),
-        // Beside an argument that is inside throughout, the other one's value is the distance.
-        Binary::Corner if b.1.lo >= 0.0 => below(a, b),
-        Binary::Corner if a.1.lo >= 0.0 => below(b, a),
-        _ => None,
     }
 }
 
@@ -86,10 +73,10 @@ fn same_value(operation: Binary, a: (u32, Interval), b: (u32, Interval)) -> Opti
 /// is that argument's, elsewhere both lie on the same side. Over the window of zero alone, the one that has the
 /// operation's sign and zero set; this holds for any set operation, other windows for minima and maxima. Strictly, since
 /// an argument that is a constant may be the end of the window itself.
-fn same_in(window: Interval, operation: Binary, a: (u32, Interval), b: (u32, Interval)) -> Option<u32> {
+fn same_in(window: Interval, set: Set, a: (u32, Interval), b: (u32, Interval)) -> Option<u32> {
     let (below, above) = (|x: Interval| x.hi < window.lo, |x: Interval| x.lo > window.hi);
     // Neutral: drop the argument. Decided: it settles the side.
-    let union = operation.is_union();
+    let union = set == Set::Union;
     let neutral = |x| if union { below(x) } else { above(x) };
     let decided = |x| if union { above(x) } else { below(x) };
     if neutral(a.1) || decided(b.1) {
@@ -105,7 +92,7 @@ fn same_in(window: Interval, operation: Binary, a: (u32, Interval), b: (u32, Int
 fn ask_arguments(op: Op, asked: Asked, window: Interval, mut ask: impl FnMut(u32, Asked, Interval)) {
     match op {
         Op::Unary(Unary::Linear { offset: 0.0, .. }, a) => ask(a, asked, Interval::ALL),
-        Op::Binary(operation, a, b) if operation.is_set_operation() => {
+        Op::Binary(operation, a, b) if operation.nature().set.is_some() => {
             ask(a, asked, window);
             ask(b, asked, window);
         }
@@ -116,13 +103,7 @@ fn ask_arguments(op: Op, asked: Asked, window: Interval, mut ask: impl FnMut(u32
 /// Whether something may be left out of a program in some region that is not flat: where an operation has a choice, or is
 /// zero throughout, so that a sum is its other argument. (External fields that are zero throughout are read.)
 pub(super) fn has_choices(ops: &[Op]) -> bool {
-    ops.iter().any(|op| match op {
-        Op::Affine(_) | Op::Quadric(_) | Op::External { .. } => false,
-        Op::Unary(operation, _) => matches!(operation, Unary::Abs | Unary::Floor | Unary::Sign | Unary::Smooth),
-        Op::Binary(operation, ..) => {
-            operation.is_set_operation() || matches!(operation, Binary::Displacement | Binary::Atan2)
-        }
-    })
+    ops.iter().any(|op| op.nature().shortens)
 }
 
 impl Pruner {

@@ -15,7 +15,6 @@ pub(super) enum Code {
     Quadric(u32),
     /// What another field answered for the whole batch.
     Input(u32),
-    Linear(f32, f32),
     Unary(Unary),
     Binary(Binary),
 }
@@ -141,9 +140,6 @@ impl Tape {
                 (Code::Quadric(self.quadric_leaves.len() as u32 - 1), 0, 0)
             }
             Op::External { leaf, .. } => (Code::Input(leaf), 0, 0),
-            Op::Unary(Unary::Linear { scale, offset }, a) => {
-                (Code::Linear(scale as f32, offset as f32), self.places[a as usize], 0)
-            }
             Op::Unary(operation, a) => (Code::Unary(operation), self.places[a as usize], 0),
             Op::Binary(operation, a, b) => (Code::Binary(operation), self.places[a as usize], self.places[b as usize]),
         };

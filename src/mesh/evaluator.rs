@@ -7,7 +7,7 @@ use std::cell::OnceCell;
 use glam::DVec3;
 
 use super::{MeshDistance, Nearest};
-use crate::field::{Aabb, BATCH, Evaluator, Gradients, Interval, Points};
+use crate::field::{Aabb, BATCH, Evaluator, Gradients, Hint, Hints, Interval, Points};
 
 /// Triangles a region may have for all of them to be tried at each point. More, and the tree is faster.
 const FEW: usize = 24;
@@ -205,6 +205,10 @@ impl Evaluator for MeshEvaluator<'_> {
                 Interval::new(signed - reach, signed + reach)
             }
         }
+    }
+
+    fn hints(&mut self, _: Hint) -> Hints {
+        Hints::NONE
     }
 
     fn leave(&mut self) {

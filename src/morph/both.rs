@@ -2,7 +2,7 @@
 
 use glam::{DVec3, Vec3};
 
-use crate::field::{Aabb, BATCH, Evaluator, Interval, Points};
+use crate::field::{Aabb, BATCH, Evaluator, Hint, Interval, Points};
 
 /// How often parts of a region are halved to bound what they hold. More costs more than blocks opened in vain.
 const HALVINGS: usize = 5;
@@ -63,7 +63,8 @@ impl<'a> Both<'a> {
         of_parts: impl FnMut(&Parts, &mut [Interval; BATCH]),
     ) -> Interval {
         let Some(region) = self.region() else { return Interval::ALL };
-        match (self.first.steepest(), self.second.steepest()) {
+        let [first, second] = [&mut self.first, &mut self.second].map(|object| object.hints(Hint::Steepest).steepest);
+        match (first, second) {
             (Some(first), Some(second)) => self.bounds_by_parts(&region, [first, second], of_parts),
             _ => of_region(self.bounds()),
         }

@@ -11,7 +11,7 @@ use super::curves::Looked;
 use super::delay::DelayGrid;
 use super::real::Real;
 use crate::distance::Distance;
-use crate::field::{Aabb, BATCH, Evaluator, Field, Gradients, Interval, Points, Slope};
+use crate::field::{Aabb, BATCH, Evaluator, Field, Gradients, Hint, Hints, Interval, Points, Slope};
 
 /// F_b (heterogeneous STB, eq. 5) of two distances, each place at its own progress; in world units as [`super::Stb`].
 pub(super) struct DelayedStb {
@@ -95,8 +95,9 @@ impl Evaluator for DelayedEvaluator<'_> {
         scaled(self.both.bounds_of(of_region, of_parts), *unit)
     }
 
-    fn vanishes(&mut self) -> bool {
-        self.both.region().is_some_and(|region| has_both_signs(self, &region))
+    fn hints(&mut self, asked: Hint) -> Hints {
+        let region = self.both.region().filter(|_| asked == Hint::Vanishes);
+        Hints { vanishes: region.is_some_and(|region| has_both_signs(self, &region)), ..Hints::NONE }
     }
 
     fn leave(&mut self) {

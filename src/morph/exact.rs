@@ -5,7 +5,7 @@ use std::sync::Arc;
 use glam::DVec3;
 
 use crate::distance::{Distance, Foot};
-use crate::field::{Aabb, BATCH, Evaluator, Field, Gradients, Interval, Points, Slope};
+use crate::field::{Aabb, BATCH, Evaluator, Field, Gradients, Hint, Hints, Interval, Points, Slope};
 
 /// A solid whose signed distance is known in closed form.
 #[derive(Clone, Debug)]
@@ -154,7 +154,7 @@ impl Evaluator for ExactEvaluator<'_> {
         }
     }
 
-    fn steepest(&mut self) -> Option<f64> {
-        Some(1.0)
+    fn hints(&mut self, _: Hint) -> Hints {
+        Hints { steepest: Some(1.0), ..Hints::NONE }
     }
 }

@@ -7,7 +7,7 @@ use glam::{DAffine3, DMat3, DVec3, Mat3};
 use super::over_time::OverTime;
 use crate::attribute::{Attribute, MappedSampler, Sampler, SpaceMap};
 use crate::distance::{Distance, Foot};
-use crate::field::{Aabb, BATCH, Evaluator, Field, Gradients, Interval, Points, Slope};
+use crate::field::{Aabb, BATCH, Evaluator, Field, Gradients, Hint, Hints, Interval, Points, Slope};
 
 /// A uniform scale, then a rotation, then a translation: from an object's space to the world.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -270,8 +270,9 @@ impl Evaluator for MovedEvaluator<'_> {
         if self.placement.scale == 1.0 { scaled } else { widened(scaled) }
     }
 
-    fn keeps_values(&self) -> bool {
-        self.inner.keeps_values()
+    /// Lengths grow as values do.
+    fn hints(&mut self, asked: Hint) -> Hints {
+        self.inner.hints(asked)
     }
 
     fn leave(&mut self) {
@@ -290,11 +291,6 @@ impl Evaluator for MovedEvaluator<'_> {
         self.gradients_to_world(out);
     }
 
-    /// Lengths grow as values do.
-    fn steepest(&mut self) -> Option<f64> {
-        self.inner.steepest()
-    }
-
     fn branches(&self) -> usize {
         self.inner.branches()
     }
@@ -309,4 +305,16 @@ impl Evaluator for MovedEvaluator<'_> {
 fn widened(interval: Interval) -> Interval {
     let margin = |value: f64| value.abs() * (4.0 * f64::EPSILON);
     Interval::new(interval.lo - margin(interval.lo), interval.hi + margin(interval.hi))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::field::testing::{Hinted, assert_passes_hints_on};
+
+    #[test]
+    fn hints_are_passed_on() {
+        let placement = Similarity::new(1.0, DVec3::new(0.0, 30.0, 90.0), DVec3::ZERO).expect("a similarity");
+        assert_passes_hints_on(&mut *Moved::new(Arc::new(Hinted), placement).evaluator());
+    }
 }

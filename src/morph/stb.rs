@@ -7,7 +7,7 @@ use glam::DVec3;
 use super::both::{Both, Parts, has_both_signs, scaled, told_each};
 use super::section::{Kernel, Section};
 use crate::distance::Distance;
-use crate::field::{Aabb, BATCH, Evaluator, Field, Gradients, Interval, Points, Slope};
+use crate::field::{Aabb, BATCH, Evaluator, Field, Gradients, Hint, Hints, Interval, Points, Slope};
 
 /// F_b of two distances at one instant (heterogeneous STB, eq. 5), in world units: F_b of lengths over D, times D.
 ///
@@ -101,8 +101,9 @@ impl Evaluator for StbEvaluator<'_> {
         scaled(self.both.bounds_of(of_region, of_parts), self.stb.unit)
     }
 
-    fn vanishes(&mut self) -> bool {
-        self.both.region().is_some_and(|region| has_both_signs(self, &region))
+    fn hints(&mut self, asked: Hint) -> Hints {
+        let region = self.both.region().filter(|_| asked == Hint::Vanishes);
+        Hints { vanishes: region.is_some_and(|region| has_both_signs(self, &region)), ..Hints::NONE }
     }
 
     fn leave(&mut self) {

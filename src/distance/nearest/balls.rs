@@ -6,7 +6,9 @@
 use glam::{DVec3, Vec3};
 
 use super::PointTree;
-use crate::field::{Aabb, BATCH, EqualBalls, Evaluator, Expression, Field, Gradients, Interval, Points, Slope};
+use crate::field::{
+    Aabb, BATCH, EqualBalls, Evaluator, Expression, Field, Gradients, Hint, Hints, Interval, Points, Slope,
+};
 
 /// Fewer balls are bounded one by one in no more time.
 const MANY: usize = 16;
@@ -92,8 +94,8 @@ impl Evaluator for BallsEvaluator<'_> {
         Interval::new(self.balls.radius - within - slack, self.balls.radius - nearest + slack)
     }
 
-    fn keeps_values(&self) -> bool {
-        true
+    fn hints(&mut self, _: Hint) -> Hints {
+        Hints { keeps_values: true, ..Hints::NONE }
     }
 
     fn leave(&mut self) {

@@ -6,7 +6,7 @@ use super::bricks::Grid;
 use super::kernel::{self, Extent, Located};
 use super::rows::{self, Rows};
 use super::{DistanceObject, LEAF};
-use crate::field::{Aabb, BATCH, Evaluator, Gradients, Interval, Points};
+use crate::field::{Aabb, BATCH, Evaluator, Gradients, Hint, Hints, Interval, Points};
 
 /// A node with its place, in smallest cells.
 #[derive(Clone, Copy)]
@@ -197,17 +197,14 @@ impl Evaluator for OctreeEvaluator<'_> {
         self.object.bounds_from(&region.within, region.place).value
     }
 
-    fn keeps_values(&self) -> bool {
-        true
+    fn hints(&mut self, asked: Hint) -> Hints {
+        let region = self.regions.last().filter(|_| asked == Hint::Steepest);
+        let steepest = region.map(|region| self.object.steepest_from(&region.within, region.place));
+        Hints { keeps_values: true, steepest, ..Hints::NONE }
     }
 
     fn leave(&mut self) {
         self.regions.pop();
-    }
-
-    fn steepest(&mut self) -> Option<f64> {
-        let region = self.regions.last()?;
-        Some(self.object.steepest_from(&region.within, region.place))
     }
 
     fn values(&mut self, points: &Points, out: &mut [f32; BATCH]) {

@@ -5,7 +5,7 @@ use std::sync::atomic::AtomicBool;
 use glam::DVec3;
 
 use super::*;
-use crate::field::{BATCH, Gradients, Interval, Points};
+use crate::field::{BATCH, Gradients, Hint, Interval, Points};
 
 struct Sphere(DVec3, f64);
 
@@ -413,7 +413,7 @@ fn bounds_hold_and_are_tight() {
             let bounded = object.bounds(&region);
             evaluator.enter(&region);
             let value = evaluator.bounds();
-            assert_eq!((value, evaluator.steepest()), (bounded.value, Some(bounded.steepest)));
+            assert_eq!((value, evaluator.hints(Hint::Steepest).steepest), (bounded.value, Some(bounded.steepest)));
             let mut met = Interval::new(f64::INFINITY, f64::NEG_INFINITY);
             let (mut points, mut out) = (Points::new(centre), Gradients::new());
             for _ in 0..BATCH {

@@ -6,6 +6,7 @@
 mod boxes;
 mod external;
 mod formulas;
+mod operations;
 mod properties;
 mod recipe;
 

@@ -1,0 +1,46 @@
+//! The lesser value: the intersection that keeps exact distances exact on one side.
+
+use super::super::facts::exact;
+use super::*;
+
+impl Operation<2> for Min {
+    const NATURE: Nature = Nature { creases: true, ..Nature::INTERSECTION };
+    const FUNCTIONS: &'static [Function] =
+        &[any_number("min", "min(x, y, …)", "the least of one number or more", |graph, a| {
+            fold(graph, Binary::Min, a)
+        })];
+
+    fn value(self, [a, b]: [f64; 2]) -> f64 {
+        a.min(b)
+    }
+
+    #[inline(always)]
+    fn slopes(self, [a, b]: [f32; 2]) -> (f32, [f32; 2]) {
+        let first = if a < b { 1.0 } else { 0.0 };
+        (if a < b { a } else { b }, [first, 1.0 - first])
+    }
+
+    fn bounds(self, [a, b]: [Interval; 2]) -> Interval {
+        Interval::new(a.lo.min(b.lo), a.hi.min(b.hi))
+    }
+
+    fn facts(self, [a, b]: [Facts; 2]) -> Facts {
+        let slope = match (a.slope, b.slope) {
+            (Slope::Exact { inside, .. }, Slope::Exact { inside: i, .. }) => exact(false, inside && i),
+            _ => Facts::steep(a.steepness().zip(b.steepness()).map(|(a, b)| a.max(b))).slope,
+        };
+        Facts::intersection(a, b, slope)
+    }
+
+    fn simplified(self, _: &mut Graph, [a, b]: [Node; 2]) -> Option<Node> {
+        (a == b).then_some(a)
+    }
+
+    fn same(self, [a, b]: [Interval; 2]) -> Same {
+        match (a, b) {
+            _ if a.hi <= b.lo => Same::Argument(0),
+            _ if b.hi <= a.lo => Same::Argument(1),
+            _ => Same::Itself,
+        }
+    }
+}
