@@ -32,6 +32,8 @@ export HFVDB_BLENDER_PYTHON=${HFVDB_BLENDER_PYTHON:-$PWD/.venv/bin/python}
 step "format" cargo fmt --check
 # The benches too, and what they compare with.
 step "lint" cargo clippy --locked --all-targets --all-features -- -D warnings
+# The library alone, without the program and what only the program needs.
+step "library" cargo clippy --locked --no-default-features --lib -- -D warnings
 step "types of houdini_examples" .venv-houdini/bin/mypy --strict --cache-dir=.venv-houdini/cache houdini_examples/*.py
 # With the same features as above, so that the C++ side is compiled once.
 step "tests" cargo test --locked --all-features

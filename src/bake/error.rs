@@ -25,7 +25,7 @@ pub enum Error {
         /// About how many active voxels.
         voxels: f64,
     },
-    /// A signal came.
+    /// The caller raised the [`Interrupt`](super::Interrupt).
     Interrupted,
 }
 

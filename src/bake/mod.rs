@@ -36,7 +36,7 @@ pub use estimate::{Estimate, check_memory, estimate, in_flight};
 pub use frame::{compute_frame, empty};
 pub use frames::{Frames, FramesError};
 pub use identity::{Identity, Sampling};
-pub use interrupt::{Interrupt, survive_file_size_limit};
+pub use interrupt::Interrupt;
 pub use manifest::{Entry, Known, Manifest, Source};
 pub use memory::Bytes;
 pub use memory_limit::default_limit;

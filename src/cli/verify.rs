@@ -7,9 +7,8 @@ use clap::Args;
 use serde_json::json;
 
 use super::failure::Failure;
-use super::job;
 use super::options::Global;
-use super::paths;
+use super::{job, paths, signals};
 use crate::bake::{self, Bytes, Finding, FramePattern, Frames, Sequence, Verdict};
 use crate::terminal;
 
@@ -42,7 +41,7 @@ pub fn run(arguments: &Arguments, global: &Global) -> Result<(), Failure> {
                 continue;
             }
             let verdict = bake::verify(&sequence, &interrupt)?;
-            verdicts.push(verdict.ok_or_else(|| Failure::interrupted(interrupt.exit_code()))?);
+            verdicts.push(verdict.ok_or_else(signals::interrupted)?);
         }
     }
     let problems = loose.len() + verdicts.iter().map(|verdict| verdict.findings.len()).sum::<usize>();

@@ -10,7 +10,7 @@ use super::failure::Failure;
 use super::options::{Compression, Global, Sampling, Writing};
 use super::progress::Progress;
 use super::report::{Outcome, report};
-use super::{dry_run, events, job};
+use super::{dry_run, events, job, signals};
 use crate::bake::{
     self, Baked, Bytes, Claim, Event, FramePattern, Frames, Identity, Interrupt, Output, Record, Sequence, Source,
     State, Wish, judge_all,
@@ -112,7 +112,7 @@ fn to_do(
         return Ok((Vec::new(), frames.numbers().to_vec()));
     }
     let states = judge_all(&output.sequence, frames.numbers(), &claim.known, &output.identity, interrupt)
-        .ok_or_else(|| Failure::interrupted(interrupt.exit_code()))?;
+        .ok_or_else(signals::interrupted)?;
     let (mut kept, mut to_do, mut why) = (Vec::new(), Vec::new(), Vec::<(String, Vec<i64>)>::new());
     for (frame, state) in states {
         let reason = match state {
