@@ -16,9 +16,10 @@ use common::fill::{fill_node, node};
 use common::scenes::{self, Sampling};
 use common::{bake, threads};
 use glam::IVec3;
+use hfvdb::disk;
 use hfvdb::distance::descent::{Scope, descend};
 use hfvdb::field::{BATCH, Evaluator, Field};
-use hfvdb::vdb::{self, Compression, Encoded};
+use hfvdb::vdb::{self, Compression};
 use rayon::prelude::*;
 
 const ROUNDS: usize = 9;
@@ -34,8 +35,11 @@ fn fill(field: &dyn Field, scope: &Scope) -> Vec<Vec<[f32; BATCH]>> {
     blocks.par_chunk_by(|a, b| node(*a) == node(*b)).map_init(|| field.evaluator(), of_node).collect()
 }
 
-fn write(encoded: Encoded, folder: &Path) {
-    encoded.write(folder.join("frame.vdb"), true).expect("it is written");
+fn write(pieces: &[Vec<u8>], folder: &Path) {
+    let path = folder.join("frame.vdb");
+    let (staged, sound) = rayon::join(|| disk::stage(&path, pieces, true), || vdb::read_back(pieces, &path));
+    sound.expect("it is sound");
+    staged.and_then(disk::Staged::commit).expect("it is written");
 }
 
 fn bench(scene: &str, resolution: u32) {
@@ -55,9 +59,8 @@ fn bench(scene: &str, resolution: u32) {
         let frame = bake::grids(&grids);
         let encode = || vdb::encode(&frame, Compression::Blosc).expect("a sound frame");
         let (encoded, bytes) = timed(encode);
-        let (checked, ()) = timed(|| write(bytes, memory.path()));
-        let bytes = encode();
-        let (written, ()) = timed(|| write(bytes, disk.path()));
+        let (checked, ()) = timed(|| write(&bytes, memory.path()));
+        let (written, ()) = timed(|| write(&bytes, disk.path()));
         let more = |long: Seconds, short: Seconds| [long[0] - short[0], long[1] - short[1]];
         let stage = [
             find,

@@ -16,6 +16,7 @@ mod interrupt;
 mod manifest;
 mod memory;
 mod memory_limit;
+pub mod output;
 mod pattern;
 mod probe;
 mod range;

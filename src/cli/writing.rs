@@ -11,6 +11,7 @@ use super::options::{Compression, Global, Sampling, Writing};
 use super::progress::Progress;
 use super::report::{Outcome, report};
 use super::{dry_run, events, job, signals};
+use crate::bake::output::{FORMATS, format_of};
 use crate::bake::{
     self, Baked, Bytes, Claim, Event, FramePattern, Frames, Identity, Interrupt, Output, Record, Sequence, Source,
     State, Wish, judge_all,
@@ -212,14 +213,17 @@ fn output(request: &Request<'_>) -> Result<Output, Failure> {
         (None, None, None) => bake::Sampling::Resolution(model.output.resolution),
     };
     let half_width = sampling.half_width.unwrap_or(model.output.half_width);
-    Ok(Output {
+    let output = Output {
         sequence: Sequence { pattern: request.pattern.clone() },
+        format: format_of(&request.pattern.file(0)).unwrap_or(FORMATS[0]),
         identity: Identity::new(job::hash(model)?, finely, half_width, half, compression),
         compression,
         existing: writing.existing(),
         allow_empty: writing.allow_empty,
         max_memory: job::limit(sampling),
-    })
+    };
+    output.format.check(model, &output).map_err(Failure::usage)?;
+    Ok(output)
 }
 
 fn in_words(record: &Record) -> String {
