@@ -26,8 +26,6 @@ mod level_set;
 mod lint;
 mod metadata;
 mod read;
-#[cfg(feature = "rivals")]
-pub mod rivals;
 pub mod walk;
 mod write;
 
