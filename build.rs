@@ -7,10 +7,6 @@ use std::path::{Path, PathBuf};
 const SOURCES: [&str; 4] = ["cpp/build.cpp", "cpp/encode.cpp", "cpp/morph.cpp", "cpp/read.cpp"];
 const HEADERS: [&str; 2] = ["cpp/border.h", "cpp/grids.h"];
 const BRIDGE: &str = "src/vdb/bridge.rs";
-/// What belongs to the feature `rivals`.
-const RIVAL_BRIDGE: &str = "src/vdb/rivals.rs";
-const RIVALS: [&str; 2] = ["cpp/rivals.cpp", "cpp/rivals_distance.cpp"];
-const RIVAL_HEADER: &str = "cpp/rivals.h";
 /// Where a system's headers stand when `OPENVDB_ROOT` names no other place.
 const ROOTS: [&str; 2] = ["/usr", "/usr/local"];
 
@@ -31,22 +27,17 @@ fn main() {
         fail("OpenVDB's headers need Boost's, which are missing: install the Debian package libboost-dev");
     }
 
-    // What the benches compare with is no part of the program.
-    let rivals = env::var_os("CARGO_FEATURE_RIVALS").is_some();
-    let mut build = if rivals { cxx_build::bridges([BRIDGE, RIVAL_BRIDGE]) } else { cxx_build::bridge(BRIDGE) };
-    if rivals {
-        build.files(RIVALS);
-        let read = RIVALS.iter().chain([&RIVAL_HEADER, &RIVAL_BRIDGE]);
-        read.for_each(|file| println!("cargo::rerun-if-changed={file}"));
-    }
+    let mut build = cxx_build::bridge(BRIDGE);
+    let mut flags = Vec::new();
     if root != Path::new("/usr") {
-        build.flag(format!("-isystem{}", root.join("include").display()));
+        flags.push(format!("-isystem{}", root.join("include").display()));
         println!("cargo::rustc-link-search=native={}", root.join("lib").display());
     }
     // Naming the compiler's own folder a second time would hide the C headers from the C++ ones.
-    for include in includes.iter().filter(|include| include.as_path() != Path::new("/usr/include")) {
-        build.flag(format!("-isystem{}", include.display()));
-    }
+    let others = includes.iter().filter(|include| include.as_path() != Path::new("/usr/include"));
+    flags.extend(others.map(|include| format!("-isystem{}", include.display())));
+    flags.iter().for_each(|flag| _ = build.flag(flag));
+    println!("cargo::metadata=includes={}", flags.join(" "));
     println!("cargo::rustc-env=HFVDB_OPENVDB_HEADER_VERSION={version}");
     if lints() {
         return;

@@ -16,10 +16,10 @@ readonly output=$frames/frame.####.vdb
 readonly rounds=${2:-5}
 # Scenes are this checkout's for both programs. A name, and what `hfvdb bake` gets.
 readonly jobs=(
-    "three at 256: benches/scenes/three.toml --resolution 256 --frames 1"
-    "two_hundred at 256: benches/scenes/two_hundred.toml --resolution 256 --frames 1"
-    "ball at 512, mostly written: benches/scenes/ball.toml --resolution 512 --frames 1"
-    "morph at 96, mostly made ready: benches/scenes/sphere-to-cube.toml --resolution 96 --frames 12"
+    "three at 256: bench/scenes/three.toml --resolution 256 --frames 1"
+    "two_hundred at 256: bench/scenes/two_hundred.toml --resolution 256 --frames 1"
+    "ball at 512, mostly written: bench/scenes/ball.toml --resolution 512 --frames 1"
+    "morph at 96, mostly made ready: bench/scenes/sphere-to-cube.toml --resolution 96 --frames 12"
     "cubism at 128, a frame: scenes/cubism.toml --resolution 128 --frames 24"
     "places that wait: scenes/cube-to-heart.toml --variant late --resolution 128 --frames 10-14"
     "moved by a formula: scenes/displacement.toml --resolution 96 --frames 11-13"

@@ -67,7 +67,7 @@ def machine():
     openvdb = ".".join(re.findall(r"OPENVDB_LIBRARY_(?:MAJOR|MINOR|PATCH)_VERSION_NUMBER (\d+)", header)[:3])
     rust = words(["rustc", "--version"]).split()[1]
     commit = words(["git", "rev-parse", "--short", "HEAD"])
-    changed = " with changes" if words(["git", "status", "--porcelain", "--", "src", "cpp", "benches", "Cargo.lock"]) else ""
+    changed = " with changes" if words(["git", "status", "--porcelain", "--", "src", "cpp", "bench", "Cargo.lock"]) else ""
     return (
         f"Machine: {lscpu['CPU(s)']} cores with {wide} ({lscpu['Model name']}), {memory:.0f} GiB, {system}, "
         f"OpenVDB {openvdb}, Rust {rust}; commit {commit}{changed}."

@@ -40,17 +40,17 @@ print("MEMORY", name, *(max(tenth) for tenth in tenths))
 measure() {
     local run bench
     cargo build --release --locked --bin hfvdb
-    cargo build --release --locked --benches --features rivals
+    cargo build --release --locked --benches --package hfvdb-bench
     mkdir -p "$logs"
     rm -f "$logs"/*.txt
     for ((run = 1; run <= runs; run++)); do
         scripts/performance.py --machine >>"$logs/$run.txt"
         for bench in "${benches[@]}"; do
             printf '== run %d of %d: %s\n' "$run" "$runs" "$bench"
-            cargo bench --quiet --locked --features rivals --bench "$bench" | tee -a "$logs/$run.txt"
+            cargo bench --quiet --locked --package hfvdb-bench --bench "$bench" | tee -a "$logs/$run.txt"
         done
     done
-    cargo bench --quiet --locked --features rivals --bench growth | tee -a "$logs/1.txt"
+    cargo bench --quiet --locked --package hfvdb-bench --bench growth | tee -a "$logs/1.txt"
     program cubism-256 target/release/hfvdb bake cubism --output "$logs/m.####.vdb" --overwrite | tee -a "$logs/1.txt"
     program cubism-1024 target/release/hfvdb bake cubism --resolution 1024 --frames 24 --output "$logs/one.vdb" --overwrite \
         | tee -a "$logs/1.txt"

@@ -29,11 +29,13 @@ step "install" scripts/install.sh --tests
 [ "$failed" -eq 0 ] || finish
 # Without it the tests in Blender would be skipped. (The step above would take it for a Blender that is there already.)
 export HFVDB_BLENDER_PYTHON=${HFVDB_BLENDER_PYTHON:-$PWD/.venv/bin/python}
-step "format" cargo fmt --check
-# Those that a macro declares, which the step above does not see.
-step "format of operations" rustfmt --check --edition 2024 src/field/op/*.rs
+step "format" cargo fmt --all --check
+# Those that macros declare, which the step above does not see.
+step "format of rows" rustfmt --check --edition 2024 src/field/op/*.rs src/node/*/*.rs
 # The benches too, and what they compare with.
-step "lint" cargo clippy --locked --all-targets --all-features -- -D warnings
+step "lint" cargo clippy --locked --workspace --all-targets --all-features -- -D warnings
+# The library alone, without the program and what only the program needs.
+step "library" cargo clippy --locked --no-default-features --lib -- -D warnings
 step "types of houdini_examples" .venv-houdini/bin/mypy --strict --cache-dir=.venv-houdini/cache houdini_examples/*.py
 # With the same features as above, so that the C++ side is compiled once.
 step "tests" cargo test --locked --all-features

@@ -17,6 +17,7 @@
 
 pub mod attribute;
 pub mod bake;
+#[cfg(feature = "cli")]
 pub mod cli;
 pub mod disk;
 pub mod distance;

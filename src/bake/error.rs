@@ -5,7 +5,7 @@ use std::fmt;
 use super::Bytes;
 use super::compute::ComputeError;
 use crate::distance::band;
-use crate::{disk, shot, vdb};
+use crate::{disk, shot};
 
 /// Why a frame, or all of them, could not be baked.
 #[derive(Debug)]
@@ -14,8 +14,10 @@ pub enum Error {
     Scene(shot::Error),
     /// A frame could not be computed.
     Frame(i64, ComputeError),
+    /// A frame is nothing that its format can hold: in words.
+    Encode(String),
     /// A file could not be written.
-    Write(vdb::Error),
+    Disk(disk::Error),
     /// More memory would be needed than allowed.
     Memory {
         /// About what is needed.
@@ -25,7 +27,7 @@ pub enum Error {
         /// About how many active voxels.
         voxels: f64,
     },
-    /// A signal came.
+    /// The caller raised the [`Interrupt`](super::Interrupt).
     Interrupted,
 }
 
@@ -34,11 +36,8 @@ impl Error {
     /// are everybody's.
     pub fn is_of_frame(&self) -> bool {
         match self {
-            Self::Scene(_) | Self::Frame(..) => true,
-            Self::Write(error) => {
-                !matches!(error, vdb::Error::Disk(disk::Error::System { .. }) | vdb::Error::Damaged { .. })
-            }
-            Self::Memory { .. } | Self::Interrupted => false,
+            Self::Scene(_) | Self::Frame(..) | Self::Encode(_) | Self::Disk(disk::Error::Exists { .. }) => true,
+            Self::Disk(_) | Self::Memory { .. } | Self::Interrupted => false,
         }
     }
 }
@@ -52,7 +51,7 @@ impl Error {
 
 impl From<disk::Error> for Error {
     fn from(error: disk::Error) -> Self {
-        Self::Write(error.into())
+        Self::Disk(error)
     }
 }
 
@@ -64,7 +63,8 @@ impl fmt::Display for Error {
                 write!(f, "frame {frame} is empty: {error}; --allow-empty writes a valid empty file")
             }
             Self::Frame(frame, error) => write!(f, "frame {frame}: {error}"),
-            Self::Write(error) => error.fmt(f),
+            Self::Encode(problem) => f.write_str(problem),
+            Self::Disk(error) => error.fmt(f),
             Self::Memory { needed, limit, voxels } => write!(
                 f,
                 "about {voxels:.2e} voxels would take about {needed} of memory, and the limit is {limit}; \

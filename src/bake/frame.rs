@@ -7,11 +7,11 @@ use super::compute::{Attributes, ComputeError, Computed, Ranges, compute};
 use super::estimate::check_memory;
 use super::record::{Record, RecordFile};
 use super::sealed::{self, hexadecimal};
-use super::{Bytes, Error, Interrupt, Output, Velocities};
+use super::{Bytes, Error, Interrupt, Output, Velocities, output};
+use crate::disk;
 use crate::distance::band::{self, Settings, Thin};
 use crate::grid::Band;
 use crate::shot::Prepared;
-use crate::vdb;
 
 /// Computes one frame of a scene, in a job that has so many in flight and no more memory than the limit.
 pub fn compute_frame(
@@ -128,43 +128,47 @@ fn voxels(count: u64) -> String {
     if count == 1 { "1 voxel".into() } else { format!("{count} voxels") }
 }
 
-/// A frame's file that has arrived, on its way to its name.
-pub(super) struct Arriving {
-    file: vdb::Arrived,
+/// A frame's file on its way to its name.
+pub(super) struct Staged {
+    file: disk::Staged,
     record: Record,
     start: Instant,
 }
 
-impl Arriving {
+impl Staged {
     pub fn frame(&self) -> i64 {
         self.record.frame
     }
 }
 
-/// Writes one frame, but for syncing and renaming it.
-pub(super) fn write_frame(
+/// Writes one frame, except for syncing and renaming it.
+pub(super) fn stage_frame(
     prepared: &Prepared,
     frame: i64,
     computed: &Computed,
     output: &Output,
     compute: Duration,
-) -> Result<Arriving, Error> {
+) -> Result<Staged, Error> {
     let start = Instant::now();
     let report = prepared.report(frame).map_err(of_scene)?;
-    let sequence = &output.sequence;
-    let vdb_frame = vdb_frame(prepared, frame, computed, output);
-    let options = vdb::WriteOptions { compression: output.compression, overwrite: output.existing.replaces() };
-    let file = vdb::arrive(sequence.pattern.file(frame), &vdb_frame, &options).map_err(Error::Write)?;
+    let Output { sequence, format, existing, .. } = output;
+    let path = sequence.pattern.file(frame);
+    disk::check_target(&path, existing.replaces())?;
+    let pieces = format.encode(&output::Frame { prepared, number: frame, computed, output })?;
+    let stage = || disk::stage(&path, &pieces, existing.replaces());
+    let (file, sound) = rayon::join(stage, || format.read_back(&pieces, &path));
+    let file = file?;
+    sound?;
     let written = file.written();
     let content = (written.bytes, hexadecimal(&written.sha256));
     let record = Record::new(frame, sequence.file_name(frame), content, computed, report, compute);
-    Ok(Arriving { file, record, start })
+    Ok(Staged { file, record, start })
 }
 
 /// Gives a frame's file its name, and writes its record once it stands.
-pub(super) fn settle_frame(arriving: Arriving, output: &Output) -> Result<Record, Error> {
-    let Arriving { file, mut record, start } = arriving;
-    file.settle().map_err(Error::Write)?;
+pub(super) fn commit_frame(staged: Staged, output: &Output) -> Result<Record, Error> {
+    let Staged { file, mut record, start } = staged;
+    file.commit()?;
     record.write_seconds = start.elapsed().as_secs_f64();
     let sequence = &output.sequence;
     let frame = record.frame;
@@ -172,50 +176,4 @@ pub(super) fn settle_frame(arriving: Arriving, output: &Output) -> Result<Record
         RecordFile { hfvdb_record: 1, pattern: sequence.pattern.text(), identity: output.identity.clone(), record };
     sealed::write(&sequence.record(frame), &record)?;
     Ok(record.record)
-}
-
-/// A frame's grids and metadata.
-pub(super) fn vdb_frame<'a>(
-    prepared: &Prepared,
-    frame: i64,
-    computed: &'a Computed,
-    output: &Output,
-) -> vdb::Frame<'a> {
-    let mut grids = vec![vdb::Grid::level_set("surface", &computed.band)];
-    if let Some(colour) = &computed.colour {
-        grids.push(vdb::Grid::colour(&computed.band, colour));
-    }
-    grids.extend(computed.scalars.iter().map(|scalar| vdb::Grid::scalar(&computed.band, scalar)));
-    if let Some(velocities) = &computed.velocities {
-        grids.push(velocity_grid(&computed.band, velocities));
-    }
-    for grid in &mut grids {
-        grid.half = output.identity.half.iter().any(|name| name == grid.name);
-    }
-    vdb::Frame { grids, metadata: metadata(prepared, frame, output) }
-}
-
-/// Velocities as OpenVDB has them: they turn and stretch with the object, and are not of its own space.
-fn velocity_grid<'a>(band: &Band, velocities: &'a Velocities) -> vdb::Grid<'a> {
-    let Velocities { origins, active, channel, .. } = velocities;
-    let blocks = vdb::Blocks { lattice: band.lattice, origins, active };
-    let values = vdb::Values { blocks, channel, tiles: None };
-    let content = vdb::Content::Vectors { values, vector_type: vdb::VectorType::ContravariantRelative };
-    let mut grid = vdb::Grid::new(&channel.name, content);
-    grid.metadata.insert("is_local_space".into(), false.into());
-    grid
-}
-
-/// Metadata of a file: nothing that depends on time, host, threads, path or other frames.
-fn metadata(prepared: &Prepared, frame: i64, output: &Output) -> vdb::Metadata {
-    let model = prepared.model();
-    let mut metadata = vdb::Metadata::new();
-    metadata.insert("creator".into(), output.identity.program.as_str().into());
-    metadata.insert("hfvdb_scene".into(), output.identity.scene.as_str().into());
-    // Frame numbers beyond 32 bits are refused when a scene is read.
-    metadata.insert("hfvdb_frame".into(), i32::try_from(frame).unwrap_or(i32::MAX).into());
-    metadata.insert("hfvdb_fps".into(), model.shot.fps.into());
-    metadata.insert("hfvdb_unit".into(), model.unit.into());
-    metadata.insert("hfvdb_up".into(), model.up.into());
-    metadata
 }

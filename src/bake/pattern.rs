@@ -19,8 +19,8 @@ pub struct FramePattern {
 pub enum PatternError {
     /// The path ends in no file name, or in one that is not UTF-8.
     NoName(PathBuf),
-    /// The name does not end in the extension asked for.
-    Extension(PathBuf, &'static str),
+    /// The name does not end in one of the extensions asked for.
+    Extension(PathBuf, Vec<&'static str>),
     /// More than one frame token.
     TwoTokens(PathBuf),
     /// A frame token in a folder's name.
@@ -39,9 +39,13 @@ impl fmt::Display for PatternError {
             Self::NoName(path) => {
                 write!(f, "{}: this is no file name; write one such as out/name.####.vdb", terminal::path(path))
             }
-            Self::Extension(path, extension) => {
-                write!(f, "{}: the name must end in .{extension}, as in name.####.{extension}", terminal::path(path))
-            }
+            Self::Extension(path, extensions) => write!(
+                f,
+                "{}: the name must end in .{}, as in name.####.{}",
+                terminal::path(path),
+                extensions.join(" or ."),
+                extensions.first().unwrap_or(&"")
+            ),
             Self::TwoTokens(path) => {
                 write!(
                     f,
@@ -78,17 +82,17 @@ impl fmt::Display for PatternError {
 impl std::error::Error for PatternError {}
 
 impl FramePattern {
-    /// Reads a path whose name must end in `.extension`.
-    pub fn new(path: &Path, extension: &'static str) -> Result<Self, PatternError> {
+    /// Reads a path whose name must end in one of the extensions.
+    pub fn new(path: &Path, extensions: &[&'static str]) -> Result<Self, PatternError> {
         let name = path.file_name().and_then(|name| name.to_str()).ok_or_else(|| PatternError::NoName(path.into()))?;
         let folder = path.parent().unwrap_or(Path::new("")).to_path_buf();
         if folder.to_str().is_some_and(|folder| find_token(folder).is_some()) {
             return Err(PatternError::TokenInFolder(path.into()));
         }
-        let long_enough = name.len() > extension.len() + 1;
-        let ends = Path::new(name).extension().is_some_and(|end| end.eq_ignore_ascii_case(extension));
-        if !(ends && long_enough) {
-            return Err(PatternError::Extension(path.into(), extension));
+        // A name that is nothing but `.vdb` has no extension.
+        let end = Path::new(name).extension().unwrap_or_default();
+        if !extensions.iter().any(|extension| end.eq_ignore_ascii_case(extension)) {
+            return Err(PatternError::Extension(path.into(), extensions.into()));
         }
         let Some((start, end, digits)) = find_token(name) else {
             return Ok(Self { folder, before: name.into(), digits: None, after: String::new() });
@@ -202,7 +206,7 @@ mod tests {
     use super::*;
 
     fn file(pattern: &str, frame: i64) -> String {
-        FramePattern::new(Path::new(pattern), "vdb").unwrap().file(frame).display().to_string()
+        FramePattern::new(Path::new(pattern), &["vdb"]).unwrap().file(frame).display().to_string()
     }
 
     #[test]
@@ -219,7 +223,7 @@ mod tests {
 
     #[test]
     fn wrong_patterns() {
-        let wrong = |pattern: &str| FramePattern::new(Path::new(pattern), "vdb").unwrap_err();
+        let wrong = |pattern: &str| FramePattern::new(Path::new(pattern), &["vdb"]).unwrap_err();
         assert!(matches!(wrong("m.####.png"), PatternError::Extension(..)));
         assert!(matches!(wrong(".vdb"), PatternError::Extension(..)));
         assert!(matches!(wrong("m.##.$F4.vdb"), PatternError::TwoTokens(_)));
@@ -233,13 +237,13 @@ mod tests {
             assert!(matches!(wrong(wide), PatternError::Wide(..)), "{wide}");
         }
         assert_eq!(file("m.%020d.vdb", 1), format!("m.{}1.vdb", "0".repeat(19)));
-        let still = FramePattern::new(Path::new("m.vdb"), "vdb").unwrap();
+        let still = FramePattern::new(Path::new("m.vdb"), &["vdb"]).unwrap();
         assert!(still.holds(1).is_ok() && still.holds(2).is_err());
     }
 
     #[test]
     fn names_of_sequences_and_their_files() {
-        let pattern = |text: &str| FramePattern::new(Path::new(text), "vdb").unwrap();
+        let pattern = |text: &str| FramePattern::new(Path::new(text), &["vdb"]).unwrap();
         for (text, name) in [
             ("out/m.####.vdb", "m"),
             ("m_%04d.vdb", "m"),
@@ -263,7 +267,7 @@ mod tests {
 
     #[test]
     fn a_number_that_is_not_last_is_noticed() {
-        let last = |pattern: &str| FramePattern::new(Path::new(pattern), "vdb").unwrap().number_is_last();
+        let last = |pattern: &str| FramePattern::new(Path::new(pattern), &["vdb"]).unwrap().number_is_last();
         assert!(last("m_####.vdb") && last("m.####.VDB") && last("still.vdb"));
         assert!(!last("m_####_v2.vdb"));
     }

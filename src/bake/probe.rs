@@ -2,10 +2,10 @@
 
 use std::time::Instant;
 
-use super::frame::{compute_frame, vdb_frame};
+use super::frame::compute_frame;
+use super::output::Frame;
 use super::{Bytes, Error, Estimate, Interrupt, Output};
 use crate::shot::Prepared;
-use crate::vdb;
 
 /// The most voxels of a frame that is baked for an estimate; above, a coarser one stands in for it. Some seconds' work.
 const MOST_VOXELS: f64 = 6e6;
@@ -59,8 +59,8 @@ pub fn probe(
     let computed = compute_frame(prepared, frame, 1, output.max_memory, interrupt, progress)?;
     let compute_seconds = start.elapsed().as_secs_f64();
     let start = Instant::now();
-    let encoded = vdb::encode(&vdb_frame(prepared, frame, &computed, output), output.compression);
-    let bytes = encoded.map_err(Error::Write)?.bytes();
+    let pieces = output.format.encode(&Frame { prepared, number: frame, computed: &computed, output })?;
+    let bytes: usize = pieces.iter().map(Vec::len).sum();
     let encode_seconds = start.elapsed().as_secs_f64();
     let area = coarser * coarser;
     Ok(Probe {

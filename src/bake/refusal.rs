@@ -44,7 +44,7 @@ pub enum Refusal {
     Busy(PathBuf),
     /// The system refused.
     Disk(disk::Error),
-    /// A signal came.
+    /// The caller raised the [`Interrupt`](super::Interrupt).
     Interrupted,
 }
 

@@ -8,8 +8,9 @@ use std::time::{Duration, Instant};
 use super::compute::Computed;
 use super::done::{State, judge};
 use super::estimate::in_flight;
-use super::frame::{Arriving, compute_frame, empty, settle_frame, warnings, write_frame};
+use super::frame::{Staged, commit_frame, compute_frame, empty, stage_frame, warnings};
 use super::identity::Identity;
+use super::output::Format;
 use super::record::{Record, RecordFile};
 use super::sealed;
 use super::sequence::Sequence;
@@ -43,6 +44,8 @@ pub struct Output {
     pub sequence: Sequence,
     /// What decides the voxels.
     pub identity: Identity,
+    /// What the files are.
+    pub format: &'static dyn Format,
     /// Compression of the voxels.
     pub compression: vdb::Compression,
     /// What to do with files that exist.
@@ -116,16 +119,16 @@ pub fn bake(
     interrupt: &Interrupt,
     events: &(dyn Fn(Event<'_>) + Sync),
 ) -> Baked {
-    // Rendezvous: one frame is computed while one is written, never more; one that has arrived waits for the disk, and
+    // Rendezvous: one frame is computed while one is written, never more; one that is staged waits for the disk, and
     // takes no memory.
     let (send, receive) = mpsc::sync_channel::<Computing>(0);
-    let (send_arrived, receive_arrived) = mpsc::sync_channel::<Settling>(0);
+    let (send_staged, receive_staged) = mpsc::sync_channel::<Committing>(0);
     thread::scope(|scope| {
-        let writer = scope.spawn(move || write_all(prepared, receive, output, events, &send_arrived));
-        let settler = scope.spawn(move || settle_all(receive_arrived, output, events));
+        let writer = scope.spawn(move || write_all(prepared, receive, output, events, &send_staged));
+        let committer = scope.spawn(move || commit_all(receive_staged, output, events));
         let mut baked = compute_all(prepared, frames, output, interrupt, events, &send);
         drop(send);
-        for later in [writer, settler] {
+        for later in [writer, committer] {
             let later = later.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic));
             baked.written.extend(later.written);
             baked.failed.extend(later.failed);
@@ -137,9 +140,9 @@ pub fn bake(
     })
 }
 
-/// A frame that has arrived, with its lock.
-struct Settling {
-    arriving: Arriving,
+/// A frame that is staged, with its lock.
+struct Committing {
+    staged: Staged,
     lock: FileLock,
 }
 
@@ -149,14 +152,14 @@ fn write_all(
     receive: mpsc::Receiver<Computing>,
     output: &Output,
     events: &(dyn Fn(Event<'_>) + Sync),
-    send: &mpsc::SyncSender<Settling>,
+    send: &mpsc::SyncSender<Committing>,
 ) -> Baked {
     let mut baked = Baked::default();
     for Computing { frame, computed, duration, lock } in receive {
-        match write_frame(prepared, frame, &computed, output, duration) {
-            Ok(arriving) => {
+        match stage_frame(prepared, frame, &computed, output, duration) {
+            Ok(staged) => {
                 drop(computed);
-                if send.send(Settling { arriving, lock }).is_err() {
+                if send.send(Committing { staged, lock }).is_err() {
                     break;
                 }
             }
@@ -170,12 +173,12 @@ fn write_all(
     baked
 }
 
-/// Gives what has arrived its name, until the disk takes no more.
-fn settle_all(receive: mpsc::Receiver<Settling>, output: &Output, events: &(dyn Fn(Event<'_>) + Sync)) -> Baked {
+/// Gives what is staged its name, until the disk takes no more.
+fn commit_all(receive: mpsc::Receiver<Committing>, output: &Output, events: &(dyn Fn(Event<'_>) + Sync)) -> Baked {
     let mut baked = Baked::default();
-    for Settling { arriving, lock } in receive {
-        let frame = arriving.frame();
-        let result = settle_frame(arriving, output);
+    for Committing { staged, lock } in receive {
+        let frame = staged.frame();
+        let result = commit_frame(staged, output);
         drop(lock);
         match result {
             Ok(record) => {

@@ -146,7 +146,7 @@ mod tests {
 
     #[test]
     fn what_belongs_to_a_sequence() {
-        let pattern = |text: &str| FramePattern::new(Path::new(text), "vdb").unwrap();
+        let pattern = |text: &str| FramePattern::new(Path::new(text), &["vdb"]).unwrap();
         let m = Sequence { pattern: pattern("out/m.####.vdb") };
         assert_eq!(m.manifest(), Path::new("out/m.manifest.json"));
         assert_eq!(m.record(7), Path::new("out/.m.0007.hfvdb-record.json"));

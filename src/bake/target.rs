@@ -88,7 +88,7 @@ pub fn make_ready(sequence: &Sequence) -> Result<OutputFolder, TargetError> {
     // A read-only folder is better known now than after the first frame.
     Temporary::beside(&sequence.manifest()).map_err(|error| match error {
         disk::Error::System { source, .. } => TargetError::Folder(folder.into(), source),
-        error @ disk::Error::Exists { .. } => TargetError::Folder(folder.into(), io::Error::other(error)),
+        error => TargetError::Folder(folder.into(), io::Error::other(error)),
     })?;
     Ok(output)
 }

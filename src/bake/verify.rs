@@ -12,7 +12,7 @@ use super::manifest::{Known, Manifest};
 use super::record::{Record, RecordFile};
 use super::sealed::{self, SealedError};
 use super::sequence::{Sequence, is_any_record, is_manifest};
-use super::{FramePattern, Identity, Interrupt};
+use super::{Identity, Interrupt, output};
 use crate::disk;
 
 /// Something that is not as it should be.
@@ -67,7 +67,7 @@ pub fn sequences(folder: &Path) -> Result<(Vec<Sequence>, Vec<Finding>), SealedE
         match pattern {
             Ok(None) => {}
             Ok(Some(pattern)) => {
-                let parsed = FramePattern::new(&folder.join(&pattern), "vdb");
+                let parsed = output::pattern(&folder.join(&pattern));
                 let parsed = parsed.map_err(|error| SealedError::Damaged(path, error.to_string()))?;
                 patterns.insert(pattern, Sequence { pattern: parsed });
             }

@@ -6,7 +6,7 @@ use super::failure::Failure;
 use super::job;
 use super::options::{Global, Sampling, SceneArguments, Writing};
 use super::writing::{Request, write_frames};
-use crate::bake::{FramePattern, Source};
+use crate::bake::{Source, output};
 
 /// Arguments of `hfvdb bake`.
 #[derive(Args)]
@@ -31,7 +31,7 @@ pub struct Arguments {
 
 /// Runs the command.
 pub fn run(arguments: &Arguments, global: &Global) -> Result<(), Failure> {
-    let pattern = FramePattern::new(&arguments.writing.output, "vdb")?;
+    let pattern = output::pattern(&arguments.writing.output)?;
     let model = job::load(&arguments.scene, global)?;
     let changes = &arguments.scene.changes;
     let source =

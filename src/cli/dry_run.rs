@@ -7,9 +7,9 @@ use std::time::Instant;
 use serde_json::json;
 
 use super::failure::Failure;
-use super::job;
 use super::options::{Global, Sampling};
 use super::progress::Progress;
+use super::{job, signals};
 use crate::bake::{self, Bytes, Existing, Interrupt, Known, Output, Probe, State, Wish, judge_all, refusal};
 use crate::disk::free_bytes;
 use crate::node::Model;
@@ -30,7 +30,7 @@ pub fn run(
         return Err(refusal.into());
     }
     let states = judge_all(sequence, wish.frames.numbers(), &known, &output.identity, interrupt)
-        .ok_or_else(|| Failure::interrupted(interrupt.exit_code()))?;
+        .ok_or_else(signals::interrupted)?;
     let plan: Vec<(i64, &str)> = states.iter().map(|(frame, state)| (*frame, fate(state, output.existing))).collect();
     let to_do: Vec<i64> = plan.iter().filter(|(_, fate)| *fate != "kept").map(|(frame, _)| *frame).collect();
 

@@ -42,7 +42,8 @@ pub fn named(inputs: &[String], frames: Option<&Frames>) -> Result<Vec<String>, 
     let mut files = Vec::new();
     for input in inputs {
         // A file is what its name says, even a name that could be a pattern.
-        let pattern = if Path::new(input).exists() { None } else { Some(FramePattern::new(Path::new(input), "vdb")?) };
+        let pattern =
+            if Path::new(input).exists() { None } else { Some(FramePattern::new(Path::new(input), &["vdb"])?) };
         match pattern.filter(FramePattern::has_token) {
             Some(pattern) => files.extend(of_pattern(&Sequence { pattern }, frames)?),
             None if frames.is_some() => {

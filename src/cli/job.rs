@@ -5,10 +5,10 @@ use crate::shot;
 use crate::text;
 use std::sync::Arc;
 
-use super::events;
 use super::failure::Failure;
 use super::options::{Global, Sampling, SceneArguments};
 use super::progress::{PREPARING, Progress};
+use super::{events, signals};
 use crate::bake::{Bytes, Frames, Interrupt, default_limit};
 use crate::node::{Model, Source};
 use crate::shot::{PrepareOptions, Prepared};
@@ -17,7 +17,7 @@ use crate::text::Overrides;
 
 /// Starts to listen for signals.
 pub fn interrupt() -> Result<Interrupt, Failure> {
-    Interrupt::listen(events::interrupted).map_err(|error| Failure::work(format!("cannot listen for signals: {error}")))
+    signals::listen(events::interrupted).map_err(|error| Failure::work(format!("cannot listen for signals: {error}")))
 }
 
 /// Reads a scene and says what is worth saying about it.
@@ -73,7 +73,7 @@ pub fn prepare(
 
 /// A failure, or the interruption that caused it.
 pub fn failure_of(error: impl Into<Failure>, interrupt: &Interrupt) -> Failure {
-    if interrupt.is_raised() { Failure::interrupted(interrupt.exit_code()) } else { error.into() }
+    if interrupt.is_raised() { signals::interrupted() } else { error.into() }
 }
 
 /// The memory the job may take.

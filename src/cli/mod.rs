@@ -19,6 +19,7 @@ mod preview;
 mod progress;
 mod report;
 mod scenes;
+mod signals;
 mod verify;
 mod writing;
 
@@ -74,7 +75,7 @@ enum Command {
 
 /// Runs the program on the process's arguments and returns its exit code.
 pub fn run() -> ExitCode {
-    crate::bake::survive_file_size_limit();
+    signals::survive_file_size_limit();
     let program = match Program::try_parse() {
         Ok(program) => program,
         Err(error) => {

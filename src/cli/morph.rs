@@ -10,7 +10,7 @@ use super::failure::Failure;
 use super::options::{Global, Sampling, Writing};
 use super::paths;
 use super::writing::{Request, write_frames};
-use crate::bake::{FramePattern, Source};
+use crate::bake::{Source, output};
 use crate::text::{FrameRange, Overrides};
 
 /// Arguments of `hfvdb morph`.
@@ -53,7 +53,7 @@ pub struct Arguments {
 
 /// Runs the command.
 pub fn run(arguments: &Arguments, global: &Global) -> Result<(), Failure> {
-    let pattern = FramePattern::new(&arguments.writing.output, "vdb")?;
+    let pattern = output::pattern(&arguments.writing.output)?;
     if arguments.shot.count() < 2 {
         return Err(Failure::usage("--shot: a morph runs over a range of at least two frames, such as 1-48"));
     }

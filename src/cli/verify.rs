@@ -7,10 +7,9 @@ use clap::Args;
 use serde_json::json;
 
 use super::failure::Failure;
-use super::job;
 use super::options::Global;
-use super::paths;
-use crate::bake::{self, Bytes, Finding, FramePattern, Frames, Sequence, Verdict};
+use super::{job, paths, signals};
+use crate::bake::{self, Bytes, Finding, Frames, Sequence, Verdict};
 use crate::terminal;
 
 /// Arguments of `hfvdb verify`.
@@ -42,7 +41,7 @@ pub fn run(arguments: &Arguments, global: &Global) -> Result<(), Failure> {
                 continue;
             }
             let verdict = bake::verify(&sequence, &interrupt)?;
-            verdicts.push(verdict.ok_or_else(|| Failure::interrupted(interrupt.exit_code()))?);
+            verdicts.push(verdict.ok_or_else(signals::interrupted)?);
         }
     }
     let problems = loose.len() + verdicts.iter().map(|verdict| verdict.findings.len()).sum::<usize>();
@@ -76,14 +75,14 @@ fn sequences(path: &Path) -> Result<(Vec<Sequence>, Vec<Finding>), Failure> {
         return Ok((sequences, findings));
     }
     let name = path.file_name().and_then(|name| name.to_str()).unwrap_or_default();
-    if !name.ends_with(".json") && !name.to_ascii_lowercase().ends_with(".vdb") && !path.exists() {
+    if !name.ends_with(".json") && bake::output::format_of(path).is_none() && !path.exists() {
         return Err(Failure::work(format!(
             "{}: there is no such folder; a pattern ends in .vdb",
             terminal::path(path)
         )));
     }
     if !name.ends_with(".json") {
-        return Ok((vec![Sequence { pattern: FramePattern::new(path, "vdb")? }], Vec::new()));
+        return Ok((vec![Sequence { pattern: bake::output::pattern(path)? }], Vec::new()));
     }
     if !path.exists() {
         return Err(Failure::work(format!("{}: there is no such manifest", terminal::path(path))));

@@ -10,7 +10,8 @@ use super::failure::Failure;
 use super::options::{Compression, Global, Sampling, Writing};
 use super::progress::Progress;
 use super::report::{Outcome, report};
-use super::{dry_run, events, job};
+use super::{dry_run, events, job, signals};
+use crate::bake::output::{FORMATS, format_of};
 use crate::bake::{
     self, Baked, Bytes, Claim, Event, FramePattern, Frames, Identity, Interrupt, Output, Record, Sequence, Source,
     State, Wish, judge_all,
@@ -112,7 +113,7 @@ fn to_do(
         return Ok((Vec::new(), frames.numbers().to_vec()));
     }
     let states = judge_all(&output.sequence, frames.numbers(), &claim.known, &output.identity, interrupt)
-        .ok_or_else(|| Failure::interrupted(interrupt.exit_code()))?;
+        .ok_or_else(signals::interrupted)?;
     let (mut kept, mut to_do, mut why) = (Vec::new(), Vec::new(), Vec::<(String, Vec<i64>)>::new());
     for (frame, state) in states {
         let reason = match state {
@@ -212,14 +213,17 @@ fn output(request: &Request<'_>) -> Result<Output, Failure> {
         (None, None, None) => bake::Sampling::Resolution(model.output.resolution),
     };
     let half_width = sampling.half_width.unwrap_or(model.output.half_width);
-    Ok(Output {
+    let output = Output {
         sequence: Sequence { pattern: request.pattern.clone() },
+        format: format_of(&request.pattern.file(0)).unwrap_or(FORMATS[0]),
         identity: Identity::new(job::hash(model)?, finely, half_width, half, compression),
         compression,
         existing: writing.existing(),
         allow_empty: writing.allow_empty,
         max_memory: job::limit(sampling),
-    })
+    };
+    output.format.check(model, &output).map_err(Failure::usage)?;
+    Ok(output)
 }
 
 fn in_words(record: &Record) -> String {

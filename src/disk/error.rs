@@ -22,6 +22,15 @@ pub enum Error {
         /// The system's answer.
         source: io::Error,
     },
+    /// The disk does not hold what was written.
+    Damaged {
+        /// The file.
+        path: PathBuf,
+        /// Where in the file, in bytes from its start.
+        offset: u64,
+        /// What is wrong there.
+        problem: String,
+    },
 }
 
 impl Error {
@@ -56,6 +65,9 @@ impl fmt::Display for Error {
             Self::System { path, action, source } => {
                 write!(f, "{}: cannot {action}: {source}{}", terminal::path(path), advice(source))
             }
+            Self::Damaged { path, offset, problem } => {
+                write!(f, "{}: damaged at byte {offset}: {problem}: write it again", terminal::path(path))
+            }
         }
     }
 }
@@ -63,7 +75,7 @@ impl fmt::Display for Error {
 impl std::error::Error for Error {
     fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
         match self {
-            Self::Exists { .. } => None,
+            Self::Exists { .. } | Self::Damaged { .. } => None,
             Self::System { source, .. } => Some(source),
         }
     }

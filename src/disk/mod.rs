@@ -1,7 +1,7 @@
 //! Files on the disk that are whole or not there, and locks that go with their process.
 //!
-//! * [`write_whole`] makes a small file under a temporary name, syncs and renames it; [`Temporary`] is its first half,
-//!   for whoever writes a large one.
+//! * [`write_whole`] makes a small file under a temporary name, syncs and renames it.
+//! * [`stage`] does so for a large one, up to what waits for the disk: [`Staged::commit`].
 //! * [`FileLock`] is a lock of the operating system: however a process ends, its locks end with it.
 //! * [`remove_registered`] takes away the temporaries and locks of this process, just before it ends by force.
 //! * [`read()`] and [`open`] read regular files, and nothing else.
@@ -14,6 +14,7 @@ mod lock;
 mod read;
 mod register;
 mod space;
+mod staged;
 mod temporary;
 
 pub use error::Error;
@@ -21,6 +22,7 @@ pub use lock::FileLock;
 pub use read::{open, read};
 pub use register::remove_registered;
 pub use space::free_bytes;
+pub use staged::{Staged, Written, check_target, stage};
 pub use temporary::{Temporary, folder_of, temporary_target, write_whole};
 
 #[cfg(test)]

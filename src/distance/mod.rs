@@ -8,6 +8,7 @@ pub mod descent;
 mod exchange;
 pub mod extent;
 mod facing;
+pub mod method;
 pub mod nearest;
 pub mod octree;
 pub mod polish;
@@ -38,8 +39,9 @@ pub struct Foot {
     pub part: u32,
 }
 
-/// A field whose value is the signed distance, and which also gives the foot.
+/// A field whose value is the signed distance to its zero set.
 pub trait Distance: Field {
-    /// The closest surface point to any position.
-    fn foot(&self, position: DVec3) -> Foot;
+    /// The closest point of the zero set to each position, where the distance comes from closest points and knows them;
+    /// else `false`, and `closest` stays as it is. It has the length of `positions`.
+    fn closest_points(&self, positions: &[DVec3], closest: &mut [Foot]) -> bool;
 }

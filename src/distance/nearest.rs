@@ -1,7 +1,7 @@
 //! Closest points on a surface, wherever the asker stands.
 //!
-//! [`ClosestPoint`] is what a distance object is built from. Distances (exact solids, meshes) answer by themselves;
-//! any other field does through [`FieldFeet`]: feet of the band around its zero set are seeds, the nearest seed is
+//! [`ClosestPoint`] is what a distance object is built from. Meshes answer by themselves; any other
+//! field does through [`FieldFeet`]: feet of the band around its zero set are seeds, the nearest seed is
 //! found in a k-d tree, and the answer is polished on the true field around that seed.
 //!
 //! **Guaranteed:** an answer lies on the surface and is no farther than the nearest seed; seeds stand about a
@@ -18,10 +18,10 @@ use glam::DVec3;
 
 pub(crate) use self::balls::BallsByTree;
 pub(crate) use self::point_tree::PointTree;
+use super::Foot;
 use super::band;
 use super::polish::around::{Approach, Around, box_of};
 use super::polish::{Resolution, Sides};
-use super::{Distance, Foot};
 use crate::field::{Aabb, BATCH, Evaluator, Field, Gradients, Points, Slope};
 use crate::grid::{Lattice, VoxelSize};
 
@@ -31,15 +31,6 @@ pub trait ClosestPoint: Sync {
     /// length of `positions` and is overwritten. A position where the field is not a number gets a distance that
     /// is not one.
     fn feet(&self, positions: &[DVec3], feet: &mut [Foot]);
-}
-
-/// Every [`Distance`] answers for itself.
-impl<T: Distance + ?Sized> ClosestPoint for T {
-    fn feet(&self, positions: &[DVec3], feet: &mut [Foot]) {
-        for (position, foot) in positions.iter().zip(feet) {
-            *foot = self.foot(*position);
-        }
-    }
 }
 
 /// How a long computation is watched and stopped.

@@ -261,6 +261,12 @@ impl MeshDistance {
         let gradient = if on_surface { -self.normal(nearest).normalize_or(DVec3::Z) } else { apart.normalize() };
         Foot { point: nearest.point, distance, gradient, part: nearest.triangle }
     }
+
+    /// The closest surface point to a position.
+    pub(super) fn foot(&self, position: DVec3) -> Foot {
+        let nearest = self.nearest(position);
+        self.foot_of(position, &nearest, self.is_inside(position, &nearest))
+    }
 }
 
 impl Field for MeshDistance {
@@ -282,9 +288,9 @@ impl Field for MeshDistance {
 }
 
 impl Distance for MeshDistance {
-    fn foot(&self, position: DVec3) -> Foot {
-        let nearest = self.nearest(position);
-        self.foot_of(position, &nearest, self.is_inside(position, &nearest))
+    fn closest_points(&self, positions: &[DVec3], closest: &mut [Foot]) -> bool {
+        positions.iter().zip(closest).for_each(|(position, closest)| *closest = self.foot(*position));
+        true
     }
 }
 

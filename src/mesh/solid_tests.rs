@@ -8,7 +8,6 @@ use glam::{DMat3, DVec3, EulerRot};
 use super::shapes::{ball, both, cube};
 use super::tests::{Numbers, in_convex};
 use super::{Conventions, Holes, MeshDistance, Problem, TriangleMesh, read};
-use crate::distance::Distance;
 use crate::field::{Field, Slope};
 
 /// A convex piece, and how often the solid goes round its inside: −1 for a hollow.

@@ -7,7 +7,6 @@ use parry3d_f64::shape::Triangle;
 use super::pieces::{any_overlap, pieces};
 use super::shapes::{ball, both, cube, cube_distance};
 use super::{Holes, MeshDistance, Problem, TriangleMesh};
-use crate::distance::Distance;
 use crate::field::{Aabb, BATCH, Evaluator, Field, Gradients, Points, Slope};
 
 /// A repeatable run of numbers in −1 … 1 (SplitMix64).

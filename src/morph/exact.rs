@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
+use crate::distance::nearest::ClosestPoint;
 use crate::distance::{Distance, Foot};
 use crate::field::{Aabb, BATCH, Evaluator, Field, Gradients, Hint, Hints, Interval, Points, Slope};
 
@@ -116,9 +117,18 @@ impl Field for Exact {
 }
 
 impl Distance for Exact {
-    fn foot(&self, position: DVec3) -> Foot {
-        let (distance, gradient) = self.at(position);
-        Foot { point: position - distance * gradient, distance, gradient, part: 0 }
+    fn closest_points(&self, positions: &[DVec3], closest: &mut [Foot]) -> bool {
+        self.feet(positions, closest);
+        true
+    }
+}
+
+impl ClosestPoint for Exact {
+    fn feet(&self, positions: &[DVec3], feet: &mut [Foot]) {
+        for (position, foot) in positions.iter().zip(feet) {
+            let (distance, gradient) = self.at(*position);
+            *foot = Foot { point: position - distance * gradient, distance, gradient, part: 0 };
+        }
     }
 }
 

@@ -222,14 +222,18 @@ impl<T: Field + ?Sized> Field for Moved<T> {
 }
 
 impl<T: Distance + ?Sized> Distance for Moved<T> {
-    fn foot(&self, position: DVec3) -> Foot {
-        let foot = self.inner.foot(self.placement.to_object(position));
-        Foot {
-            point: self.placement.to_world(foot.point),
-            distance: foot.distance * self.placement.scale,
-            gradient: self.placement.rotation * foot.gradient,
-            part: foot.part,
+    fn closest_points(&self, positions: &[DVec3], closest: &mut [Foot]) -> bool {
+        let Similarity { rotation, scale, .. } = self.placement;
+        let within: Vec<DVec3> = positions.iter().map(|position| self.placement.to_object(*position)).collect();
+        if !self.inner.closest_points(&within, closest) {
+            return false;
         }
+        for Foot { point, distance, gradient, .. } in closest {
+            *point = self.placement.to_world(*point);
+            *distance *= scale;
+            *gradient = rotation * *gradient;
+        }
+        true
     }
 }
 

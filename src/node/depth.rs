@@ -7,7 +7,8 @@ use std::sync::{Arc, OnceLock};
 use glam::DVec3;
 
 use crate::attribute::{Attribute, Sampler};
-use crate::distance::octree::{BuildError, DistanceObject};
+use crate::distance::Distance;
+use crate::distance::octree::BuildError;
 use crate::field::{Aabb, BATCH, Evaluator, Field, Gradients, Interval, Points};
 
 use crate::node::measured::measured;
@@ -29,7 +30,7 @@ pub(crate) struct Depth {
     /// Told why it cannot be measured.
     pub failed: Box<dyn Fn(BuildError) + Send + Sync>,
     /// The distance, once it is asked for; `None` where it cannot be measured.
-    pub measured: OnceLock<Option<DistanceObject>>,
+    pub measured: OnceLock<Option<Arc<dyn Distance>>>,
 }
 
 impl Depth {
@@ -37,7 +38,7 @@ impl Depth {
     ///
     /// Threads of a pool that wait for one another go on with other work, which may come here again and wait for itself.
     /// So this thread waits for one of no pool, and that for a pool of its own.
-    fn measured(&self) -> Option<&DistanceObject> {
+    fn measured(&self) -> Option<&dyn Distance> {
         let measure = || {
             let Self { solid, aabb, levels, voxel, cancel, .. } = self;
             measured(solid.as_ref(), *aabb, *levels, *voxel, cancel)
@@ -58,7 +59,7 @@ impl Depth {
                 Err(panic) => std::panic::resume_unwind(panic),
             }
         };
-        self.measured.get_or_init(first).as_ref()
+        self.measured.get_or_init(first).as_deref()
     }
 
     /// The depth of a point on the surface, to first order; `None` elsewhere.

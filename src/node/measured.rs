@@ -5,9 +5,11 @@ use std::collections::{BTreeMap, HashMap};
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
+use crate::distance::Distance;
 use crate::distance::extent;
-use crate::distance::nearest::{FieldFeet, Watch};
-use crate::distance::octree::{self, BuildError, DistanceObject};
+use crate::distance::method::{METHODS, Request};
+use crate::distance::nearest::Watch;
+use crate::distance::octree::{self, BuildError};
 use crate::field::{Aabb, Expression, Field, Graph, Interval, Node, Side};
 
 use crate::node::extent::box_of;
@@ -52,15 +54,14 @@ pub(crate) fn measured(
     levels: Interval,
     voxel: f64,
     cancel: &AtomicBool,
-) -> Result<DistanceObject, BuildError> {
+) -> Result<Arc<dyn Distance>, BuildError> {
     let watch = Watch { cancel, progress: &|_| {} };
-    let seeds = smallest_cell(voxel.min(solid.size().max_element() / LEAST_SEEDS), &solid);
-    let feet = FieldFeet::new(field, &solid, seeds, &watch)?;
+    let detail = smallest_cell(voxel.min(solid.size().max_element() / LEAST_SEEDS), &solid);
     let reach = reach(solid, levels);
     let mut settings = octree::Settings::new(reach, smallest_cell(AT_CREASES * voxel, &reach));
     settings.levels = levels;
     settings.tolerance = TOLERANCE * voxel;
-    DistanceObject::build(&feet, &settings, &watch)
+    Ok(METHODS[0].measure(&Request { field, solid, detail, settings }, &watch)?.distance)
 }
 
 /// The box of a solid grown to the outermost of some levels.
@@ -199,7 +200,7 @@ impl Distances {
         // No solid has more voxels than the whole that is baked, but where it is scaled.
         let voxel = reach(aabb, levels).size().max_element() / self.resolution;
         let measured = measured(&field, aabb, levels, voxel, &self.cancel).map_err(|error| purpose.failed(&error))?;
-        let node = graph.field(Arc::new(measured));
+        let node = graph.field(measured);
         let node = graph.bounded(node, aabb);
         Ok(graph.falling(node, 1.0 / SLACK))
     }

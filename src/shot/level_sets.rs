@@ -7,9 +7,8 @@ use std::collections::VecDeque;
 use std::sync::atomic::AtomicBool;
 use std::sync::{Arc, Mutex, PoisonError};
 
-use crate::distance::SampledLevelSet;
 use crate::distance::band::{self, Settings, measure};
-use crate::distance::octree::DistanceObject;
+use crate::distance::{Distance, SampledLevelSet};
 use crate::field::{Field, Interval};
 use crate::grid::Lattice;
 use crate::vdb::{self, LevelSet};
@@ -109,7 +108,7 @@ impl LevelSets {
     }
 
     /// The distance of a frame of the morph everywhere, in cells of that size; `None` where nothing is left.
-    pub fn distance(&self, frame: i64, cell: f64) -> Result<Option<DistanceObject>, Stop> {
+    pub fn distance(&self, frame: i64, cell: f64) -> Result<Option<Arc<dyn Distance>>, Stop> {
         let field = self.field(frame)?;
         let Ok(solid) = box_of(field.as_ref()) else { return Ok(None) };
         let problem = |error: String| Problem::new(self.span, format!("frame {frame}: {error}"));

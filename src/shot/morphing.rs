@@ -7,11 +7,11 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use crate::attribute::Scalar;
-use crate::distance::band;
 use crate::distance::descent::Scope;
 use crate::distance::extent::{Effort, Estimate, estimate};
-use crate::distance::nearest::{FieldFeet, Watch};
-use crate::distance::octree::{self, DistanceObject};
+use crate::distance::method::{METHODS, Measured, Request};
+use crate::distance::nearest::Watch;
+use crate::distance::octree;
 use crate::field::{Aabb, Field};
 use crate::grid::{Lattice, VoxelSize};
 use crate::morph::{self, MorphObject, Motion, Side, Similarity};
@@ -248,9 +248,6 @@ impl Measuring<'_> {
     }
 }
 
-/// The share that finding seeds has in the time that measuring an object takes.
-const SEEDING: f64 = 0.1;
-
 /// Measures both objects and plans the morph.
 pub(crate) fn plan(
     model: &Arc<Model>,
@@ -272,7 +269,7 @@ pub(crate) fn plan(
         let part = ready(model, solids, [from, to], measuring, |from, to| Ok(whole.of_parts(from, to)))?;
         planned.parts.push(part);
     }
-    planned.bytes = measuring.done[before..].iter().map(|(_, _, side)| side.distance.report().bytes as u64).sum();
+    planned.bytes = measuring.done[before..].iter().map(|(_, _, side)| side.measured.bytes).sum();
     Ok(planned)
 }
 
@@ -346,7 +343,7 @@ fn make_alike(morphs: Vec<&mut Planned>) {
 /// An object's distance and colour.
 #[derive(Clone)]
 pub(crate) struct MeasuredSide {
-    distance: Arc<DistanceObject>,
+    measured: Measured,
     paint: Option<Paint<3>>,
 }
 
@@ -354,7 +351,7 @@ impl MeasuredSide {
     fn object(self, side: &Object) -> MorphObject {
         MorphObject {
             surface: Arc::clone(&side.field),
-            distance: self.distance,
+            distance: self.measured.distance,
             colour: self.paint.unwrap_or_else(|| Paint::solid(TheColour.absent())).attribute,
             motion: side.motion.clone(),
         }
@@ -385,16 +382,16 @@ fn measured(
         let progress = |share: f64| (watch.progress)((before + told(share)) / count);
         distance(model, side, measuring, &Watch { cancel: watch.cancel, progress: &progress })
     };
-    let distances: Result<Vec<DistanceObject>, Stop> = if fit_at_once(&open, measuring) {
+    let distances: Result<Vec<Measured>, Stop> = if fit_at_once(&open, measuring) {
         // Of two that go wrong the first is told, whichever ends first.
-        let all: Vec<Result<DistanceObject, Stop>> = open.par_iter().enumerate().map(measure).collect();
+        let all: Vec<Result<Measured, Stop>> = open.par_iter().enumerate().map(measure).collect();
         all.into_iter().collect()
     } else {
         open.iter().enumerate().map(measure).collect()
     };
-    for ((side, paint), distance) in open.into_iter().zip(distances?) {
+    for ((side, paint), measured) in open.into_iter().zip(distances?) {
         let (id, stage) = side.what();
-        measuring.done.push((id, stage, MeasuredSide { distance: Arc::new(distance), paint }));
+        measuring.done.push((id, stage, MeasuredSide { measured, paint }));
     }
     Ok(sides.map(|side| measuring.known(side).cloned().unwrap_or_else(|| unreachable!("it was measured"))))
 }
@@ -411,22 +408,14 @@ fn fit_at_once<P>(open: &[(&Object, P)], measuring: &Measuring<'_>) -> bool {
 }
 
 /// The distances of one.
-fn distance(model: &Model, side: &Object, measuring: &Measuring<'_>, watch: &Watch) -> Result<DistanceObject, Stop> {
-    let Watch { cancel, progress } = *watch;
-    let seeding = |part: f64| progress(SEEDING * part);
-    let building = |part: f64| progress(SEEDING + (1.0 - SEEDING) * part);
+fn distance(model: &Model, side: &Object, measuring: &Measuring<'_>, watch: &Watch) -> Result<Measured, Stop> {
     let shape = model.shape(side.id);
     let cell = side.cell(measuring.voxel);
     let problem = |what: String| Problem::new(shape.span, format!("`{}`: {what}", shape.name));
-    let seeding = Watch { cancel, progress: &seeding };
-    let feet = FieldFeet::new(side.field.as_ref(), &side.solid, cell, &seeding).map_err(|error| match error {
-        band::Error::Cancelled => Stop::Cancelled,
-        error => Stop::Problem(problem(error.to_string())),
-    })?;
     let mut settings = octree::Settings::new(side.solid, cell);
     settings.memory_limit = measuring.memory_limit.unwrap_or(settings.memory_limit);
-    let building = Watch { cancel, progress: &building };
-    DistanceObject::build(&feet, &settings, &building).map_err(|error| Stop::of_measuring(&error, problem))
+    let request = Request { field: side.field.as_ref(), solid: side.solid, detail: cell, settings };
+    METHODS[0].measure(&request, watch).map_err(|error| Stop::of_measuring(&error, problem))
 }
 
 /// The morph of a chain that a frame shows: where one ends, the next.

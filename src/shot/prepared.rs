@@ -6,7 +6,6 @@ use std::sync::atomic::AtomicBool;
 use serde::{Deserialize, Serialize};
 
 use crate::attribute::{Colour, Scalar};
-use crate::distance::Distance;
 use crate::distance::without::Keep;
 use crate::field::{Aabb, Field, Interval};
 use crate::grid::Lattice;
@@ -164,8 +163,7 @@ impl Prepared {
             let distance =
                 |frame| sets.distance(frame, morph.plan().grid.edge()).map_err(|stop| self.model.stopped(stop));
             let (before, now) = (distance(before)?, distance(frame)?);
-            let (numbers, displacement) =
-                morph.report_of(to, [&before, &now].map(|one| one.as_ref().map(|one| one as &dyn Distance)));
+            let (numbers, displacement) = morph.report_of(to, [&before, &now].map(Option::as_deref));
             return Ok(Some(MorphReport { numbers, displacement }));
         }
         let Some(numbers) = morph.report(&[from, to]).frames.pop() else { return Ok(None) };
@@ -245,7 +243,7 @@ impl Prepared {
         let problem = |error: String| Problem::new(by.span, format!("frame {}: {error}", plain(frame)));
         let distance = measured(whole.as_ref(), solid, Interval::ZERO, voxel, &self.cancel)
             .map_err(|error| Stop::of_measuring(&error, problem))?;
-        Ok(displacement.of_field(Arc::new(distance)))
+        Ok(displacement.of_field(distance))
     }
 
     fn displacement(

@@ -28,25 +28,12 @@ const MINUS_BACKGROUND: i8 = 1;
 /// or both, with a mask of those that are the background.
 const BOTH: i8 = 3;
 
-/// A frame as the bytes of a file, in pieces.
-#[derive(Debug)]
-pub struct Encoded {
-    pub(super) pieces: Vec<Vec<u8>>,
-}
-
-impl Encoded {
-    /// The size of the file.
-    pub fn bytes(&self) -> u64 {
-        self.pieces.iter().map(|piece| piece.len() as u64).sum()
-    }
-}
-
-/// Encodes a frame, on all threads.
+/// Encodes a frame as the bytes of a file, in pieces, on all threads.
 ///
 /// # Errors
 /// [`Error::Grid`] for blocks, tiles or values that make no grid, also a value that is not finite; [`Error::Library`]
 /// when OpenVDB fails.
-pub fn encode(frame: &Frame<'_>, compression: Compression) -> Result<Encoded, Error> {
+pub fn encode(frame: &Frame<'_>, compression: Compression) -> Result<Vec<Vec<u8>>, Error> {
     frame.check()?;
     let library = |error: cxx::Exception| Error::Library { message: error.what().into() };
     let mut writer = ffi::new_writer(compression.codec()).map_err(library)?;
@@ -64,7 +51,7 @@ pub fn encode(frame: &Frame<'_>, compression: Compression) -> Result<Encoded, Er
         pieces.push(head.as_bytes().to_vec());
         pieces.extend(leaves.pieces);
     }
-    Ok(Encoded { pieces })
+    Ok(pieces)
 }
 
 /// Leaves of a grid, encoded.

@@ -5,7 +5,7 @@
 //!
 //! * [`write()`] makes one file of a [`Frame`]: encoded on all threads, written under a temporary name, checked, synced
 //!   to the disk and renamed, so that a file with a final name is always whole.
-//! * [`arrive()`] and [`Arrived::settle`] are its two halves: the second waits for the disk and holds no memory.
+//! * [`encode()`] gives the bytes alone, and [`read_back`] walks them.
 //! * [`walk::walk`] parses a whole file in safe Rust and checks every length in it; it stands before every reading.
 //! * [`LevelSet`] runs OpenVDB's own morph of one level set into another.
 //! * [`inspect()`] says what is in a file, [`lint()`] what is wrong with it, [`read()`] gives its blocks.
@@ -26,13 +26,11 @@ mod level_set;
 mod lint;
 mod metadata;
 mod read;
-#[cfg(feature = "rivals")]
-pub mod rivals;
 pub mod walk;
 mod write;
 
 pub use clients::Client;
-pub use encode::{Encoded, encode};
+pub use encode::encode;
 pub use error::Error;
 pub use frame::{Blocks, Class, Content, Frame, Grid, Values, VectorType};
 pub use inspect::{FileInfo, GridInfo, Range, inspect, level_set_box};
@@ -40,7 +38,8 @@ pub use level_set::LevelSet;
 pub use lint::{Finding, Lint, Severity, lint};
 pub use metadata::{Metadata, MetadataValue};
 pub use read::{Contents, Opened, SparseBlocks, StoredClass, StoredGrid, Tile, Voxels, read};
-pub use write::{Arrived, Compression, WriteOptions, Written, arrive, write};
+pub use walk::read_back;
+pub use write::{Compression, WriteOptions, write};
 
 /// The version of the OpenVDB library in use, such as `10.0.1`.
 pub fn library_version() -> String {

@@ -11,9 +11,8 @@ use serde_json::json;
 
 use super::failure::Failure;
 use super::options::{Global, Sampling, SceneChanges};
-use super::paths;
 use super::progress::Progress;
-use super::{files, job};
+use super::{files, job, paths, signals};
 use crate::bake::{Frames, Interrupt};
 use crate::grid::{Band, measure};
 use crate::render::{ContactSheet, Plane, SheetFrame, View};
@@ -138,7 +137,7 @@ fn show(
         }
         let shown = (source.compute)(place)?;
         if interrupt.is_raised() {
-            return Err(Failure::interrupted(interrupt.exit_code()));
+            return Err(signals::interrupted());
         }
         if shown.band.origins.is_empty() && shown.band.inside_tiles.is_empty() {
             global.warn(&format!("{} is empty", source.named(place)));

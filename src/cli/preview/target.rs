@@ -36,7 +36,7 @@ impl Target {
                 return Err(Failure::usage(format!("{}: {problem}", terminal::path(output))));
             }
         };
-        let pattern = FramePattern::new(output, end)?;
+        let pattern = FramePattern::new(output, &[end])?;
         if kind == Kind::Apng && pattern.has_token() {
             let problem = "an .apng holds all frames: leave the frame token out";
             return Err(Failure::usage(format!("{}: {problem}", terminal::path(output))));

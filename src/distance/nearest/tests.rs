@@ -107,6 +107,11 @@ fn distances_are_taken_as_they_are() {
     assert!(max < 1e-4, "{max}");
 }
 
+fn object(field: &dyn Field, settings: &Settings, watch: &Watch) -> Result<DistanceObject, BuildError> {
+    let feet = FieldFeet::new(field, &settings.region, settings.smallest_cell, watch)?;
+    DistanceObject::build(&feet, settings, watch)
+}
+
 #[test]
 fn objects_of_general_fields() {
     let facets = Facets::new();
@@ -114,7 +119,7 @@ fn objects_of_general_fields() {
     let settings = Settings::new(region(), VOXEL);
     let on = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool of a few threads");
-        pool.install(|| watched(|watch| DistanceObject::of_field(&field, &settings, watch)).expect("a surface"))
+        pool.install(|| watched(|watch| object(&field, &settings, watch)).expect("a surface"))
     };
     let (object, other) = (on(2), on(1));
     assert_eq!(object.report(), other.report());
@@ -139,8 +144,8 @@ fn objects_of_general_fields() {
 #[test]
 fn what_has_no_surface_says_so() {
     let nothing = Joined { leaves: vec![Leaf::Sphere(DVec3::splat(9.0), 0.1)], union: true, bounds: region() };
-    let error = watched(|watch| DistanceObject::of_field(&nothing, &Settings::new(region(), VOXEL), watch)).err();
-    assert_eq!(error, Some(BuildError::NoSurface));
+    let error = watched(|watch| object(&nothing, &Settings::new(region(), VOXEL), watch)).err();
+    assert_eq!(error, Some(BuildError::Surface(band::Error::Empty { solid: false })));
 }
 
 /// A cube cut by planes at random tilts: what the facets of a Cubism figure are like.

@@ -24,8 +24,6 @@ pub struct Corners {
     pub leaves: Vec<[u32; 8]>,
     /// The numbers of each corner.
     pub numbers: Vec<Numbers>,
-    /// The part that each corner's foot lies on.
-    pub parts: Vec<u32>,
 }
 
 /// The nearest corner along an axis to one side, and how often the way there doubles a smallest cell.
@@ -90,8 +88,7 @@ pub fn corners(tree: &Tree, nodes: &[u32], order: &[u32], samples: &Samples, ste
     let known = Known { beside: beside(&leaves, &cells, of_corners.len()), samples: of_corners, step };
     let mut numbers = free_jets(&known, samples);
     hang(&leaves, nodes, &cells, step, &mut numbers);
-    let parts = known.samples.par_iter().map(|&sample| samples.numbered(sample).part).collect();
-    Corners { leaves, numbers, parts }
+    Corners { leaves, numbers }
 }
 
 impl Corners {

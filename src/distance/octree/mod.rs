@@ -16,7 +16,6 @@ mod bounds;
 mod bricks;
 mod corners;
 mod evaluate;
-mod feet;
 mod hanging;
 mod kernel;
 mod patch;
@@ -42,7 +41,7 @@ use self::patch::{Jet, Patch};
 use self::samples::Samples;
 use self::tree::Tree;
 use super::band;
-use super::nearest::{ClosestPoint, FieldFeet, Watch};
+use super::nearest::{ClosestPoint, Watch};
 use super::{Distance, Foot};
 use crate::field::{Aabb, Evaluator, Field, Interval, Slope};
 
@@ -170,10 +169,8 @@ impl std::error::Error for BuildError {}
 impl From<band::Error> for BuildError {
     fn from(error: band::Error) -> Self {
         match error {
-            band::Error::NotANumber { position } => Self::NotFinite { position },
-            band::Error::Empty { .. } => Self::NoSurface,
             band::Error::Cancelled => Self::Cancelled,
-            other => Self::Surface(other),
+            error => Self::Surface(error),
         }
     }
 }
@@ -218,7 +215,6 @@ pub struct DistanceObject {
     numbers: Vec<Numbers>,
     /// By leaf: what points are evaluated by.
     polynomials: Vec<Polynomial>,
-    parts: Vec<u32>,
     bricks: Bricks,
     border: Border,
     slope: f64,
@@ -276,7 +272,6 @@ impl DistanceObject {
             leaves: made.leaves,
             numbers: made.numbers,
             polynomials: Vec::new(),
-            parts: made.parts,
             bricks: Bricks::default(),
             border: Border::default(),
             slope: 0.0,
@@ -307,18 +302,6 @@ impl DistanceObject {
         }
         (watch.progress)(1.0);
         Ok(object)
-    }
-
-    /// Measures the distances of any field: directly where its values are distances, else by [`FieldFeet`], seeds
-    /// standing a smallest cell apart. The region must hold the whole surface.
-    pub fn of_field(field: &dyn Field, settings: &Settings, watch: &Watch) -> Result<Self, BuildError> {
-        root(settings)?;
-        let Watch { cancel, progress } = *watch;
-        let first = |part: f64| progress(0.2 * part);
-        let seeding = Watch { cancel, progress: &first };
-        let feet = FieldFeet::new(field, &settings.region, settings.smallest_cell, &seeding)?;
-        let second = |part: f64| progress(0.2 + 0.8 * part);
-        Self::build(&feet, settings, &Watch { cancel, progress: &second })
     }
 
     /// What was built.
@@ -435,7 +418,6 @@ impl DistanceObject {
             + size_of_val(&self.leaves[..])
             + size_of_val(&self.numbers[..])
             + size_of_val(&self.polynomials[..])
-            + size_of_val(&self.parts[..])
             + self.bricks.bytes()
     }
 }
@@ -502,7 +484,8 @@ impl Field for DistanceObject {
 }
 
 impl Distance for DistanceObject {
-    fn foot(&self, position: DVec3) -> Foot {
-        feet::foot(self, position)
+    /// Values and gradients of those it was built from are kept, not the points.
+    fn closest_points(&self, _: &[DVec3], _: &mut [Foot]) -> bool {
+        false
     }
 }

@@ -83,8 +83,6 @@ pub struct Sample {
     pub value: f64,
     /// The gradient.
     pub gradient: [f64; 3],
-    /// Which part the foot lies on.
-    pub part: u32,
 }
 
 /// Samples at lattice points, taken once each.
@@ -160,7 +158,7 @@ impl<'a> Samples<'a> {
         let mut keys = cells.par_chunks(CELLS).map(missing).collect::<Vec<_>>().concat();
         keys.par_sort_unstable();
         keys.dedup();
-        let none = Sample { value: 0.0, gradient: [0.0; 3], part: 0 };
+        let none = Sample { value: 0.0, gradient: [0.0; 3] };
         let start = self.taken.len();
         self.taken.resize(start + keys.len(), none);
         let (oracle, watch, origin, step) = (self.oracle, self.watch, self.origin, self.step);
@@ -178,7 +176,7 @@ impl<'a> Samples<'a> {
                 if !(foot.distance.is_finite() && foot.gradient.is_finite()) {
                     return Err(BuildError::NotFinite { position: *position });
                 }
-                *sample = Sample { value: foot.distance, gradient: foot.gradient.to_array(), part: foot.part };
+                *sample = Sample { value: foot.distance, gradient: foot.gradient.to_array() };
             }
             let done = done.fetch_add(positions.len(), Ordering::Relaxed) + positions.len();
             progress(done as f64 / all as f64);

@@ -131,9 +131,13 @@ pub(super) fn walk_bytes(bytes: &[u8], path: &Path) -> Result<Layout, Error> {
     walk_from(Cursor::new(bytes), path)
 }
 
-/// Walks the bytes of a file that lie in pieces, none of which ends within a leaf.
-pub(super) fn walk_pieces(pieces: &[Vec<u8>], path: &Path) -> Result<Layout, Error> {
-    walk_from(Cursor::of_pieces(pieces), path)
+/// Walks the bytes of a file that lie in pieces, none of which ends within a leaf: whether a reader takes them. `path` is
+/// for messages.
+///
+/// # Errors
+/// [`Error::Damaged`].
+pub fn read_back(pieces: &[Vec<u8>], path: &Path) -> Result<(), Error> {
+    walk_from(Cursor::of_pieces(pieces), path).map(drop)
 }
 
 fn walk_from(cursor: Cursor, path: &Path) -> Result<Layout, Error> {

@@ -2,15 +2,14 @@
 //! against a call a voxel (rows 11 and 18 of the performance table); and how fast a ready frame reaches the disk, against
 //! OpenVDB's own writer.
 //!
-//! `cargo bench --features rivals --bench handover [-- RESOLUTION...]`
+//! `cargo bench -p hfvdb-bench --bench handover [-- RESOLUTION...]`
 
-mod common;
-
-use common::clock::{Seconds, pairs, time_of_many, timed};
-use common::report::{Goal, Row};
 use glam::{DVec3, IVec3};
 use hfvdb::grid::*;
-use hfvdb::vdb::{Compression, Frame, Grid, WriteOptions, encode, rivals, set_threads, write};
+use hfvdb::vdb::{Compression, Frame, Grid, WriteOptions, encode, set_threads, write};
+use hfvdb_bench::clock::{Seconds, pairs, time_of_many, timed};
+use hfvdb_bench::report::{Goal, Row};
+use hfvdb_bench::rivals;
 use rayon::ThreadPool;
 
 const PAIRS: usize = 21;
@@ -138,5 +137,5 @@ fn bench(resolution: u32) {
 }
 
 fn main() {
-    common::resolutions(&[256, 512]).into_iter().for_each(bench);
+    hfvdb_bench::resolutions(&[256, 512]).into_iter().for_each(bench);
 }

@@ -2,17 +2,10 @@
 //! its best case, min and max in place of R₀, its interval evaluation down the same tree and its simplified tapes
 //! (row 4 of the performance table). Both on one thread.
 //!
-//! `cargo bench --bench leaves [-- RESOLUTION...]`
-
-mod common;
+//! `cargo bench -p hfvdb-bench --bench leaves [-- RESOLUTION...]`
 
 use std::sync::atomic::AtomicBool;
 
-use common::clock::{pairs, timed};
-use common::fill::{fill_node, node};
-use common::report::{Goal, Row};
-use common::scenes::{self, Balls, HALF_WIDTH, Sampling};
-use common::{jit, threads};
 use fidget::eval::Function;
 use fidget::jit::{JitFunction, JitShape};
 use fidget::types::Interval;
@@ -20,6 +13,11 @@ use glam::IVec3;
 use hfvdb::distance::descent::{Scope, descend};
 use hfvdb::field::{BATCH, Evaluator, Field, Points};
 use hfvdb::grid::{BLOCK_EDGE, BLOCK_VOXELS};
+use hfvdb_bench::clock::{pairs, timed};
+use hfvdb_bench::fill::{fill_node, node};
+use hfvdb_bench::report::{Goal, Row};
+use hfvdb_bench::scenes::{self, Balls, HALF_WIDTH, Sampling};
+use hfvdb_bench::{jit, threads};
 
 const PAIRS: usize = 5;
 
@@ -190,5 +188,5 @@ fn bench(balls: &Balls, resolution: u32) {
 
 fn main() {
     let balls = scenes::two_hundred();
-    common::resolutions(&[512]).into_iter().for_each(|resolution| bench(&balls, resolution));
+    hfvdb_bench::resolutions(&[512]).into_iter().for_each(|resolution| bench(&balls, resolution));
 }

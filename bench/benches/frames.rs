@@ -2,15 +2,14 @@
 //! and syncing the file as we do (rows 12 and 13 of the performance table): one frame, and a sequence with a frame
 //! written while the next is computed. Making scenes ready is not timed. On two threads, under `target/tmp`.
 //!
-//! `cargo bench --features rivals --bench frames [-- SCENE... RESOLUTION...]`
+//! `cargo bench -p hfvdb-bench --bench frames [-- SCENE... RESOLUTION...]`
 
-mod common;
-
-use common::clock::{Seconds, pairs, timed};
-use common::report::{Goal, Row};
-use common::scenes::{self, Sampling};
-use common::{bake, threads};
-use hfvdb::vdb::{self, WriteOptions, rivals};
+use hfvdb::vdb::{self, WriteOptions};
+use hfvdb_bench::clock::{Seconds, pairs, timed};
+use hfvdb_bench::report::{Goal, Row};
+use hfvdb_bench::rivals;
+use hfvdb_bench::scenes::{self, Sampling};
+use hfvdb_bench::{bake, threads};
 
 const PAIRS: usize = 5;
 /// Frames of a sequence.
@@ -55,9 +54,9 @@ fn bench(name: &str, resolution: u32) {
 }
 
 fn main() {
-    let named: Vec<String> = common::arguments().into_iter().filter(|word| word.parse::<u32>().is_err()).collect();
+    let named: Vec<String> = hfvdb_bench::arguments().into_iter().filter(|word| word.parse::<u32>().is_err()).collect();
     let scenes = if named.is_empty() { ["two_hundred", "three", "cubism"].map(String::from).to_vec() } else { named };
-    for resolution in common::resolutions(&[512]) {
+    for resolution in hfvdb_bench::resolutions(&[512]) {
         for scene in &scenes {
             threads(2).install(|| bench(scene, resolution));
         }

@@ -2,19 +2,17 @@
 //! dense grid of the same F, whose making is not timed (rows 9 and 10 of the performance table). The rivals take
 //! seconds, so they run once; the errors of all three are printed. On two threads.
 //!
-//! `cargo bench --features rivals --bench redistance [-- RESOLUTION...]`
+//! `cargo bench -p hfvdb-bench --bench redistance [-- RESOLUTION...]`
 
-mod common;
-
-use common::clock::timed;
-use common::report::{Goal, Row};
-use common::scenes::{self, Sampling};
-use common::threads;
 use glam::{DVec3, IVec3};
 use hfvdb::distance::accuracy::{compare, exact};
 use hfvdb::field::{BATCH, Field, Points};
 use hfvdb::grid::{Band, Lattice};
-use hfvdb::vdb::rivals::{self, RivalGrid};
+use hfvdb_bench::clock::timed;
+use hfvdb_bench::report::{Goal, Row};
+use hfvdb_bench::rivals::{self, RivalGrid};
+use hfvdb_bench::scenes::{self, Sampling};
+use hfvdb_bench::threads;
 use rayon::prelude::*;
 
 const ROUNDS: usize = 5;
@@ -77,7 +75,7 @@ fn bench(scene: &str, exact: Exact, resolution: u32) {
 fn main() {
     let scenes: [(&str, Exact); 2] =
         [("ball", |p| exact::sphere(p, DVec3::ZERO, 0.9)), ("ring", |p| exact::torus(p, 0.65, 0.25))];
-    for resolution in common::resolutions(&[256, 512]) {
+    for resolution in hfvdb_bench::resolutions(&[256, 512]) {
         for (scene, exact) in scenes {
             threads(2).install(|| bench(scene, exact, resolution));
         }

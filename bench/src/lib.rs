@@ -1,14 +1,12 @@
 //! What the benches share: the scenes, the clocks, rivals run in turns, and how results are printed.
 
-// Every bench is a program of its own and uses a part of this.
-#![allow(dead_code)]
-
 pub mod bake;
 pub mod clock;
 pub mod fill;
 pub mod jit;
 pub mod memory;
 pub mod report;
+pub mod rivals;
 pub mod scenes;
 
 /// As the program's, for both sides of a comparison.

@@ -4,18 +4,16 @@
 //! gets as much time as a surface at that speed needs for the longest way, and for the last 3 voxels down to a
 //! twentieth. It runs once, a step between two of our frames. On two threads, under `target/tmp`.
 //!
-//! `cargo bench --features rivals --bench morphing [-- RESOLUTION...]`
+//! `cargo bench -p hfvdb-bench --bench morphing [-- RESOLUTION...]`
 
-mod common;
-
-use common::clock::{Seconds, timed};
-use common::report::{Goal, Row};
-use common::scenes::{self, HALF_WIDTH, Sampling};
-use common::{bake, threads};
 use glam::{DMat3, DVec3};
 use hfvdb::distance::accuracy::{compare, exact};
 use hfvdb::grid::Band;
-use hfvdb::vdb::rivals;
+use hfvdb_bench::clock::{Seconds, timed};
+use hfvdb_bench::report::{Goal, Row};
+use hfvdb_bench::rivals;
+use hfvdb_bench::scenes::{self, HALF_WIDTH, Sampling};
+use hfvdb_bench::{bake, threads};
 
 const SCENE: &str = "sphere-to-cube";
 const FRAMES: i64 = 24;
@@ -85,7 +83,7 @@ fn bench(resolution: u32) {
 }
 
 fn main() {
-    for resolution in common::resolutions(&[256]) {
+    for resolution in hfvdb_bench::resolutions(&[256]) {
         threads(2).install(|| bench(resolution));
     }
 }

@@ -2,20 +2,18 @@
 //! rate of vector square roots of the same width, and against fidget's JIT, which is AVX2 and has R₀ written out (rows 2
 //! and 3 of the performance table); and the `f64` reference, and entering a region.
 //!
-//! `cargo bench --bench evaluate`; every width that the processor has is measured, medians of repeated runs.
-
-mod common;
+//! `cargo bench -p hfvdb-bench --bench evaluate`; every width that the processor has is measured, medians of repeated runs.
 
 use std::hint::black_box;
 use std::time::Instant;
 
-use common::clock::quartiles;
-use common::report::{Goal, Row};
-use common::{jit, scenes};
 use fidget::jit::JitShape;
 use fidget::shape::EzShape;
 use glam::{DVec3, Vec3};
 use hfvdb::field::{Aabb, BATCH, Evaluator, Field, Gradients, Points, SetSystem, VectorWidth};
+use hfvdb_bench::clock::quartiles;
+use hfvdb_bench::report::{Goal, Row};
+use hfvdb_bench::{jit, scenes};
 use multiversion::multiversion;
 
 /// Seconds of a call, the mean of some.

@@ -1,4 +1,4 @@
-//! The scenes in `benches/scenes`, read as any user's scene is.
+//! The scenes in `bench/scenes`, read as any user's scene is.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -24,17 +24,17 @@ pub enum Sampling {
     OfSolid(u32),
 }
 
-/// A scene's text, from `benches/scenes`.
+/// A scene's text, from `bench/scenes`.
 pub fn text(name: &str) -> String {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("benches/scenes/{name}.toml"));
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("scenes/{name}.toml"));
     std::fs::read_to_string(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
 }
 
-/// A scene made ready: one of `benches/scenes`, or a built-in one.
+/// A scene made ready: one of `bench/scenes`, or a built-in one.
 pub fn prepare(name: &str, sampling: Sampling) -> Prepared {
     let source = match hfvdb::text::builtin_text(name) {
         Some(_) => Source::Builtin(name.into()),
-        None => Source::Text { name: format!("{name}.toml"), text: text(name), folder: "benches/scenes".into() },
+        None => Source::Text { name: format!("{name}.toml"), text: text(name), folder: "bench/scenes".into() },
     };
     let model = load(&source, &Overrides::default()).unwrap_or_else(|error| panic!("{error}"));
     let (voxel_size, resolution) = match sampling {
@@ -73,13 +73,17 @@ pub fn unit_box() -> Aabb {
 /// A ball of a scene.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ball {
+    /// Its middle.
     pub centre: DVec3,
+    /// Its radius.
     pub radius: f64,
 }
 
-/// The balls of *two_hundred*: those of the solid, those taken away.
+/// The balls of *two_hundred*.
 pub struct Balls {
+    /// Those of the solid.
     pub solid: Vec<Ball>,
+    /// Those taken away.
     pub holes: Vec<Ball>,
 }
 

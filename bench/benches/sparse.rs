@@ -2,15 +2,13 @@
 //! performance table): the loop with an accessor over the whole box, F only, once; and OpenVDB's level sets of
 //! spheres, joined and taken away, pair by pair. All on two threads.
 //!
-//! `cargo bench --features rivals --bench sparse [-- RESOLUTION...]`
+//! `cargo bench -p hfvdb-bench --bench sparse [-- RESOLUTION...]`
 
-mod common;
-
-use common::clock::{pairs, timed};
-use common::report::{Goal, Row};
-use common::scenes::{self, Sampling};
-use common::threads;
-use hfvdb::vdb::rivals;
+use hfvdb_bench::clock::{pairs, timed};
+use hfvdb_bench::report::{Goal, Row};
+use hfvdb_bench::rivals;
+use hfvdb_bench::scenes::{self, Sampling};
+use hfvdb_bench::threads;
 
 const PAIRS: usize = 11;
 const THREADS: usize = 2;
@@ -49,5 +47,5 @@ fn bench(resolution: u32) {
 }
 
 fn main() {
-    common::resolutions(&[512]).into_iter().for_each(bench);
+    hfvdb_bench::resolutions(&[512]).into_iter().for_each(bench);
 }

@@ -1,8 +1,7 @@
 #include "rivals.h"
 
-#include "grids.h"
-
 #include <openvdb/io/File.h>
+#include <openvdb/openvdb.h>
 #include <openvdb/tree/LeafManager.h>
 
 #include <fcntl.h>
@@ -18,7 +17,7 @@
 #include <thread>
 #include <vector>
 
-namespace hfvdb {
+namespace rivals {
 
 namespace {
 
@@ -75,7 +74,7 @@ struct LibraryFrame::Parts {
 LibraryFrame::LibraryFrame(rust::Str path)
     : mParts(std::make_unique<Parts>())
 {
-    start_library();
+    openvdb::initialize();
     openvdb::io::File file{std::string(path)};
     file.open(/*delayLoad=*/false);
     mParts->grids = file.getGrids();
@@ -162,4 +161,4 @@ std::unique_ptr<VoxelTree> new_voxel_tree(float background)
     return std::make_unique<VoxelTree>(background);
 }
 
-} // namespace hfvdb
+} // namespace rivals

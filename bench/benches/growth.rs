@@ -1,21 +1,19 @@
 //! How the cost of a frame with colour grows with the resolution, for a still (the heart) and a frame of a morph (cube
 //! to heart, the middle): seconds of the processor, memory, bytes of the file, and the exponents fitted to them.
 //!
-//! `cargo bench --bench growth [-- RESOLUTION...]`; 64 to 2048 without arguments, of which the heart takes 6 GB.
+//! `cargo bench -p hfvdb-bench --bench growth [-- RESOLUTION...]`; 64 to 2048 without arguments, of which the heart takes 6 GB.
 //!
 //! `GROWTH scene resolution voxels ready compute write memory bytes`: seconds, then bytes; memory is the most that
 //! a process takes that makes this one frame.
 //! `EXPONENT scene compute write memory bytes`: of the resolution, by least squares of the logarithms from 256 on.
 
-mod common;
-
 use std::process::{Command, Stdio};
 
-use common::clock::timed;
-use common::memory::resident;
-use common::scenes::{self, Sampling};
-use common::{bake, threads};
 use hfvdb::vdb::{self, WriteOptions};
+use hfvdb_bench::clock::timed;
+use hfvdb_bench::memory::resident;
+use hfvdb_bench::scenes::{self, Sampling};
+use hfvdb_bench::{bake, threads};
 
 /// Scenes, and their frame.
 const SCENES: [(&str, i64); 2] = [("heart", 1), ("cube-to-heart", 12)];
@@ -60,9 +58,9 @@ fn in_a_process(scene: &str, resolution: u32) -> [f64; 4] {
 }
 
 fn main() {
-    let resolutions = common::resolutions(&[64, 128, 256, 512, 1024, 2048]);
+    let resolutions = hfvdb_bench::resolutions(&[64, 128, 256, 512, 1024, 2048]);
     if let Some((scene, frame)) =
-        SCENES.into_iter().find(|(scene, _)| common::arguments().iter().any(|word| word == scene))
+        SCENES.into_iter().find(|(scene, _)| hfvdb_bench::arguments().iter().any(|word| word == scene))
     {
         return threads(2).install(|| resolutions.iter().for_each(|resolution| bench(scene, frame, *resolution)));
     }

@@ -1,18 +1,16 @@
 //! The band against its own goals (rows 1, 7, 8 and 18 of the performance table): blocks opened, growth with the
 //! resolution, peak memory, two threads against one. Ratios are taken pair by pair in one run.
 //!
-//! `cargo bench --bench band [-- SCENE... RESOLUTION...]`; without arguments ball, three and two_hundred at 512.
-
-mod common;
+//! `cargo bench -p hfvdb-bench --bench band [-- SCENE... RESOLUTION...]`; without arguments ball, three and two_hundred at 512.
 
 use std::{cell::RefCell, hint::black_box, process::Command};
 
-use common::clock::{Seconds, pairs, time_of_many, timed};
-use common::memory::resident;
-use common::report::{Goal, Row};
-use common::scenes::{self, Sampling};
 use hfvdb::distance::band::Measured;
 use hfvdb::shot::{FrameContent, Prepared};
+use hfvdb_bench::clock::{Seconds, pairs, time_of_many, timed};
+use hfvdb_bench::memory::resident;
+use hfvdb_bench::report::{Goal, Row};
+use hfvdb_bench::scenes::{self, Sampling};
 use rayon::{ThreadPool, prelude::*};
 
 const PAIRS: usize = 5;
@@ -74,7 +72,7 @@ fn opened(measured: &Measured<()>) -> f64 {
 }
 
 fn bench(scene: &str, resolution: u32) {
-    let (single, double) = (common::threads(1), common::threads(2));
+    let (single, double) = (hfvdb_bench::threads(1), hfvdb_bench::threads(2));
     let (once, twice) = (Job::new(scene, resolution), Job::new(scene, 2 * resolution));
     let (before, _) = resident();
     let (time, measured) = double.install(|| timed(|| once.run()));
@@ -108,8 +106,8 @@ fn bench(scene: &str, resolution: u32) {
 }
 
 fn main() {
-    let resolutions = common::resolutions(&[512]);
-    let named: Vec<String> = common::arguments().into_iter().filter(|word| word.parse::<u32>().is_err()).collect();
+    let resolutions = hfvdb_bench::resolutions(&[512]);
+    let named: Vec<String> = hfvdb_bench::arguments().into_iter().filter(|word| word.parse::<u32>().is_err()).collect();
     if let [scene] = named.as_slice() {
         return resolutions.into_iter().for_each(|resolution| bench(scene, resolution));
     }

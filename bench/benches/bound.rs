@@ -2,7 +2,7 @@
 //! cannot take less than those take by themselves, in whole blocks and whole batches; colours cannot take less than sampling
 //! them does where all that it needs is at hand. Processor time, two threads.
 //!
-//! `cargo bench --bench bound [-- SCENE... RESOLUTION...]`
+//! `cargo bench -p hfvdb-bench --bench bound [-- SCENE... RESOLUTION...]`
 //!
 //! `BOUND scene resolution points distances gradients cached ratio`: millions of points at which gradients are asked for, of F
 //! or of one of its branches; milliseconds that the distances take, blocks found already; what so many gradients take, block
@@ -13,24 +13,22 @@
 //! take, the distances known already; what sampling takes at the same closest points, in blocks that were sampled just
 //! before; the first over the second. A scene whose parts have one colour each has no such line: memory is what bounds it.
 
-mod common;
-
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
-use common::clock::{quartiles, timed};
-use common::scenes::{self, Sampling};
-use common::{
-    bake,
-    fill::{in_blocks, node},
-    threads,
-};
 use glam::{DVec3, IVec3};
 use hfvdb::attribute::Colour;
 use hfvdb::distance::band::{MeasuredBlock, Settings, measure};
 use hfvdb::distance::descent::{Scope, descend};
 use hfvdb::field::{Aabb, BATCH, Evaluator, Field, Gradients, Hint, Hints, Interval, Points, Slope};
 use hfvdb::shot::{FrameContent, Prepared};
+use hfvdb_bench::clock::{quartiles, timed};
+use hfvdb_bench::scenes::{self, Sampling};
+use hfvdb_bench::{
+    bake,
+    fill::{in_blocks, node},
+    threads,
+};
 use rayon::prelude::*;
 
 const ROUNDS: usize = 9;
@@ -205,9 +203,9 @@ fn frame_of(scene: &str) -> i64 {
 }
 
 fn main() {
-    let named: Vec<String> = common::arguments().into_iter().filter(|word| word.parse::<u32>().is_err()).collect();
+    let named: Vec<String> = hfvdb_bench::arguments().into_iter().filter(|word| word.parse::<u32>().is_err()).collect();
     let scenes = if named.is_empty() { ["sphere-to-cube", "cubism"].map(String::from).to_vec() } else { named };
-    for resolution in common::resolutions(&[512]) {
+    for resolution in hfvdb_bench::resolutions(&[512]) {
         for scene in &scenes {
             threads(2).install(|| distances(scene, resolution));
             threads(2).install(|| colours(scene, resolution));

@@ -1,4 +1,4 @@
-// What the benches compare the border with. Compiled only with the cargo feature `rivals`.
+// What the benches compare with.
 #pragma once
 
 #include "rust/cxx.h"
@@ -8,7 +8,7 @@
 #include <cstdint>
 #include <memory>
 
-namespace hfvdb {
+namespace rivals {
 
 // Leaves made from blocks, linked and encoded by hand-written C++ on so many threads of its own, no border crossed:
 // returns the bytes they take, which are gone afterwards. `seconds` gets the time to make them, not to destroy them: by
@@ -87,4 +87,4 @@ std::unique_ptr<RivalGrid> sphere_level_set(double radius, double voxel_size);
 std::unique_ptr<RivalGrid> cube_level_set(double edge, double voxel_size);
 std::size_t morph(RivalGrid& source, const RivalGrid& target, double from, double to);
 
-} // namespace hfvdb
+} // namespace rivals

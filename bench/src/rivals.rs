@@ -1,8 +1,8 @@
-//! What the benches compare the border with: the feature `rivals`, never part of the program.
+//! What the benches compare with, in C++.
 
 #![allow(unsafe_code, missing_docs, unused_qualifications)]
 
-#[cxx::bridge(namespace = "hfvdb")]
+#[cxx::bridge(namespace = "rivals")]
 mod ffi {
     unsafe extern "C++" {
         include!("rivals.h");
@@ -44,7 +44,7 @@ mod ffi {
 
 use glam::IVec3;
 
-use crate::grid::{BLOCK_VOXELS, Band, BlockMask, Lattice};
+use hfvdb::grid::{BLOCK_VOXELS, Band, BlockMask, Lattice};
 
 pub use ffi::{
     LibraryFrame, RivalGrid, VoxelTree, accessor_loop, cube_level_set, dense_grid, encode_in_cpp, morph,

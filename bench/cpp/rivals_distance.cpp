@@ -15,7 +15,7 @@
 #include <thread>
 #include <vector>
 
-namespace hfvdb {
+namespace rivals {
 
 namespace {
 
@@ -193,4 +193,4 @@ std::size_t morph(RivalGrid& source, const RivalGrid& target, double from, doubl
     return morphing.advect(float(from), float(to));
 }
 
-} // namespace hfvdb
+} // namespace rivals

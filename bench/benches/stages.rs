@@ -2,23 +2,22 @@
 //! encoding, writing into memory with the check that reads the file back, and the disk. Each stage is what a longer piece of
 //! the work takes more than a shorter one, so that nothing in the program has a clock in it.
 //!
-//! `cargo bench --bench stages [-- SCENE... RESOLUTION...]`
+//! `cargo bench -p hfvdb-bench --bench stages [-- SCENE... RESOLUTION...]`
 //!
 //! `STAGE scene resolution name clock processor`: medians in milliseconds, by the clock and of the processor.
-
-mod common;
 
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
-use common::clock::{Seconds, quartiles, timed};
-use common::fill::{fill_node, node};
-use common::scenes::{self, Sampling};
-use common::{bake, threads};
 use glam::IVec3;
+use hfvdb::disk;
 use hfvdb::distance::descent::{Scope, descend};
 use hfvdb::field::{BATCH, Evaluator, Field};
-use hfvdb::vdb::{self, Compression, Encoded};
+use hfvdb::vdb::{self, Compression};
+use hfvdb_bench::clock::{Seconds, quartiles, timed};
+use hfvdb_bench::fill::{fill_node, node};
+use hfvdb_bench::scenes::{self, Sampling};
+use hfvdb_bench::{bake, threads};
 use rayon::prelude::*;
 
 const ROUNDS: usize = 9;
@@ -34,8 +33,11 @@ fn fill(field: &dyn Field, scope: &Scope) -> Vec<Vec<[f32; BATCH]>> {
     blocks.par_chunk_by(|a, b| node(*a) == node(*b)).map_init(|| field.evaluator(), of_node).collect()
 }
 
-fn write(encoded: Encoded, folder: &Path) {
-    encoded.write(folder.join("frame.vdb"), true).expect("it is written");
+fn write(pieces: &[Vec<u8>], folder: &Path) {
+    let path = folder.join("frame.vdb");
+    let (staged, sound) = rayon::join(|| disk::stage(&path, pieces, true), || vdb::read_back(pieces, &path));
+    sound.expect("it is sound");
+    staged.and_then(disk::Staged::commit).expect("it is written");
 }
 
 fn bench(scene: &str, resolution: u32) {
@@ -55,9 +57,8 @@ fn bench(scene: &str, resolution: u32) {
         let frame = bake::grids(&grids);
         let encode = || vdb::encode(&frame, Compression::Blosc).expect("a sound frame");
         let (encoded, bytes) = timed(encode);
-        let (checked, ()) = timed(|| write(bytes, memory.path()));
-        let bytes = encode();
-        let (written, ()) = timed(|| write(bytes, disk.path()));
+        let (checked, ()) = timed(|| write(&bytes, memory.path()));
+        let (written, ()) = timed(|| write(&bytes, disk.path()));
         let more = |long: Seconds, short: Seconds| [long[0] - short[0], long[1] - short[1]];
         let stage = [
             find,
@@ -78,10 +79,10 @@ fn bench(scene: &str, resolution: u32) {
 }
 
 fn main() {
-    let named: Vec<String> = common::arguments().into_iter().filter(|word| word.parse::<u32>().is_err()).collect();
+    let named: Vec<String> = hfvdb_bench::arguments().into_iter().filter(|word| word.parse::<u32>().is_err()).collect();
     let default = ["ball", "three", "two_hundred", "heart", "sphere-to-cube", "cubism"];
     let scenes = if named.is_empty() { default.map(String::from).to_vec() } else { named };
-    for resolution in common::resolutions(&[512]) {
+    for resolution in hfvdb_bench::resolutions(&[512]) {
         for scene in &scenes {
             threads(2).install(|| bench(scene, resolution));
         }

@@ -2,9 +2,7 @@
 
 use std::path::Path;
 
-use hfvdb::bake::{
-    self, Bytes, Computed, Existing, FramePattern, Identity, Interrupt, Output, Record, Sampling, Sequence,
-};
+use hfvdb::bake::{self, Bytes, Computed, Existing, Identity, Interrupt, Output, Record, Sampling, Sequence, output};
 use hfvdb::shot::Prepared;
 use hfvdb::vdb::{Compression, Frame, Grid};
 
@@ -27,7 +25,8 @@ pub fn write(prepared: &Prepared, frames: &[i64], folder: &Path) -> Vec<Record> 
     let voxel_size = Sampling::VoxelSize(prepared.lattice.voxel_size.get());
     let compression = Compression::Blosc;
     let output = Output {
-        sequence: Sequence { pattern: FramePattern::new(&folder.join("ours.####.vdb"), "vdb").expect("a pattern") },
+        sequence: Sequence { pattern: output::pattern(&folder.join("ours.####.vdb")).expect("a pattern") },
+        format: output::FORMATS[0],
         identity: Identity::new(String::new(), voxel_size, f64::from(prepared.half_width), Vec::new(), compression),
         compression,
         existing: Existing::Overwrite,

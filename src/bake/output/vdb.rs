@@ -1,0 +1,74 @@
+//! OpenVDB's own files: a level set with its attributes as grids.
+
+use std::path::Path;
+
+use super::{Format, Frame};
+use crate::bake::{Error, Output, Velocities};
+use crate::grid::Band;
+use crate::node::Model;
+use crate::vdb;
+
+/// The format of `.vdb` files.
+#[derive(Debug)]
+pub struct Vdb;
+
+impl Format for Vdb {
+    fn extension(&self) -> &'static str {
+        "vdb"
+    }
+
+    /// It holds all that frames have.
+    fn check(&self, _: &Model, _: &Output) -> Result<(), String> {
+        Ok(())
+    }
+
+    fn encode(&self, frame: &Frame<'_>) -> Result<Vec<Vec<u8>>, Error> {
+        let grids = vdb::Frame { grids: grids(frame), metadata: metadata(frame) };
+        vdb::encode(&grids, frame.output.compression).map_err(|error| Error::Encode(error.to_string()))
+    }
+
+    fn read_back(&self, pieces: &[Vec<u8>], path: &Path) -> Result<(), Error> {
+        vdb::read_back(pieces, path).map_err(|error| Error::Encode(error.to_string()))
+    }
+}
+
+fn grids<'a>(Frame { computed, output, .. }: &Frame<'a>) -> Vec<vdb::Grid<'a>> {
+    let mut grids = vec![vdb::Grid::level_set("surface", &computed.band)];
+    if let Some(colour) = &computed.colour {
+        grids.push(vdb::Grid::colour(&computed.band, colour));
+    }
+    grids.extend(computed.scalars.iter().map(|scalar| vdb::Grid::scalar(&computed.band, scalar)));
+    if let Some(velocities) = &computed.velocities {
+        grids.push(velocity_grid(&computed.band, velocities));
+    }
+    for grid in &mut grids {
+        grid.half = output.identity.half.iter().any(|name| name == grid.name);
+    }
+    grids
+}
+
+/// Velocities as OpenVDB has them: they turn and stretch with the object, and are not of its own space.
+fn velocity_grid<'a>(band: &Band, velocities: &'a Velocities) -> vdb::Grid<'a> {
+    let Velocities { origins, active, channel, .. } = velocities;
+    let blocks = vdb::Blocks { lattice: band.lattice, origins, active };
+    let values = vdb::Values { blocks, channel, tiles: None };
+    let content = vdb::Content::Vectors { values, vector_type: vdb::VectorType::ContravariantRelative };
+    let mut grid = vdb::Grid::new(&channel.name, content);
+    grid.metadata.insert("is_local_space".into(), false.into());
+    grid
+}
+
+/// Metadata of a file: nothing that depends on time, host, threads, path or other frames.
+fn metadata(frame: &Frame<'_>) -> vdb::Metadata {
+    let Frame { prepared, number, output, .. } = frame;
+    let model = prepared.model();
+    let mut metadata = vdb::Metadata::new();
+    metadata.insert("creator".into(), output.identity.program.as_str().into());
+    metadata.insert("hfvdb_scene".into(), output.identity.scene.as_str().into());
+    // Frame numbers beyond 32 bits are refused when a scene is read.
+    metadata.insert("hfvdb_frame".into(), i32::try_from(*number).unwrap_or(i32::MAX).into());
+    metadata.insert("hfvdb_fps".into(), model.shot.fps.into());
+    metadata.insert("hfvdb_unit".into(), model.unit.into());
+    metadata.insert("hfvdb_up".into(), model.up.into());
+    metadata
+}

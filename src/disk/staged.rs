@@ -1,0 +1,130 @@
+//! Large files in pieces: staged under a temporary name, compared with what the disk holds, then committed.
+
+use std::fs::File;
+use std::ops::Range;
+use std::os::fd::AsRawFd;
+use std::os::unix::fs::FileExt;
+use std::path::{Path, PathBuf};
+
+use sha2::{Digest, Sha256};
+
+use super::{Error, Temporary, folder_of};
+
+/// So many bytes of a file are sent to the disk at a time while the rest is written, so that little is left to wait for
+/// when the file is synced.
+const WRITTEN_OUT: u64 = 4 << 20;
+
+/// A file that was written.
+#[derive(Clone, Copy, Debug)]
+pub struct Written {
+    /// Its size.
+    pub bytes: u64,
+    /// SHA-256 of its bytes, which were read back from the disk and compared.
+    pub sha256: [u8; 32],
+}
+
+/// A file that stands whole under a temporary name, not yet for certain on the disk. Where it is dropped, it goes.
+pub struct Staged {
+    temporary: Temporary,
+    path: PathBuf,
+    overwrite: bool,
+    written: Written,
+}
+
+impl Staged {
+    /// What was written.
+    pub fn written(&self) -> Written {
+        self.written
+    }
+
+    /// Syncs the file to the disk and gives it its name.
+    ///
+    /// # Errors
+    /// [`Error::Exists`] when there is a file of that name by now unless overwriting is allowed, and when the system
+    /// refuses.
+    pub fn commit(self) -> Result<Written, Error> {
+        let Self { mut temporary, path, overwrite, written } = self;
+        temporary.file_mut().sync_all().map_err(|error| Error::system(&path, "sync it to the disk", error))?;
+        temporary.persist(&path, overwrite)?;
+        Ok(written)
+    }
+}
+
+/// Writes a file's pieces under a temporary name in the folder of `path`, reads them back and compares them. Whatever
+/// fails, nothing is left behind.
+///
+/// # Errors
+/// When the system refuses, such as on a full disk; [`Error::Damaged`] when the disk does not hold what was written.
+pub fn stage(path: &Path, pieces: &[Vec<u8>], overwrite: bool) -> Result<Staged, Error> {
+    let mut temporary = Temporary::beside(path)?;
+    let (sent, sha256) = rayon::join(|| send(pieces, &mut temporary, path), || sha256(pieces));
+    let written = Written { bytes: sent?, sha256 };
+    Ok(Staged { temporary, path: path.into(), overwrite, written })
+}
+
+/// Writes piece after piece, and compares each with what is then read back, while it is still in the caches. Returns the
+/// bytes of all. Messages name `path`, the final name.
+fn send(pieces: &[Vec<u8>], temporary: &mut Temporary, path: &Path) -> Result<u64, Error> {
+    let file = temporary.file_mut();
+    let reading = |error| Error::system(path, "read it back", error);
+    let (mut arrived, mut start, mut on_its_way) = (Vec::new(), 0, 0);
+    for piece in pieces {
+        file.write_all_at(piece, start).map_err(|error| Error::system(path, "write it", error))?;
+        arrived.resize(piece.len().max(arrived.len()), 0);
+        let arrived = &mut arrived[..piece.len()];
+        file.read_exact_at(arrived, start).map_err(reading)?;
+        if arrived != piece {
+            let same = arrived.iter().zip(piece).take_while(|(a, b)| a == b).count();
+            let problem = "the disk does not hold what was written".into();
+            return Err(Error::Damaged { path: path.into(), offset: start + same as u64, problem });
+        }
+        start += piece.len() as u64;
+        if start - on_its_way >= WRITTEN_OUT {
+            begin_to_write_out(file, on_its_way..start);
+            on_its_way = start;
+        }
+    }
+    let bytes = file.metadata().map_err(reading)?.len();
+    if bytes != start {
+        let problem = format!("the disk holds {bytes} bytes, not the {start} that were written");
+        return Err(Error::Damaged { path: path.into(), offset: start, problem });
+    }
+    Ok(bytes)
+}
+
+fn sha256(pieces: &[Vec<u8>]) -> [u8; 32] {
+    let mut hash = Sha256::new();
+    pieces.iter().for_each(|piece| hash.update(piece));
+    hash.finalize().into()
+}
+
+/// Has the system begin to bring a part of a file to the disk, and waits for nothing. Whether it gets there is told when
+/// the file is synced; where the system or the file's place knows no such thing, all is left to that.
+#[expect(unsafe_code, reason = "no library has this call in a safe form")]
+fn begin_to_write_out(file: &File, part: Range<u64>) {
+    let [start, bytes] = [part.start, part.end - part.start].map(|number| number as i64);
+    // SAFETY: the call gets numbers alone, of which the descriptor is open as long as `file` lives.
+    unsafe { libc::sync_file_range(file.as_raw_fd(), start, bytes, libc::SYNC_FILE_RANGE_WRITE) };
+}
+
+/// What is wrong with a target before any work is done.
+///
+/// # Errors
+/// [`Error::Exists`] unless `overwrite`; [`Error::System`] where no file can stand.
+pub fn check_target(path: &Path, overwrite: bool) -> Result<(), Error> {
+    if path.file_name().is_none() || path.is_dir() {
+        return Err(Error::system(path, "write it", std::io::ErrorKind::IsADirectory.into()));
+    }
+    let folder = folder_of(path);
+    match std::fs::metadata(folder) {
+        Err(error) => return Err(Error::system(folder, "write into it", error)),
+        Ok(metadata) if !metadata.is_dir() => {
+            return Err(Error::system(folder, "write into it", std::io::ErrorKind::NotADirectory.into()));
+        }
+        Ok(_) => {}
+    }
+    if !overwrite && path.symlink_metadata().is_ok() {
+        return Err(Error::Exists { path: path.into() });
+    }
+    Ok(())
+}
