@@ -8,7 +8,7 @@ use glam::{DAffine3, DVec3};
 use crate::attribute::VertexColours;
 use crate::attribute::{Attribute, Bands, ByCell, CellIndex, Choice, Colour, Constant, CubeLattice, LinearRgb};
 use crate::attribute::{ByFormula, Components, FieldValue, Mix, Mixer, Part, Parts, Rule, Scalar, Straight};
-use crate::distance::nearest::{BallsByTree, PointTree};
+use crate::distance::nearest::PointTree;
 use crate::distance::octree::BuildError;
 use crate::field::cells::Cells;
 use crate::field::facet::{self, surface_points};
@@ -346,11 +346,7 @@ impl Solids {
             }
             _ => plain,
         };
-        let field = field.for_values_alone();
-        Ok(match BallsByTree::of(&field) {
-            Some(balls) => Arc::new(balls),
-            None => Arc::new(field),
-        })
+        Ok(Arc::new(field.keeping_values()))
     }
 
     pub fn component(&self, component: &Component) -> Result<Arc<dyn Field>, Problem> {
