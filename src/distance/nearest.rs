@@ -9,14 +9,12 @@
 //! beside the medial axis, where the feet on two sides are equally far to within the spacing's square over the
 //! distance, the answer may be the other one.
 
-mod balls;
 mod point_tree;
 
 use std::sync::atomic::AtomicBool;
 
 use glam::DVec3;
 
-pub(crate) use self::balls::BallsByTree;
 pub(crate) use self::point_tree::PointTree;
 use super::Foot;
 use super::band;

@@ -5,14 +5,12 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
-use super::balls::EqualBalls;
 use super::branch::{Branches, Part};
 use super::graph::{Graph, Node};
 use super::interval::Intervals;
 use super::op::{Op, mark_needed};
 use super::program::Program;
 use super::prune::{Asked, Pruner, has_choices};
-use super::rising::chosen_first;
 use super::tape::Tape;
 use super::width::VectorWidth;
 use super::{Aabb, BATCH, Evaluator, Field, Gradients, Hint, Hints, Interval, Points, Slope, extent, machine::Machine};
@@ -43,17 +41,6 @@ impl Expression {
     /// from their zero set (distances in a morph, colours, weights).
     pub fn keeping_values(self) -> Self {
         Self { asked: Asked::Value, ..self }
-    }
-
-    /// The same field to the last bit, written for values alone: creases may stand under roots, where they are no branches of
-    /// their own any more.
-    pub fn for_values_alone(self) -> Self {
-        Self { program: Arc::new(chosen_first(&self.program)), ..self.keeping_values() }
-    }
-
-    /// The balls of which this is the union, for a field [for values alone](Self::for_values_alone).
-    pub(crate) fn equal_balls(&self) -> Option<EqualBalls> {
-        EqualBalls::of(&self.program)
     }
 
     /// The same field, known to be negative outside of a box: for what construction cannot tell.

@@ -4,7 +4,6 @@
 //! gradients, and the smooth branches that meet at creases. Expressions implement it here; distance objects,
 //! meshes and morphs implement it in their own rooms.
 
-mod balls;
 mod batch;
 mod bounds;
 mod branch;
@@ -28,7 +27,6 @@ mod place;
 mod polygon;
 mod program;
 mod prune;
-mod rising;
 mod solids;
 mod tape;
 #[cfg(test)]
@@ -37,7 +35,6 @@ pub(crate) mod testing;
 mod tests;
 mod width;
 
-pub(crate) use balls::EqualBalls;
 pub use batch::{BATCH, Gradients, Points};
 pub use combine::{Blend, BlendBounds, SetSystem};
 pub use distances::Side;

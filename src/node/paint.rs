@@ -6,7 +6,6 @@ use std::sync::{Arc, OnceLock};
 use glam::DAffine3;
 
 use crate::attribute::{Attribute, CellIndex, FieldValue, Part, Parts, Rule, Scalar};
-use crate::distance::nearest::BallsByTree;
 use crate::distance::octree::BuildError;
 use crate::field::{Expression, Field, Graph, Interval};
 use crate::node::argument::{Arguments, Component};
@@ -163,11 +162,7 @@ impl Solids {
             }
             _ => plain,
         };
-        let field = field.for_values_alone();
-        Ok(match BallsByTree::of(&field) {
-            Some(balls) => Arc::new(balls),
-            None => Arc::new(field),
-        })
+        Ok(Arc::new(field.for_values_alone()))
     }
 
     pub fn component(&self, component: &Component) -> Result<Arc<dyn Field>, Problem> {

@@ -43,12 +43,8 @@ struct Near {
     region: Aabb,
     /// No position of the region is farther than this, squared, from some point.
     within: f64,
-    /// How much farther, of that, points are kept: by the rounding of who compares them.
-    slack: f64,
     /// Some are beyond it by now.
     points: Vec<usize>,
-    /// So many are too many.
-    most: usize,
 }
 
 impl Near {
@@ -58,7 +54,8 @@ impl Near {
         let farthest = (greatest - min).max(max - least).max(DVec3::ZERO).length_squared();
         self.within = self.within.min(farthest);
         let nearest = (least - max).max(min - greatest).max(DVec3::ZERO).length_squared();
-        nearest > self.within * (1.0 + self.slack)
+        // A little more than the rounding of either.
+        nearest > self.within * (1.0 + 1e-12)
     }
 }
 
@@ -117,14 +114,8 @@ impl PointTree {
         if self.points.is_empty() {
             return;
         }
-        let mut near = Near {
-            region: box_of(positions.iter().copied()),
-            within: f64::INFINITY,
-            // A little more than the rounding of either.
-            slack: 1e-12,
-            points: Vec::new(),
-            most: MOST_IN_TURN,
-        };
+        let region = box_of(positions.iter().copied());
+        let mut near = Near { region, within: f64::INFINITY, points: Vec::new() };
         if self.collect(0, 0, self.points.len(), &mut near) {
             // In the order of their numbers: of equally near points the first.
             near.points.sort_unstable();
@@ -137,21 +128,6 @@ impl PointTree {
             last = self.nearest(*position, last).map(|(number, _)| number);
             found.extend(last);
         }
-    }
-
-    /// All points, by number, that are the nearest to some position of a region in arithmetic that rounds to `f32`; some
-    /// others too.
-    pub fn near(&self, region: Aabb, found: &mut Vec<usize>) {
-        found.clear();
-        if self.points.is_empty() {
-            return;
-        }
-        // Squares of sums of rounded differences are off by less than 8 units in the last place.
-        let slack = 8.0 * f64::from(f32::EPSILON);
-        let mut near =
-            Near { region, within: f64::INFINITY, slack, points: std::mem::take(found), most: self.points.len() };
-        self.collect(0, 0, self.points.len(), &mut near);
-        *found = near.points;
     }
 
     /// Collects those of the points `from..to` of a node that may be the nearest to a position of a region; `false` where
@@ -167,7 +143,7 @@ impl PointTree {
                     near.points.push(number);
                 }
             }
-            return near.points.len() <= near.most;
+            return near.points.len() <= MOST_IN_TURN;
         }
         let middle = from + (to - from) / 2;
         let mut halves = [(node + 1, from, middle), (upper as usize, middle, to)];

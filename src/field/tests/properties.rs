@@ -93,27 +93,22 @@ proptest! {
     #[test]
     fn bounds_hold_and_pruning_keeps_signs(recipe in recipe(), seed: u64) {
         let (field, mut samples) = (expression(&recipe), Samples::new(seed));
-        let (exact, alone) = (field.clone().keeping_values(), field.clone().for_values_alone());
+        let exact = field.clone().keeping_values();
         let (mut whole, mut pruned, mut kept) = (field.evaluator(), field.evaluator(), exact.evaluator());
-        let mut alone = alone.evaluator();
         let (mut all, mut some, mut same) = ([0.0; BATCH], [0.0; BATCH], [0.0; BATCH]);
-        let mut same_alone = [0.0; BATCH];
         for _ in 0..6 {
             let outer = some_region(&mut samples);
             let inner = some_part(&mut samples, &outer);
             pruned.enter(&outer);
             kept.enter(&outer);
-            alone.enter(&outer);
             let wide = [pruned.bounds(), kept.bounds()];
             pruned.enter(&inner);
             kept.enter(&inner);
-            alone.enter(&inner);
             let tight = [pruned.bounds(), kept.bounds()];
             let points = samples.batch(&inner, 200);
             whole.values(&points, &mut all);
             pruned.values(&points, &mut some);
             kept.values(&points, &mut same);
-            alone.values(&points, &mut same_alone);
             for i in 0..points.len {
                 let (p, value) = (points.position(i), field.reference(points.position(i)));
                 if WORLD.contains(p) && inner.contains(p) {
@@ -126,12 +121,11 @@ proptest! {
                         prop_assert_eq!(some[i] > 0.0, value > 0.0, "sign at {} where F = {}", p, value);
                     }
                 }
-                prop_assert_eq!((same[i], same_alone[i]), (all[i], all[i]));
+                prop_assert_eq!(same[i], all[i]);
             }
             for _ in 0..2 {
                 pruned.leave();
                 kept.leave();
-                alone.leave();
             }
         }
     }
