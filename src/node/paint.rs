@@ -162,7 +162,7 @@ impl Solids {
             }
             _ => plain,
         };
-        Ok(Arc::new(field.for_values_alone()))
+        Ok(Arc::new(field.keeping_values()))
     }
 
     pub fn component(&self, component: &Component) -> Result<Arc<dyn Field>, Problem> {
