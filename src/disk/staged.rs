@@ -1,18 +1,11 @@
 //! Large files in pieces: staged under a temporary name, compared with what the disk holds, then committed.
 
-use std::fs::File;
-use std::ops::Range;
-use std::os::fd::AsRawFd;
 use std::os::unix::fs::FileExt;
 use std::path::{Path, PathBuf};
 
 use sha2::{Digest, Sha256};
 
 use super::{Error, Temporary, folder_of};
-
-/// So many bytes of a file are sent to the disk at a time while the rest is written, so that little is left to wait for
-/// when the file is synced.
-const WRITTEN_OUT: u64 = 4 << 20;
 
 /// A file that was written.
 #[derive(Clone, Copy, Debug)]
@@ -67,7 +60,7 @@ pub fn stage(path: &Path, pieces: &[Vec<u8>], overwrite: bool) -> Result<Staged,
 fn send(pieces: &[Vec<u8>], temporary: &mut Temporary, path: &Path) -> Result<u64, Error> {
     let file = temporary.file_mut();
     let reading = |error| Error::system(path, "read it back", error);
-    let (mut arrived, mut start, mut on_its_way) = (Vec::new(), 0, 0);
+    let (mut arrived, mut start) = (Vec::new(), 0);
     for piece in pieces {
         file.write_all_at(piece, start).map_err(|error| Error::system(path, "write it", error))?;
         arrived.resize(piece.len().max(arrived.len()), 0);
@@ -79,10 +72,6 @@ fn send(pieces: &[Vec<u8>], temporary: &mut Temporary, path: &Path) -> Result<u6
             return Err(Error::Damaged { path: path.into(), offset: start + same as u64, problem });
         }
         start += piece.len() as u64;
-        if start - on_its_way >= WRITTEN_OUT {
-            begin_to_write_out(file, on_its_way..start);
-            on_its_way = start;
-        }
     }
     let bytes = file.metadata().map_err(reading)?.len();
     if bytes != start {
@@ -96,15 +85,6 @@ fn sha256(pieces: &[Vec<u8>]) -> [u8; 32] {
     let mut hash = Sha256::new();
     pieces.iter().for_each(|piece| hash.update(piece));
     hash.finalize().into()
-}
-
-/// Has the system begin to bring a part of a file to the disk, and waits for nothing. Whether it gets there is told when
-/// the file is synced; where the system or the file's place knows no such thing, all is left to that.
-#[expect(unsafe_code, reason = "no library has this call in a safe form")]
-fn begin_to_write_out(file: &File, part: Range<u64>) {
-    let [start, bytes] = [part.start, part.end - part.start].map(|number| number as i64);
-    // SAFETY: the call gets numbers alone, of which the descriptor is open as long as `file` lives.
-    unsafe { libc::sync_file_range(file.as_raw_fd(), start, bytes, libc::SYNC_FILE_RANGE_WRITE) };
 }
 
 /// What is wrong with a target before any work is done.

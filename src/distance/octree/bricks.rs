@@ -1,7 +1,6 @@
 //! Which leaf holds each of many smallest cells, without a way down the tree for each: the leaves of small nodes as tables.
 
 use super::evaluate::Place;
-use super::rows::{ROW, ROWS};
 use super::tree::{Cell, Tree};
 use super::{DistanceObject, LEAF};
 use crate::field::BATCH;
@@ -204,33 +203,6 @@ impl Grid {
         for (leaf, level) in leaf.iter_mut().zip(level).take(len) {
             let holder = self.holders[*leaf as usize];
             (*leaf, *level) = holder.leaf(bricks.tables[holder.table as usize][*level as usize]);
-        }
-    }
-
-    /// The same of all points of a block in rows, whose cells stand as in [`Rows`](super::rows::Rows).
-    pub fn leaves_in_rows(
-        &self,
-        bricks: &Bricks,
-        [x, y, z]: &[[i32; BATCH]; 3],
-        leaf: &mut [u32; BATCH],
-        level: &mut [u32; BATCH],
-    ) {
-        let [first_x, first_y, first_z] = self.origin;
-        let along_z: [_; ROW] = std::array::from_fn(|lane| ((z[lane] >> SHIFT) - first_z, in_table([0, 0, z[lane]])));
-        let rows = leaf.as_chunks_mut::<ROW>().0.iter_mut().zip(level.as_chunks_mut::<ROW>().0);
-        for ((leaf, level), (&x, &y)) in rows.zip(x.iter().zip(y).take(ROWS)) {
-            let holder = in_grid([(x >> SHIFT) - first_x, (y >> SHIFT) - first_y, 0], self.along);
-            let entry = in_table([x, y, 0]);
-            let mut lane = 0;
-            while lane < ROW {
-                let brick = along_z[lane].0;
-                let holder = self.holders[(holder + brick) as usize];
-                let entries = &bricks.tables[holder.table as usize][entry..entry + EDGE as usize];
-                while lane < ROW && along_z[lane].0 == brick {
-                    (leaf[lane], level[lane]) = holder.leaf(entries[along_z[lane].1]);
-                    lane += 1;
-                }
-            }
         }
     }
 }

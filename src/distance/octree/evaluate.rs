@@ -4,7 +4,6 @@ use glam::DVec3;
 
 use super::bricks::Grid;
 use super::kernel::{self, Extent, Located};
-use super::rows::{self, Rows};
 use super::{DistanceObject, LEAF};
 use crate::field::{Aabb, BATCH, Evaluator, Gradients, Hint, Hints, Interval, Points};
 
@@ -82,7 +81,9 @@ impl<'a> OctreeEvaluator<'a> {
     fn locate(&mut self, points: &Points) -> (Option<Place>, bool) {
         let inverse_step = self.object.inverse_step;
         let offsets = [&points.x, &points.y, &points.z].map(|offsets| &offsets[..points.len]);
-        let Extent { low, high, outside } = self.place(points.origin, offsets);
+        let base = ((points.origin - self.object.origin) * inverse_step).to_array();
+        let size = self.object.root_size() as i32;
+        let Extent { low, high, outside } = kernel::place(offsets, base, inverse_step, size, &mut self.located);
         let around = self.around(low, high);
         if self.object.nodes[around.node as usize] & LEAF != 0 {
             kernel::place_in_cell(&mut self.located, around.origin, around.size, points.len);
@@ -96,26 +97,6 @@ impl<'a> OctreeEvaluator<'a> {
         }
         kernel::place_in_leaves(&mut self.located, inverse_step, points.len);
         (None, outside)
-    }
-
-    /// Finds the cells of a block in rows, where they are several in bricks that are known, and it lies in the root.
-    fn locate_rows(&mut self, origin: DVec3, rows: &Rows) -> bool {
-        let Extent { low, high, outside } = self.place(origin, [&rows.x, &rows.y, &rows.z]);
-        if outside || self.object.nodes[self.around(low, high).node as usize] & LEAF != 0 {
-            return false;
-        }
-        let Some(grid) = self.grid(BATCH, low, high) else { return false };
-        let Located { cell, leaf, level, .. } = &mut *self.located;
-        self.grids[grid].leaves_in_rows(&self.object.bricks, cell, leaf, level);
-        rows::place_in_leaves(&mut self.located, self.object.inverse_step);
-        true
-    }
-
-    /// Where so many offsets from a position lie, along each axis.
-    fn place(&mut self, origin: DVec3, offsets: [&[f32]; 3]) -> Extent {
-        let object = self.object;
-        let base = ((origin - object.origin) * object.inverse_step).to_array();
-        kernel::place(offsets, base, object.inverse_step, object.root_size() as i32, &mut self.located)
     }
 
     /// The innermost node that holds all cells from `low` to `high`.
@@ -229,13 +210,6 @@ impl Evaluator for OctreeEvaluator<'_> {
     }
 
     fn gradients(&mut self, points: &Points, out: &mut Gradients) {
-        if let Some(rows) = Rows::of(points)
-            && self.locate_rows(points.origin, &rows)
-        {
-            let Gradients { value, dx, dy, dz } = out;
-            rows::gradients(&self.object.polynomials, &self.located, [value, dx, dy, dz]);
-            return;
-        }
         let (cell, outside) = self.locate(points);
         let object = self.object;
         let located = &self.located;

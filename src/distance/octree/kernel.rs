@@ -20,7 +20,7 @@ use crate::field::BATCH;
 pub struct Polynomial([[[f32; 4]; 4]; 4]);
 
 /// What is left of each polynomial once x is given: by the power of y the coefficients of 1, z, z² and z³.
-pub(super) type AlongX = [f32; 16];
+type AlongX = [f32; 16];
 
 impl Polynomial {
     /// That of a patch.
@@ -43,7 +43,7 @@ impl Polynomial {
 
     /// The same, and its slopes.
     #[inline(always)]
-    pub(super) fn along_x_and_slopes(&self, x: f32, [values, slopes]: &mut [AlongX; 2]) {
+    fn along_x_and_slopes(&self, x: f32, [values, slopes]: &mut [AlongX; 2]) {
         let [a, b, c, d] = self.0.each_ref().map(|by_y| by_y.as_flattened());
         for n in 0..16 {
             (values[n], slopes[n]) = cubic_and_slope([a[n], b[n], c[n], d[n]], x);
@@ -52,7 +52,7 @@ impl Polynomial {
 }
 
 #[inline(always)]
-pub(super) fn by_y(along_x: &AlongX) -> [Vec4; 4] {
+fn by_y(along_x: &AlongX) -> [Vec4; 4] {
     from_fn(|j| Vec4::from_slice(&along_x[4 * j..]))
 }
 
@@ -75,16 +75,13 @@ fn gradient_at([values, slopes]: &[AlongX; 2], [y, z]: [f32; 2]) -> [f32; 4] {
 
 /// a + t(b + t(c + t·d)), of numbers or of several side by side.
 #[inline(always)]
-pub(super) fn cubic<T: Copy + Add<Output = T> + Mul<S, Output = T>, S: Copy>([a, b, c, d]: [T; 4], t: S) -> T {
+fn cubic<T: Copy + Add<Output = T> + Mul<S, Output = T>, S: Copy>([a, b, c, d]: [T; 4], t: S) -> T {
     a + (b + (c + d * t) * t) * t
 }
 
 /// The same, and its slope.
 #[inline(always)]
-pub(super) fn cubic_and_slope<T: Copy + Add<Output = T> + Mul<S, Output = T>, S: Copy>(
-    [a, b, c, d]: [T; 4],
-    t: S,
-) -> (T, T) {
+fn cubic_and_slope<T: Copy + Add<Output = T> + Mul<S, Output = T>, S: Copy>([a, b, c, d]: [T; 4], t: S) -> (T, T) {
     let highest = d * t;
     let last = c + highest;
     let first = b + last * t;
@@ -170,13 +167,13 @@ pub fn place_in_cell(located: &mut Located, origin: [i32; 3], size: i32, len: us
 
 /// 2⁻ˡᵉᵛᵉˡ, by the bits of its exponent.
 #[inline(always)]
-pub(super) fn one_over_edge(level: u32) -> f64 {
+fn one_over_edge(level: u32) -> f64 {
     f64::from_bits(u64::from(1023 - level) << 52)
 }
 
 /// Where in a leaf, \[0, 1\], is what lies in one of its smallest cells.
 #[inline(always)]
-pub(super) fn in_leaf(at: f64, cell: i32, level: u32) -> f32 {
+fn in_leaf(at: f64, cell: i32, level: u32) -> f32 {
     ((at - f64::from(cell >> level << level)) * one_over_edge(level)) as f32
 }
 

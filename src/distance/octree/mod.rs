@@ -20,7 +20,6 @@ mod hanging;
 mod kernel;
 mod patch;
 mod refine;
-mod rows;
 mod samples;
 mod steepest;
 mod tree;
