@@ -3,11 +3,11 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use crate::attribute::{Attribute, Colour, Constant, LinearRgb, Scalar};
+use crate::attribute::{Attribute, Colour, LinearRgb, Scalar};
 use crate::node::assets::Assets;
 use crate::node::id::Stage;
 use crate::node::model::{Shape, ShapeColour, ShapeId, ShapeScalar};
-use crate::node::placed::{Placed, Way};
+use crate::node::painted::Paint;
 use crate::node::source::Given;
 use crate::node::spec::Imported;
 use crate::text::colour::{GREY, css};
@@ -116,37 +116,5 @@ impl Asked<1> for TheScalar<'_> {
         let problem = format!("the copies of `{name}` cannot take the several values of its parts' `{}`", self.0);
         let help = format!("give it an `attribute.{}` of its own: one, or {{ range = …, by = \"cell\" }}", self.0);
         Problem::new(*span, problem).help(help)
-    }
-}
-
-/// An attribute, and whether it has one value everywhere.
-#[derive(Clone)]
-pub struct Paint<const N: usize> {
-    /// The attribute.
-    pub attribute: Arc<dyn Attribute<N>>,
-    /// That value.
-    pub solid: Option<[f32; N]>,
-}
-
-impl<const N: usize> Paint<N> {
-    /// One value everywhere.
-    pub fn solid(value: [f32; N]) -> Self {
-        Self { attribute: Arc::new(Constant::new(value)), solid: Some(value) }
-    }
-
-    pub fn of(attribute: impl Attribute<N> + 'static) -> Self {
-        Self::shared(Arc::new(attribute))
-    }
-
-    pub fn shared(attribute: Arc<dyn Attribute<N>>) -> Self {
-        Self { attribute, solid: None }
-    }
-
-    /// Seen through a way; one value stays itself.
-    pub(crate) fn through(self, way: Way) -> Self {
-        match self.solid {
-            Some(_) => self,
-            None => Self::of(Placed { inner: self.attribute, way }),
-        }
     }
 }

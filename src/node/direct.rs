@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use crate::attribute::{ByFormula, Components, FieldValue};
 use crate::node::argument::Argument;
-use crate::node::attributes::Paint;
+use crate::node::painted::Paint;
 use crate::node::source::{Source, Sourcing};
 use crate::text::key::Absent::Required;
 use crate::text::key::{Key, Kind};

@@ -18,6 +18,7 @@ pub(crate) mod load;
 pub(crate) mod measured;
 pub(crate) mod model;
 pub(crate) mod paint;
+pub(crate) mod painted;
 pub(crate) mod placed;
 mod read;
 mod reference;

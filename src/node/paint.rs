@@ -9,12 +9,13 @@ use crate::attribute::{Attribute, CellIndex, FieldValue, Part, Parts, Rule, Scal
 use crate::distance::octree::BuildError;
 use crate::field::{Expression, Field, Graph, Interval};
 use crate::node::argument::{Arguments, Component};
-use crate::node::attributes::{Asked, Paint};
+use crate::node::attributes::Asked;
 use crate::node::depth::Depth;
 use crate::node::extent::{box_of, solid_box};
 use crate::node::id::Stage;
 use crate::node::measured::Purpose;
 use crate::node::model::{Model, Shape, ShapeId};
+use crate::node::painted::Paint;
 use crate::node::placed::Way;
 use crate::node::solid::Solids;
 use crate::node::source::{Sourcing, TOLERANCE_VOXELS};

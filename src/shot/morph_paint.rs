@@ -5,8 +5,9 @@ use std::sync::Arc;
 use crate::attribute::{Attribute, Colour, Part, Parts, Rule, Scalar, Straight};
 use crate::field::Field;
 
-use crate::node::attributes::{Asked, Paint, TheColour, TheScalar};
+use crate::node::attributes::{Asked, TheColour, TheScalar};
 use crate::node::model::{Content, Correspondence};
+use crate::node::painted::Paint;
 use crate::node::source::TOLERANCE_VOXELS;
 use crate::shot::morphing::{Brush, Planned};
 use crate::shot::prepared::Prepared;

@@ -16,11 +16,12 @@ use crate::field::{Aabb, Field};
 use crate::grid::{Lattice, VoxelSize};
 use crate::morph::{self, MorphObject, Motion, Side, Similarity};
 
-use crate::node::attributes::{Asked, Paint, TheColour, TheScalar};
+use crate::node::attributes::{Asked, TheColour, TheScalar};
 use crate::node::extent::{box_of, solid_box};
 use crate::node::id::Stage;
 use crate::node::measured::smallest_cell;
 use crate::node::model::{Model, Morph, MorphMode, Shape, ShapeId};
+use crate::node::painted::Paint;
 use crate::node::solid::Solids;
 use crate::node::variation::Variation;
 use crate::shot::delay::delay;

@@ -2,11 +2,11 @@
 
 use crate::node::extent::{box_of, no_box, solid_box};
 use crate::shot::scenery::scenery;
-use crate::shot::stop::{Stop, stop_if};
+use crate::shot::stop::{Stop, stop_if, unless_cancelled};
 use crate::text::frames::sampled_frames;
 use std::collections::HashSet;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::AtomicBool;
 
 use rayon::prelude::*;
 
@@ -70,11 +70,6 @@ impl Model {
             Stop::Problem(problem) => self.error(problem),
         }
     }
-}
-
-/// What fails once it was told to stop has stopped, whatever it says.
-pub(crate) fn unless_cancelled<T>(cancel: &AtomicBool, result: Result<T, Error>) -> Result<T, Error> {
-    result.map_err(|error| if cancel.load(Ordering::Relaxed) { Error::Cancelled } else { error })
 }
 
 fn prepare(model: &Arc<Model>, options: &PrepareOptions<'_>) -> Result<Prepared, Stop> {

@@ -3,6 +3,7 @@
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use crate::distance::octree::BuildError;
+use crate::shot::error::Error;
 use crate::text::problem::Problem;
 
 /// Why preparing stopped.
@@ -30,4 +31,9 @@ impl From<Problem> for Stop {
 
 pub(crate) fn stop_if(cancel: &AtomicBool) -> Result<(), Stop> {
     if cancel.load(Ordering::Relaxed) { Err(Stop::Cancelled) } else { Ok(()) }
+}
+
+/// What fails once it was told to stop has stopped, whatever it says.
+pub(crate) fn unless_cancelled<T>(cancel: &AtomicBool, result: Result<T, Error>) -> Result<T, Error> {
+    result.map_err(|error| if cancel.load(Ordering::Relaxed) { Error::Cancelled } else { error })
 }

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use crate::attribute::{Attribute, CubeLattice, LinearRgb, Sampler};
 use crate::field::{Aabb, BATCH, Points};
-use crate::node::attributes::Paint;
+use crate::node::painted::Paint;
 use crate::node::source::{Source, TOLERANCE_VOXELS};
 use crate::text::key::Absent::{Number, Required};
 use crate::text::key::{Key, Kind, Limit};
