@@ -35,6 +35,11 @@ for alpha in 0.05 0.3 3; do
     done
 done
 hfvdb preview "$folder"/alpha*.vdb --columns 3 --output "$images/red-blue.png"
+mkdir -p "$images/nodes"
+for node in $(hfvdb scenes | sed -n 's/^Nodes, each as a scene of its own: //p'); do
+    hfvdb scenes "$node" >"$folder/$node.toml"
+    hfvdb preview "$folder/$node.toml" --size 240 --output "$images/nodes/$node.png"
+done
 "$blender_python" scripts/render_blender.py "$folder/cubism" --output "$images/blender-cubism.png"
 "$blender_python" scripts/render_blender.py "$folder/hsv" "$folder/rgb" --pictures 6 \
     --output "$images/blender-cube-to-heart.png"

@@ -1,5 +1,36 @@
 //! Coloured volumetric objects, modelled by functions, morphed through space and time, written as OpenVDB.
 //!
+//! # From a scene to a frame
+//!
+//! ```
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! use std::sync::Arc;
+//!
+//! use glam::DVec3;
+//! use hfvdb::node::{Source, load};
+//! use hfvdb::shot::PrepareOptions;
+//! use hfvdb::text::Overrides;
+//!
+//! // A scene: a file, a built-in name, or text.
+//! let text = "hfvdb = 1\n[shape.ball]\nsphere = 1\ncolor = \"tomato\"\n";
+//! let source = Source::Text { name: "ball.toml".into(), text: text.into(), folder: ".".into() };
+//! let model = Arc::new(load(&source, &Overrides::default()).map_err(|problems| problems.to_string())?);
+//!
+//! // Made ready: the shot's box, the lattice, and for a morph the measured objects.
+//! let prepared = model.prepare(&PrepareOptions { resolution: Some(32), ..PrepareOptions::default() })?;
+//!
+//! // A frame: F and colour at any point, any frame by itself.
+//! let frame = prepared.frame(1)?;
+//! assert_eq!(frame.field.reference(DVec3::ZERO), 1.0);
+//! assert!(frame.colour.is_some());
+//! # Ok(())
+//! # }
+//! ```
+//!
+//! [`bake::compute_frame`] makes voxels of a frame, [`vdb::write`] a file; `examples/sphere.rs` does both,
+//! `examples/morph.rs` follows a morph. [`node`] has the table of all that a scene can name; `docs/adding-a-node.md` adds to
+//! it.
+//!
 //! # Conventions
 //!
 //! * **Sign.** Every field in this crate is **positive inside** (F ≥ 0 is the solid). An OpenVDB level set is

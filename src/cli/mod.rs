@@ -19,6 +19,7 @@ mod preview;
 mod progress;
 mod report;
 mod scenes;
+mod schema;
 mod signals;
 mod verify;
 mod writing;
@@ -67,6 +68,8 @@ enum Command {
     Info(info::Arguments),
     /// List the built-in scenes, or print one to start from
     Scenes(scenes::Arguments),
+    /// Print the JSON Schema of the scene format, from which editors complete and check scenes
+    Schema,
     /// Hold frames against their manifest: missing, foreign, or a single bit flipped
     Verify(verify::Arguments),
     /// Take pictures of a scene, a .vdb file or a sequence: PNG, animated PNG, EXR
@@ -95,6 +98,7 @@ pub fn run() -> ExitCode {
         Command::Check(arguments) => check::run(&arguments, &global),
         Command::Info(arguments) => info::run(&arguments, &global),
         Command::Scenes(arguments) => scenes::run(&arguments, &global),
+        Command::Schema => schema::run(),
         Command::Verify(arguments) => verify::run(&arguments, &global),
         Command::Preview(arguments) => preview::run(&arguments, &global),
     });

@@ -22,6 +22,7 @@ pub(crate) mod painted;
 pub(crate) mod placed;
 mod read;
 mod reference;
+mod schema;
 pub(crate) mod solid;
 pub(crate) mod source;
 pub(crate) mod spec;
@@ -38,6 +39,7 @@ pub use example::{node_names, node_scene};
 pub use load::{Source, load, morph_of_meshes};
 pub use model::*;
 pub use reference::reference;
+pub use schema::schema;
 
 /// Tables of nodes, each row a file with a `NODE`: a line is all that a new one needs.
 macro_rules! nodes {

@@ -14,7 +14,7 @@ const BEGINNING: &str = "\
 # The scene format
 
 A scene is one TOML 1.0 file (or the same as JSON, for machines). This page is made from the tables that scenes are
-checked by. `hfvdb scenes` lists the built-in scenes, `hfvdb scenes NAME` prints one to start from, and
+checked by; `hfvdb schema` prints them as a JSON Schema, from which editors complete. `hfvdb scenes` lists the built-in scenes, `hfvdb scenes NAME` prints one to start from, and
 `hfvdb check -v SCENE` prints every value and where it comes from.
 
 ```toml
@@ -54,8 +54,8 @@ Lengths are in `unit`, angles in degrees; only keys in voxels say so. F is posit
 **Time.** t is 0 at the first frame of `frames` and 1 at its last: t = (frame − first)/(last − first). Outside the shot
 the ends hold.
 
-**Order.** Whatever the order of the text: the maker, then `bounds`, copies (`at`), `mirror`, `offset`, `shell`,
-`displace`, `scale`, `rotate`, `move`. Another order is another shape: `union = [\"first\"]` with its own modifiers.
+**Order.** Whatever the order of the text: what the shape is, then `bounds`, copies (`at`), `mirror`, `twist`, `offset`,
+`shell`, `displace`, `scale`, `rotate`, `move`. Another order is another shape: `union = [\"first\"]` with its own modifiers.
 
 **Distances.** `offset`, `shell`, `displace`, `bands`, `blend_radius` and `seam` are distances. Where a shape's F is not
 the distance on the side that they use, the distance is measured first, which takes from a tenth of a second to some
@@ -160,7 +160,7 @@ pub fn reference() -> String {
         let _ = writeln!(out, "| `{usage}` | {text} |");
     }
     section(&mut out, "The top of a scene", "", keys::SCENE);
-    out.push_str("\n## `[shape.NAME]`: makers\n\nA shape has exactly one of these keys.\n\n");
+    out.push_str("\n## `[shape.NAME]`: what a shape is\n\nA shape has exactly one of these keys.\n\n");
     specs(&mut out, list::MAKERS);
     out.push_str("\n## What can be done to a shape\n\nIn this order, whatever the order of the text.\n\n");
     specs(&mut out, list::MODIFIERS);

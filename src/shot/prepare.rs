@@ -56,6 +56,19 @@ pub struct PrepareOptions<'a> {
     pub progress: &'a (dyn Fn(f64) + Sync),
 }
 
+impl Default for PrepareOptions<'_> {
+    fn default() -> Self {
+        Self {
+            voxel_size: None,
+            resolution: None,
+            half_width: None,
+            memory_limit: None,
+            cancel: Arc::default(),
+            progress: &|_| {},
+        }
+    }
+}
+
 impl Model {
     /// Makes ready for frames.
     pub fn prepare(self: &Arc<Self>, options: &PrepareOptions<'_>) -> Result<Prepared, Error> {
