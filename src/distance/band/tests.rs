@@ -9,6 +9,8 @@ use super::*;
 use crate::{
     distance::{
         accuracy::exact,
+        block::Meter,
+        staged::Staged,
         testing::{Joined, Leaf, Saturated},
     },
     field::Points,
@@ -183,10 +185,9 @@ fn what_cannot_be_measured_says_why() {
     }
 }
 
-/// Facets of about a voxel, cut, in chunks so small that many blocks are measured again for what later ones offer.
-#[test]
-fn measuring_a_block_again_brings_no_foot_farther() {
-    let model = load(&Source::Builtin("cubism-sliced".into()), &Overrides::default()).unwrap();
+/// A scene of ours at a resolution of 48.
+fn prepared(scene: &str) -> Prepared {
+    let model = load(&Source::Builtin(scene.into()), &Overrides::default()).unwrap();
     let options = PrepareOptions {
         voxel_size: None,
         resolution: Some(48),
@@ -195,7 +196,13 @@ fn measuring_a_block_again_brings_no_foot_farther() {
         cancel: Arc::default(),
         progress: &|_| {},
     };
-    let prepared = Arc::new(model).prepare(&options).unwrap();
+    Arc::new(model).prepare(&options).unwrap()
+}
+
+/// Facets of about a voxel, cut, in chunks so small that many blocks are measured again for what later ones offer.
+#[test]
+fn measuring_a_block_again_brings_no_foot_farther() {
+    let prepared = prepared("cubism-sliced");
     let Prepared { lattice, half_width, .. } = prepared;
     let cancel = AtomicBool::new(false);
     for frame in [2, 3, 6] {
@@ -210,5 +217,28 @@ fn measuring_a_block_again_brings_no_foot_farther() {
         let farther = |pair: &[[f32; BLOCK_VOXELS]]| (0..BLOCK_VOXELS).any(|i| pair[1][i].abs() > pair[0][i].abs());
         let worse = again.iter().filter(|pair| farther(pair)).count();
         assert!(!again.is_empty() && worse == 0, "{worse} of {} in frame {frame}", again.len());
+    }
+}
+
+/// Which thread measures which blocks, and so what its scratch memory holds before each, changes from run to run.
+#[test]
+fn a_block_is_independent_of_the_blocks_before() {
+    let prepared = prepared("microstructure");
+    let Prepared { lattice, half_width, .. } = prepared;
+    let cancel = AtomicBool::new(false);
+    let content = prepared.frame(24).unwrap();
+    let settings = Settings { lattice, half_width, region: content.region, cancel: &cancel, progress: &|_| {} };
+    let scope = settings.scope();
+    let blocks = descent::descend(&*content.field, &scope, &cancel).unwrap().blocks;
+    let measure = |meter: &mut Meter, origin: IVec3| {
+        let mut block = Staged::new();
+        meter.enter_nodes(origin);
+        meter.measure(origin, &mut block).unwrap();
+        (block.distances.map(f32::to_bits), block.normals.map(|normals| normals.map(f32::to_bits)))
+    };
+    let mut meter = Meter::new(&*content.field, &scope);
+    let forward: Vec<_> = blocks.iter().map(|origin| measure(&mut meter, *origin)).collect();
+    for (origin, known) in blocks.iter().zip(&forward).rev() {
+        assert!(measure(&mut meter, *origin) == *known, "{origin}");
     }
 }

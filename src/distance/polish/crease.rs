@@ -236,11 +236,15 @@ impl Polisher {
         if seeded.is_empty() {
             return;
         }
+        // Where no query is near any branch, nothing has set the origin yet: that of an earlier batch stands there.
+        self.lanes.set_bounds(request, queries.points);
         let points = &mut self.lanes.points;
         points.len = 0;
         for &query in seeded.iter() {
-            points.push(offset(seeds, usize::from(query)));
-            residuals[usize::from(query)] = f32::INFINITY;
+            let i = usize::from(query);
+            points.push(offset(seeds, i));
+            // No branch: one that an earlier batch left here would be followed where none has a slope at the seed.
+            (residuals[i], lies_on[i]) = (f32::INFINITY, u16::MAX);
         }
         for branch in 0..branches {
             evaluator.branch(branch, points, &mut parts[0]);

@@ -96,3 +96,34 @@ fn small_balls_and_far_queries() {
         assert!(error < 0.01, "{error} at distance {}", truth / UNIT);
     }
 }
+
+/// Feet of queries so far from a slab's faces that no branch has one near, from seeds beside them: what the polisher did
+/// before, about another origin, makes no difference.
+#[test]
+fn a_batch_is_independent_of_the_batch_before() {
+    let field = Joined::oriented_box(DMat3::IDENTITY, DVec3::new(0.5, 3.0, 3.0));
+    let region = crate::field::Aabb::new(DVec3::splat(-5.0), DVec3::splat(5.0));
+    let request = Request { unit: UNIT as f32, least: 1e-4, reach: 0.3, region };
+    let closest = |polisher: &mut Polisher, origin: DVec3| {
+        let (mut queries, mut feet) = (Points::new(origin), Points::new(origin));
+        for i in 0..20 {
+            let query = DVec3::new(2.0, 0.03 * f64::from(i), -0.02 * f64::from(i));
+            queries.push((query - origin).as_vec3());
+            feet.push((query.with_x(0.5) + DVec3::new(0.0, 0.4, -0.3) - origin).as_vec3());
+        }
+        let mut distances = [0.0; BATCH];
+        polisher.closest(&mut *field.evaluator(), &request, &queries, &[false; BATCH], &mut feet, &mut distances);
+        distances[..queries.len].to_vec()
+    };
+    let origin = DVec3::new(2.0, 0.0, 0.0);
+    let fresh = closest(&mut Polisher::new(), origin);
+    assert!(fresh.iter().all(|distance| (distance - 1.5).abs() < 0.01 * UNIT as f32), "{fresh:?}");
+    for before in [DVec3::ZERO, DVec3::new(-1.0, 2.0, 0.5)] {
+        let mut polisher = Polisher::new();
+        let mut near = Points::new(before);
+        near.push((DVec3::new(0.6, 0.0, 0.0) - before).as_vec3());
+        let mut feet = near.clone();
+        polisher.closest(&mut *field.evaluator(), &request, &near, &[false; BATCH], &mut feet, &mut [0.0; BATCH]);
+        assert_eq!(closest(&mut polisher, origin), fresh);
+    }
+}
