@@ -11,7 +11,7 @@ use crate::distance::extent::extent;
 use crate::field::cells::{CellOptions, Cells};
 use crate::field::facet::Pieces;
 use crate::field::{Aabb, Expression, Field, Graph, Interval, Node, SetSystem, rotation};
-use crate::node::argument::Arguments;
+use crate::node::argument::{Argument, Arguments};
 use crate::node::assets::Assets;
 use crate::node::attributes::{Paints, TheScalar};
 use crate::node::bend::Bend;
@@ -416,7 +416,11 @@ impl<'b> Making<'b> {
     }
 
     fn purpose(&self, key: &'static str) -> Purpose<'b> {
-        let span = self.arguments.number(key).map_or(self.shape.span, |number| number.span);
+        let span = match self.arguments.get(key) {
+            Some(Argument::Number(number)) => number.span,
+            Some(Argument::Scalar(name)) => name.span,
+            _ => self.shape.span,
+        };
         Purpose { shape: self.shape, key, span }
     }
 }

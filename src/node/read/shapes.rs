@@ -137,7 +137,7 @@ impl<'r, 'a> Building<'r, 'a> {
             Kind::Scalar => Argument::Scalar(self.scalar_name(fields, name)?),
             Kind::Whole => Argument::Whole(fields.whole(name)?),
             Kind::Text => {
-                let span = fields.entry(name).map_or(fields.span, |entry| entry.value.span);
+                let span = fields.entry(name).map_or_else(|| fields.main_span(), |entry| entry.value.span);
                 Argument::Text(fields.text(name)?, span)
             }
             Kind::Components(meaning) => self.components(&path, fields.value(name)?, meaning)?,
