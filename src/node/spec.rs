@@ -20,6 +20,15 @@ use crate::text::moment::Moment;
 use crate::text::number::Number;
 use crate::text::problem::Problem;
 
+/// The cells of a node.
+pub type CellsOf = fn(&mut dyn Build) -> Result<Arc<dyn CellIndex>, Problem>;
+
+/// How a node bends space.
+pub type BendOf = fn(&dyn Build) -> Result<Arc<dyn Bend>, Problem>;
+
+/// What a node reads from its file.
+pub type ImportOf = fn(&Import<'_>) -> Result<Imported, Problem>;
+
 /// What a shape can be, or what can be done to one.
 #[derive(Clone, Copy)]
 pub struct Spec {
@@ -40,11 +49,11 @@ pub struct Spec {
     /// Whether it takes the distance of what it is made of, outside of that.
     pub measures: fn(&Arguments) -> bool,
     /// Its cells, which can take colours each.
-    pub cells: Option<fn(&mut dyn Build) -> Result<Arc<dyn CellIndex>, Problem>>,
+    pub cells: Option<CellsOf>,
     /// How it bends the space of the shape that it is done to.
-    pub bend: Option<fn(&dyn Build) -> Result<Arc<dyn Bend>, Problem>>,
+    pub bend: Option<BendOf>,
     /// What it reads from its file.
-    pub import: Option<fn(&Import<'_>) -> Result<Imported, Problem>>,
+    pub import: Option<ImportOf>,
     /// Its field at a moment.
     pub build: fn(&mut dyn Build) -> Result<Node, Problem>,
 }

@@ -31,7 +31,9 @@ pub const NODE: Spec = Spec {
 };
 
 /// What the cells stand around, the cells, and which of them get a copy.
-fn picked(build: &mut dyn Build) -> Result<(Arc<dyn Field>, Arc<Cells>, Vec<CellId>), Problem> {
+type Picked = (Arc<dyn Field>, Arc<Cells>, Vec<CellId>);
+
+fn picked(build: &mut dyn Build) -> Result<Picked, Problem> {
     let copies = build.arguments().copies("at").expect("it must be there").clone();
     let cells = build.cells(copies.cells)?;
     let picked = cells.pick(copies.pick, copies.seed);
