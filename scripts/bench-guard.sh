@@ -9,9 +9,10 @@
 # for the next time.
 set -euo pipefail
 cd "$(dirname "$0")/.."
+. scripts/program_of.sh
 
 readonly folder=$PWD/target/guard
-readonly tree=$folder/tree before=$folder/before now=$folder/now frames=$folder/frames
+readonly now=$folder/now frames=$folder/frames
 readonly output=$frames/frame.####.vdb
 readonly rounds=${2:-5}
 # Scenes are this checkout's for both programs. A name, and what `hfvdb bake` gets.
@@ -33,15 +34,8 @@ fail() {
 [ $# -ge 1 ] || fail "usage: scripts/bench-guard.sh COMMIT [ROUNDS]"
 commit=$(git rev-parse --verify --quiet "$1^{commit}") || fail "there is no commit $1"
 
-forget_tree() { git worktree remove --force "$tree" 2>/dev/null || true; }
-trap forget_tree EXIT
-
 build() {
-    mkdir -p "$folder"
-    forget_tree
-    git worktree add --quiet --detach "$tree" "$commit"
-    cargo build --release --locked --quiet --bin hfvdb --manifest-path "$tree/Cargo.toml" --target-dir "$folder/build"
-    cp "$folder/build/release/hfvdb" "$before"
+    before=$(program_of "$commit")
     cargo build --release --locked --quiet --bin hfvdb
     cp target/release/hfvdb "$now"
 }

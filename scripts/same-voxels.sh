@@ -8,25 +8,12 @@
 # in target/same. PROGRAM stands for a build of the commit that is there already.
 set -euo pipefail
 cd "$(dirname "$0")/.."
+. scripts/program_of.sh
 
 readonly resolution=${2:-128}
 [ $# -ge 1 ] || { echo "usage: scripts/same-voxels.sh COMMIT|PROGRAM [RESOLUTION]" >&2; exit 2; }
 
-if [ -x "$1" ]; then
-    before=$1
-else
-    commit=$(git rev-parse --verify --quiet "$1^{commit}") || { echo "same-voxels: no commit $1" >&2; exit 2; }
-    tree=$PWD/target/guard/same-tree
-    before=$PWD/target/guard/same-$commit
-    if [ ! -x "$before" ]; then
-        git worktree remove --force "$tree" 2>/dev/null || true
-        git worktree add --quiet --detach "$tree" "$commit"
-        trap 'git worktree remove --force "$tree"' EXIT
-        cargo build --release --locked --quiet --bin hfvdb --manifest-path "$tree/Cargo.toml" \
-            --target-dir target/guard/build
-        cp target/guard/build/release/hfvdb "$before"
-    fi
-fi
+if [ -x "$1" ]; then before=$1; else before=$(program_of "$1"); fi
 cargo build --release --locked --quiet --bin hfvdb
 
 # bake_all PROGRAM FOLDER
