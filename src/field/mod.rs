@@ -32,7 +32,7 @@ mod tape;
 #[cfg(test)]
 pub(crate) mod testing;
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;
 mod width;
 
 pub use batch::{BATCH, Gradients, Points};

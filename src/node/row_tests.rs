@@ -13,25 +13,14 @@ use super::solid::Solids;
 use super::source::Source;
 use super::{Source as From, keys, load, node_names, node_scene};
 use crate::attribute::Attribute;
-use crate::field::{Aabb, BATCH, Evaluator, Expression, Field, Gradients, Points, Slope, VectorWidth};
+use crate::field::tests::{Samples, bits_by_width, slope_at};
+use crate::field::{Aabb, BATCH, Expression, Field, Gradients, Slope};
 use crate::node::attributes::{TheColour, TheScalar};
 use crate::text::Overrides;
 use crate::text::key::Key;
 
-/// Repeatable numbers in 0..1.
-struct Samples(u64);
-
-impl Samples {
-    fn next(&mut self) -> f64 {
-        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (self.0 >> 11) as f64 / (1_u64 << 53) as f64
-    }
-
-    fn within(&mut self, region: &Aabb) -> DVec3 {
-        region.min + DVec3::new(self.next(), self.next(), self.next()) * region.size()
-    }
-}
-
+/// Steps of differences: greater than the rounding of scalars, which `displace` goes by.
+const STEPS: [f64; 2] = [1e-5, 2e-4];
 const WORLD: Aabb = Aabb::new(DVec3::splat(-2.0), DVec3::splat(2.0));
 
 fn solids(text: &str) -> (Solids, ShapeId) {
@@ -53,27 +42,12 @@ fn built(name: &str) -> Expression {
     solids.values(id).unwrap_or_else(|problem| panic!("{problem:?}\n{text}"))
 }
 
-fn batch(samples: &mut Samples, region: &Aabb) -> Points {
-    let mut points = Points::new(region.centre());
-    for _ in 0..200 {
-        points.push((samples.within(region) - region.centre()).as_vec3());
-    }
-    points
-}
-
 #[test]
 fn every_vector_width_gives_the_reference() {
     for name in node_names() {
-        let (field, mut samples) = (built(name), Samples(7));
-        let points = batch(&mut samples, &WORLD);
-        let answers = VectorWidth::ALL.map(|width| {
-            let mut evaluator = field.evaluator_of_width(width);
-            let (mut values, mut gradients) = ([0.0; BATCH], Gradients::new());
-            evaluator.values(&points, &mut values);
-            evaluator.gradients(&points, &mut gradients);
-            let bits = |array: &[f32; BATCH]| array[..points.len].iter().map(|v| v.to_bits()).collect::<Vec<_>>();
-            [bits(&values), bits(&gradients.value), bits(&gradients.dx), bits(&gradients.dy), bits(&gradients.dz)]
-        });
+        let (field, mut samples) = (built(name), Samples::new(7));
+        let points = samples.batch(&WORLD, 200);
+        let answers = bits_by_width(&field, &points);
         assert!(answers.iter().all(|answer| *answer == answers[0]), "{name}: widths differ");
         for i in 0..points.len {
             let (value, exact) = (f64::from(f32::from_bits(answers[0][0][i])), field.reference(points.position(i)));
@@ -89,7 +63,7 @@ fn every_vector_width_gives_the_reference() {
 #[test]
 fn every_nodes_bounds_hold_all_samples() {
     for name in node_names() {
-        let (field, mut samples) = (built(name), Samples(11));
+        let (field, mut samples) = (built(name), Samples::new(11));
         let mut evaluator = field.evaluator();
         for _ in 0..40 {
             let size = 4.0 * 0.5_f64.powf(1.0 + 6.0 * samples.next());
@@ -107,27 +81,17 @@ fn every_nodes_bounds_hold_all_samples() {
     }
 }
 
-/// A gradient by differences where two step sizes agree: elsewhere there is a crease.
-fn slope_at(field: &Expression, p: DVec3) -> Option<DVec3> {
-    let at = |step: f64| {
-        let along = |axis: DVec3| (field.reference(p + axis * step) - field.reference(p - axis * step)) / (2.0 * step);
-        DVec3::from_array(DVec3::AXES.map(along))
-    };
-    let (fine, coarse) = (at(1e-5), at(2e-4));
-    ((fine - coarse).length() < 1e-4 * (1.0 + fine.length())).then_some(fine)
-}
-
 #[test]
 fn every_nodes_gradient_is_that_of_differences() {
     for name in node_names() {
-        let (field, mut samples) = (built(name), Samples(13));
-        let points = batch(&mut samples, &WORLD);
+        let (field, mut samples) = (built(name), Samples::new(13));
+        let points = samples.batch(&WORLD, 200);
         let mut gradients = Gradients::new();
         field.evaluator().gradients(&points, &mut gradients);
         let mut compared = 0;
         for i in 0..points.len {
             let p = points.position(i);
-            if let Some(fine) = slope_at(&field, p) {
+            if let Some(fine) = slope_at(&field, p, STEPS) {
                 let found = gradients.gradient(i).as_dvec3();
                 assert!((found - fine).length() < 2e-3 * (1.0 + fine.length()), "{name} at {p}: {found}, {fine}");
                 compared += 1;
@@ -140,7 +104,7 @@ fn every_nodes_gradient_is_that_of_differences() {
 #[test]
 fn what_every_node_declares_holds() {
     for name in node_names() {
-        let (field, mut samples) = (built(name), Samples(17));
+        let (field, mut samples) = (built(name), Samples::new(17));
         let bounds = field.bounding_box();
         let mut inside = 0;
         for _ in 0..4000 {
@@ -176,7 +140,7 @@ fn exact_distances(name: &str, field: &Expression, samples: &mut Samples) {
         }
         let other_side = |way: &DVec3| (field.reference(p + *way * (0.999 * value.abs())) > 0.0) != (value > 0.0);
         assert!(!directions.iter().any(other_side), "{name} at {p}: the surface is nearer than {value}");
-        let Some(slope) = slope_at(field, p) else { continue };
+        let Some(slope) = slope_at(field, p, STEPS) else { continue };
         let foot = field.reference(p - slope * value);
         assert!(foot.abs() < 1e-3 * value.abs() + 1e-6, "{name} at {p}: {value} away from it F is {foot}");
     }
@@ -197,8 +161,8 @@ fn every_source_of_attributes_gives_numbers() {
             );
             let (mut solids, _) = solids(&text);
             let attribute = sampled(&mut solids);
-            let mut samples = Samples(3);
-            let points = batch(&mut samples, &Aabb::new(DVec3::splat(-1.0), DVec3::splat(1.0)));
+            let mut samples = Samples::new(3);
+            let points = samples.batch(&Aabb::new(DVec3::splat(-1.0), DVec3::splat(1.0)), 200);
             let mut out = [[f32::NAN; N]; BATCH];
             let mut sampler = attribute.sampler();
             sampler.enter(&WORLD);

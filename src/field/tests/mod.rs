@@ -12,10 +12,10 @@ mod recipe;
 
 use glam::DVec3;
 
-use super::{Aabb, Points};
+use super::{Aabb, BATCH, Evaluator, Expression, Field, Gradients, Points, VectorWidth};
 
 /// A small generator of repeatable numbers in 0..1.
-pub(super) struct Samples(u64);
+pub(crate) struct Samples(u64);
 
 impl Samples {
     pub fn new(seed: u64) -> Self {
@@ -41,4 +41,26 @@ impl Samples {
         }
         points
     }
+}
+
+/// A gradient by central differences of the reference over two steps, where both agree: elsewhere there is a crease.
+pub(crate) fn slope_at(field: &Expression, p: DVec3, [fine, coarse]: [f64; 2]) -> Option<DVec3> {
+    let at = |step: f64| {
+        let along = |axis: DVec3| (field.reference(p + axis * step) - field.reference(p - axis * step)) / (2.0 * step);
+        DVec3::new(along(DVec3::X), along(DVec3::Y), along(DVec3::Z))
+    };
+    let (fine, coarse) = (at(fine), at(coarse));
+    ((fine - coarse).length() < 1e-4 * (1.0 + fine.length())).then_some(fine)
+}
+
+/// The bits of values, and of values and gradients, at each point, by each vector width.
+pub(crate) fn bits_by_width(field: &Expression, points: &Points) -> [[Vec<u32>; 5]; 3] {
+    VectorWidth::ALL.map(|width| {
+        let mut evaluator = field.evaluator_of_width(width);
+        let (mut values, mut gradients) = ([0.0; BATCH], Gradients::new());
+        evaluator.values(points, &mut values);
+        evaluator.gradients(points, &mut gradients);
+        let bits = |array: &[f32; BATCH]| array[..points.len].iter().map(|v| v.to_bits()).collect();
+        [bits(&values), bits(&gradients.value), bits(&gradients.dx), bits(&gradients.dy), bits(&gradients.dz)]
+    })
 }

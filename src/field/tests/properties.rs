@@ -3,9 +3,9 @@
 use glam::DVec3;
 use proptest::prelude::*;
 
-use super::Samples;
 use super::recipe::{Recipe, recipe};
-use crate::field::{Aabb, BATCH, Evaluator, Expression, Field, Gradients, Graph, Slope, VectorWidth};
+use super::{Samples, bits_by_width, slope_at};
+use crate::field::{Aabb, BATCH, Expression, Field, Gradients, Graph, Slope};
 
 fn cases(cases: u32) -> ProptestConfig {
     ProptestConfig { cases, failure_persistence: None, ..ProptestConfig::default() }
@@ -15,16 +15,6 @@ fn expression(recipe: &Recipe) -> Expression {
     let mut graph = Graph::new();
     let node = recipe.build(&mut graph);
     Expression::new(&graph, node)
-}
-
-/// A gradient by central differences of the reference, where two step sizes agree: elsewhere there is a crease.
-fn slope_at(field: &Expression, p: DVec3) -> Option<DVec3> {
-    let at = |step: f64| {
-        let along = |axis: DVec3| (field.reference(p + axis * step) - field.reference(p - axis * step)) / (2.0 * step);
-        DVec3::new(along(DVec3::X), along(DVec3::Y), along(DVec3::Z))
-    };
-    let (fine, coarse) = (at(1e-6), at(1e-4));
-    ((fine - coarse).length() < 1e-4 * (1.0 + fine.length())).then_some(fine)
 }
 
 /// A zero of the reference on a segment whose ends have different signs.
@@ -39,6 +29,8 @@ fn zero_between(field: &Expression, mut inside: DVec3, mut outside: DVec3) -> Op
     Some(inside)
 }
 
+/// Steps of differences.
+const STEPS: [f64; 2] = [1e-6, 1e-4];
 const WORLD: Aabb = Aabb::new(DVec3::splat(-2.0), DVec3::splat(2.0));
 
 /// A random box of a random size in the world.
@@ -81,10 +73,10 @@ proptest! {
             let wanted = field.reference(p);
             prop_assert!((f64::from(values[i]) - wanted).abs() < 2e-5 * (1.0 + wanted.abs()), "{} != {wanted} at {p}", values[i]);
             prop_assert!((values[i] - gradients.value[i]).abs() <= 1e-5 * (1.0 + values[i].abs()));
-            if let Some(slope) = slope_at(&field, p) {
+            if let Some(slope) = slope_at(&field, p, STEPS) {
                 let ours = gradients.gradient(i).as_dvec3();
                 // Beside a crease of the reference a rounded position may lie on its other side.
-                let near = slope_at(&field, p + DVec3::splat(1e-5)).is_some() && slope_at(&field, p - DVec3::splat(1e-5)).is_some();
+                let near = slope_at(&field, p + DVec3::splat(1e-5), STEPS).is_some() && slope_at(&field, p - DVec3::splat(1e-5), STEPS).is_some();
                 prop_assert!(!near || (ours - slope).length() < 3e-3 * (1.0 + slope.length()), "{ours} != {slope} at {p}");
             }
         }
@@ -136,7 +128,7 @@ proptest! {
         let mut pruned = field.evaluator();
         for _ in 0..40 {
             let Some(p) = zero_between(&field, samples.within(&WORLD), samples.within(&WORLD)) else { continue };
-            let Some(slope) = slope_at(&field, p) else { continue };
+            let Some(slope) = slope_at(&field, p, STEPS) else { continue };
             pruned.enter(&Aabb::new(p, p).grown(0.05));
             let mut points = crate::field::Points::new(p);
             points.push(glam::Vec3::ZERO);
@@ -187,7 +179,7 @@ proptest! {
             if let Some(bounds) = field.bounding_box() {
                 prop_assert!(first < 0.0 || bounds.contains(p), "{p} is inside, {bounds:?}");
             }
-            if let (Slope::Exact { outside, inside }, Some(slope)) = (field.slope(), slope_at(&field, p))
+            if let (Slope::Exact { outside, inside }, Some(slope)) = (field.slope(), slope_at(&field, p, STEPS))
                 && if first < 0.0 { outside } else { inside }
             {
                 let foot = p - slope * first;
@@ -200,14 +192,7 @@ proptest! {
     fn vector_widths_give_the_same_bits(recipe in recipe(), seed: u64) {
         let (field, mut samples) = (expression(&recipe), Samples::new(seed));
         let points = samples.batch(&WORLD, 130);
-        let answers = VectorWidth::ALL.map(|width| {
-            let mut evaluator = field.evaluator_of_width(width);
-            let (mut values, mut gradients) = ([0.0; BATCH], Gradients::new());
-            evaluator.values(&points, &mut values);
-            evaluator.gradients(&points, &mut gradients);
-            let bits = |array: &[f32; BATCH]| array[..points.len].iter().map(|v| v.to_bits()).collect::<Vec<_>>();
-            [bits(&values), bits(&gradients.value), bits(&gradients.dx), bits(&gradients.dy), bits(&gradients.dz)]
-        });
+        let answers = bits_by_width(&field, &points);
         prop_assert_eq!(&answers[0], &answers[1]);
         prop_assert_eq!(&answers[0], &answers[2]);
     }
