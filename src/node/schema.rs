@@ -31,7 +31,6 @@ pub fn schema() -> Value {
     scene["$schema"] = json!("https://json-schema.org/draft/2020-12/schema");
     scene["title"] = json!("hfvdb scene");
     scene["$defs"] = json!({
-        "number": number(),
         "color": source(COLOURS, &json!([{ "type": "string" }, { "type": "array", "minItems": 3, "maxItems": 3 }])),
         "scalar": source(SCALARS, &json!([number()])),
         "cells": closed(properties(keys::CELLS.iter())),
@@ -56,6 +55,7 @@ fn closed(properties: Map<String, Value>) -> Value {
 fn shape() -> Value {
     let nodes = MAKERS.iter().chain(MODIFIERS).flat_map(Spec::keys);
     let mut shape = closed(properties(nodes.chain(keys::SHAPE)));
+    shape["properties"]["attribute"]["additionalProperties"] = reference("scalar");
     // A shape is one thing.
     let is = |spec: &Spec| json!({ "required": [spec.key.name] });
     shape["oneOf"] = MAKERS.iter().map(is).collect();
@@ -91,6 +91,7 @@ fn property(key: &Key) -> Value {
     match key.default {
         Absent::Number(value) => property["default"] = json!(value),
         Absent::Vector(value) => property["default"] = json!(value),
+        Absent::Text(value) if key.kind == Kind::Flag => property["default"] = json!(value == "true"),
         Absent::Text(value) => property["default"] = json!(value),
         Absent::Required | Absent::Nothing | Absent::Of(..) | Absent::Words(_) => {}
     }
@@ -151,6 +152,11 @@ mod tests {
         for name in ["shape", "morph", "output", "hfvdb"] {
             assert!(schema["properties"][name].is_object(), "{name}");
         }
+        let text = schema.to_string();
+        for name in schema["$defs"].as_object().unwrap().keys() {
+            assert!(text.contains(&format!("#/$defs/{name}")), "nothing refers to `{name}`");
+        }
+        assert_eq!(schema["properties"]["morph"]["properties"]["octopus"]["default"], false);
         assert_eq!(schema["properties"]["morph"]["properties"]["mode"]["default"], "volume");
     }
 }
