@@ -1,6 +1,5 @@
 //! One frame of a scene: computed, with what there is to say about it, and written.
 
-use crate::shot;
 use std::time::{Duration, Instant};
 
 use super::compute::{Attributes, ComputeError, Computed, Ranges, compute};
@@ -11,6 +10,7 @@ use super::{Bytes, Error, Interrupt, Output, Velocities, output};
 use crate::disk;
 use crate::distance::band::{self, Settings, Thin};
 use crate::grid::Band;
+use crate::shot;
 use crate::shot::Prepared;
 
 /// Computes one frame of a scene, in a job that has so many in flight and no more memory than the limit.

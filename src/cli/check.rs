@@ -1,7 +1,5 @@
 //! `hfvdb check`: is the scene right, and what would it take? Is the file sound?
 
-use crate::shot;
-use crate::text;
 use std::fmt::Write;
 use std::path::Path;
 
@@ -15,8 +13,10 @@ use super::progress::Progress;
 use super::{files, job};
 use crate::bake;
 use crate::node::Model;
+use crate::shot;
 use crate::shot::MorphReport;
 use crate::terminal;
+use crate::text;
 use crate::text::Origin;
 use crate::vdb::{self, Client, Finding, Lint, Severity};
 

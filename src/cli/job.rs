@@ -1,8 +1,5 @@
 //! From arguments to a scene made ready: what `bake`, `morph`, `check` and `preview` have in common.
 
-use crate::node;
-use crate::shot;
-use crate::text;
 use std::sync::Arc;
 
 use super::failure::Failure;
@@ -10,9 +7,12 @@ use super::options::{Global, Sampling, SceneArguments};
 use super::progress::{PREPARING, Progress};
 use super::{events, signals};
 use crate::bake::{Bytes, Frames, Interrupt, default_limit};
+use crate::node;
 use crate::node::{Model, Source};
+use crate::shot;
 use crate::shot::{PrepareOptions, Prepared};
 use crate::terminal;
+use crate::text;
 use crate::text::Overrides;
 
 /// Starts to listen for signals.

@@ -1,6 +1,5 @@
 //! `hfvdb morph`: one mesh becomes another, without a scene file.
 
-use crate::node;
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -11,6 +10,7 @@ use super::options::{Global, Sampling, Writing};
 use super::paths;
 use super::writing::{Request, write_frames};
 use crate::bake::{Source, output};
+use crate::node;
 use crate::text::{FrameRange, Overrides};
 
 /// Arguments of `hfvdb morph`.

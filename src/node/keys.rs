@@ -44,23 +44,6 @@ pub const SCENE: &[Key] = &[
 /// Lengths that a scene's 1 can stand for.
 pub const UNITS: &[&str] = &["m", "cm", "mm", "km", "in", "ft"];
 
-/// A key of a number by keys, where it is a table.
-pub const KEY: &[Key] = &[
-    Key::new("value", Kind::Constant, Required, "The value at the frame."),
-    Key::new(
-        "in",
-        Kind::Table,
-        Words("level at a turn, else without overshoot"),
-        "The handle towards the key before: `[frames, value]` from the key, frames 0 or less.",
-    ),
-    Key::new(
-        "out",
-        Kind::Table,
-        Words("level at a turn, else without overshoot"),
-        "The handle towards the next key: `[frames, value]` from the key, frames 0 or more.",
-    ),
-];
-
 /// What every shape takes beside what it is and what is done to it: where it stands, and its attributes.
 pub const SHAPE: &[Key] = &[
     Key::new("scale", Kind::Lengths, Number(1.0), "How many times as large.").limit(Limit::Positive),

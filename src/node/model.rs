@@ -137,9 +137,9 @@ impl Shape {
         self.step(step).0
     }
 
-    /// What is done to it under this name.
-    pub fn modifier(&self, name: &str) -> Option<&Modifier> {
-        self.modifiers.iter().find(|modifier| modifier.spec.key.name == name)
+    /// Whether it stands in many places: what is done to it gives it cells.
+    pub(crate) fn is_copied(&self) -> bool {
+        self.modifiers.iter().any(|modifier| modifier.spec.cells.is_some())
     }
 
     /// The box that cuts it off.

@@ -88,7 +88,7 @@ impl Solids {
             }
             None => {
                 let paint = self.made_paint(what, id, shape, voxel)?;
-                if shape.modifier("at").is_some() && paint.as_ref().is_some_and(|paint| paint.solid.is_none()) {
+                if shape.is_copied() && paint.as_ref().is_some_and(|paint| paint.solid.is_none()) {
                     return Err(what.several(shape));
                 }
                 paint
@@ -163,7 +163,7 @@ impl Solids {
             }
             _ => plain,
         };
-        Ok(Arc::new(field.keeping_values()))
+        Ok(Arc::new(field))
     }
 
     pub fn component(&self, component: &Component) -> Result<Arc<dyn Field>, Problem> {

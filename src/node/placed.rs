@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use glam::{DAffine3, DMat3, DVec3, Vec3};
+use glam::{DAffine3, DMat3, DVec3};
 
 use crate::attribute::{Attribute, MappedSampler, Sampler, SpaceMap};
 use crate::field::{Aabb, Points};
@@ -25,20 +25,11 @@ pub(crate) struct Placed<const N: usize> {
     pub way: Way,
 }
 
-impl Way {
-    fn position(&self, position: DVec3) -> DVec3 {
-        match self {
-            Self::Back(map) => map.transform_point3(position),
-            Self::Bent(bend) => bend.back(position),
-        }
-    }
-}
-
 impl SpaceMap for Way {
     fn region(&self, region: &Aabb) -> Aabb {
         let moved = match self {
-            Self::Back(_) => {
-                let corners = region.corners().map(|corner| self.position(corner));
+            Self::Back(map) => {
+                let corners = region.corners().map(|corner| map.transform_point3(corner));
                 let around = |grown: Aabb, corner: &DVec3| grown.union(Aabb::new(*corner, *corner));
                 corners.iter().fold(Aabb::new(corners[0], corners[0]), around)
             }
@@ -51,16 +42,12 @@ impl SpaceMap for Way {
 
     /// A batch there: the origin in `f64`, the offsets in `f32`.
     fn points(&self, points: &Points, out: &mut Points) {
-        out.len = points.len;
-        out.origin = self.position(points.origin);
         match self {
-            Self::Back(map) => turned(&map.matrix3, points, out),
-            Self::Bent(_) => {
-                for i in 0..points.len {
-                    let Vec3 { x, y, z } = (self.position(points.position(i)) - out.origin).as_vec3();
-                    (out.x[i], out.y[i], out.z[i]) = (x, y, z);
-                }
+            Self::Back(map) => {
+                (out.origin, out.len) = (map.transform_point3(points.origin), points.len);
+                turned(&map.matrix3, points, out);
             }
+            Self::Bent(bend) => bend.points_back(points, out),
         }
     }
 }
@@ -87,6 +74,7 @@ impl<const N: usize> Attribute<N> for Placed<N> {
 mod tests {
     use crate::attribute::LinearRgb;
     use crate::field::BATCH;
+    use glam::Vec3;
 
     use super::*;
     use crate::node::space::mirror::Fold;

@@ -9,6 +9,7 @@ use crate::node::source::Source;
 use crate::node::spec::Spec;
 use crate::text::builtin::{builtin_line, builtin_names};
 use crate::text::key::{Absent, Key, Limit};
+use crate::text::keyframes;
 
 const BEGINNING: &str = "\
 # The scene format
@@ -172,7 +173,7 @@ pub fn reference() -> String {
     sources(&mut out, list::COLOURS, "c");
     out.push_str(SCALARS);
     sources(&mut out, list::SCALARS, "a");
-    section(&mut out, "A key as a table", KEY, keys::KEY);
+    section(&mut out, "A key as a table", KEY, keyframes::KEY);
     section(&mut out, "`[param]`: a parameter as a table", "", keys::PARAMETER);
     section(&mut out, "`[morph]`", "", keys::MORPH);
     section(&mut out, "`delay` of `[morph]` as a table", "", keys::DELAY);

@@ -79,11 +79,6 @@ impl Spec {
     pub fn keys(&'static self) -> impl Iterator<Item = &'static Key> + Clone {
         std::iter::once(&self.key).chain(self.parameters)
     }
-
-    /// Whether both are the same row.
-    pub fn is(&self, other: &Self) -> bool {
-        self.key.name == other.key.name
-    }
 }
 
 impl std::fmt::Debug for Spec {
@@ -189,6 +184,11 @@ impl dyn Build + '_ {
             (None, Absent::Of(other, share)) => Ok(share * self.number(other)?),
             (None, default) => unreachable!("`{key}` has no value by itself, but {default:?}"),
         }
+    }
+
+    /// What the number of a key, which is there, is over the whole shot.
+    pub fn ever(&self, key: &str) -> Result<Interval, Problem> {
+        self.over_shot(self.arguments().number(key).expect("it must be there"))
     }
 
     /// The three numbers of a key at the moment.

@@ -4,6 +4,7 @@ use super::list::{COLOURS, MAKERS, MODIFIERS, SCALARS};
 use super::source::Source;
 use super::spec::Spec;
 use crate::text::key::Key;
+use crate::text::reader::Owner;
 
 /// What a shape can be, by one of the names of its key.
 pub fn maker(name: &str) -> Option<&'static Spec> {
@@ -21,15 +22,21 @@ pub fn shape_owner(name: &str) -> Option<&'static str> {
     MAKERS.iter().chain(MODIFIERS).find(owns).map(|spec| spec.key.name)
 }
 
-/// What a parameter of a colour goes with.
-pub fn colour_owner(name: &str) -> Option<&'static str> {
-    owner_among(COLOURS, name)
+/// A table of attributes' sources.
+pub struct Family<const N: usize> {
+    /// Its rows.
+    pub sources: &'static [Source<N>],
+    /// What a parameter goes with.
+    pub owner: Owner,
+    /// What they give, for messages.
+    pub noun: &'static str,
 }
 
-/// What a parameter of a scalar goes with.
-pub fn scalar_owner(name: &str) -> Option<&'static str> {
-    owner_among(SCALARS, name)
-}
+/// Colours.
+pub static COLOUR: Family<3> = Family { sources: COLOURS, owner: |name| owner_among(COLOURS, name), noun: "colour" };
+
+/// Scalars.
+pub static SCALAR: Family<1> = Family { sources: SCALARS, owner: |name| owner_among(SCALARS, name), noun: "number" };
 
 fn owner_among<const N: usize>(sources: &'static [Source<N>], name: &str) -> Option<&'static str> {
     let owns = |source: &&'static Source<N>| source.parameters.iter().any(|key| key.is_called(name));

@@ -1,10 +1,10 @@
 //! What goes wrong after a scene was checked: while meshes are read, objects measured, frames made.
 
-use crate::text::problem::Problem;
 use std::fmt;
 
 use crate::node::model::Model;
 use crate::text::diagnostic::Diagnostics;
+use crate::text::problem::Problem;
 
 /// Why a scene gives no frames.
 #[derive(Clone, Debug)]

@@ -120,7 +120,7 @@ impl Both<'_> {
         let model = Arc::clone(&self.prepared.model);
         let shape = model.shape(id);
         // Copies take no motion of what is copied: each stands in a cell of its own.
-        if shape.modifier("at").is_some() {
+        if shape.is_copied() {
             return Ok(None);
         }
         let parts = shape.painters();
@@ -247,9 +247,6 @@ impl Sampler<3> for BentSampler<'_> {
     fn sample(&mut self, points: &Points, out: &mut [[f32; 3]; BATCH]) {
         self.way.points(points, &mut self.there);
         self.inner.sample(&self.there, out);
-        for (i, out) in out.iter_mut().enumerate().take(points.len) {
-            let vector = DVec3::from_array(out.map(f64::from));
-            *out = self.bend.carried(points.position(i), vector).as_vec3().to_array();
-        }
+        self.bend.vectors_carried(points, out);
     }
 }

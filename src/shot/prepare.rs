@@ -1,9 +1,5 @@
 //! A model made ready for frames: meshes read, the box of the whole shot and the voxel size known.
 
-use crate::node::extent::{box_of, no_box, solid_box};
-use crate::shot::scenery::scenery;
-use crate::shot::stop::{Stop, stop_if, unless_cancelled};
-use crate::text::frames::sampled_frames;
 use std::collections::HashSet;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
@@ -17,6 +13,7 @@ use crate::grid::{Lattice, VoxelSize};
 
 use crate::node::assets::Assets;
 use crate::node::attributes::{TheColour, TheScalar};
+use crate::node::extent::{box_of, no_box, solid_box};
 use crate::node::id::Stage;
 use crate::node::measured::MOST_CELLS;
 use crate::node::model::{Content, Model, Morph, MorphMode, ShapeId};
@@ -27,7 +24,10 @@ use crate::shot::error::Error;
 use crate::shot::level_sets::LevelSets;
 use crate::shot::morphing::{Measuring, Pair, alike, empty_frames, extent_over_shot, pair, plan};
 use crate::shot::prepared::{Prepared, Ready};
+use crate::shot::scenery::scenery;
+use crate::shot::stop::{Stop, stop_if, unless_cancelled};
 use crate::text::diagnostic::{Diagnostic, Diagnostics};
+use crate::text::frames::sampled_frames;
 use crate::text::number::plain_number;
 use crate::text::problem::Problem;
 

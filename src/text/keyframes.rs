@@ -1,14 +1,31 @@
 //! `{ 1 = 0, 24 = { value = 0.5, out = [4, 0.2] }, 48 = 1, ease = "bezier" }`.
 
-use crate::node::keys::{self};
 use crate::text::diagnostic::{Diagnostic, clip};
 use crate::text::frames::MOST_FRAME;
 
-use crate::text::key::Limit;
+use crate::text::key::Absent::{Required, Words};
+use crate::text::key::{self, Kind, Limit};
 use crate::text::keyed::{Ease, Key, Keys};
 use crate::text::reader::{Fields, NO_OWNER, Reader};
 use crate::text::source::Span;
 use crate::text::value::{Entry, Table, Value};
+
+/// A key of a number by keys, where it is a table.
+pub const KEY: &[key::Key] = &[
+    key::Key::new("value", Kind::Constant, Required, "The value at the frame."),
+    key::Key::new(
+        "in",
+        Kind::Table,
+        Words("level at a turn, else without overshoot"),
+        "The handle towards the key before: `[frames, value]` from the key, frames 0 or less.",
+    ),
+    key::Key::new(
+        "out",
+        Kind::Table,
+        Words("level at a turn, else without overshoot"),
+        "The handle towards the next key: `[frames, value]` from the key, frames 0 or more.",
+    ),
+];
 
 /// What keys look like, for messages.
 const LOOK: &str = "keys are `{ frame = value, ease = \"smooth\" }`";
@@ -91,7 +108,7 @@ impl Reader<'_> {
             self.say(Diagnostic::error(entry.key_span, problem).help(help));
             return None;
         }
-        let fields = Fields::new(self, name, NO_OWNER, value.span, table, keys::KEY.iter().collect());
+        let fields = Fields::new(self, name, NO_OWNER, value.span, table, KEY.iter().collect());
         let at = fields.constant("value")?;
         self.check_limit(&format!("{name}.value"), limit, at, value.span);
         let handle = |side: &str, sign: f64| {

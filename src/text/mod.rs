@@ -9,6 +9,7 @@ pub(crate) mod formula;
 pub(crate) mod frames;
 pub mod key;
 pub(crate) mod keyed;
+pub(crate) mod keyframes;
 pub(crate) mod moment;
 pub(crate) mod number;
 pub(crate) mod overrides;

@@ -47,6 +47,11 @@ impl<'a> Reader<'a> {
         problems.into_iter().for_each(|problem| self.say(problem.into_diagnostic(self.sources, string, text)));
     }
 
+    /// A formula of space in a string; `None` where what is wrong with it was said.
+    pub fn formula_of_space(&self, text: &str, string: Span) -> Option<Formula> {
+        Formula::of_space(text, self.names.clone()).map_err(|problems| self.say_all(problems, string, text)).ok()
+    }
+
     /// Whether so much was noted that what comes is only counted: then nobody looks for the nearest names.
     pub fn has_said_enough(&self) -> bool {
         /// Many times what a report shows, whose errors stand in the order of the text, not in this one.

@@ -18,8 +18,7 @@ pub const NODE: Spec = Spec {
     carries: Carries::Blend,
     measures: |_| true,
     build: |build| {
-        let radius = build.arguments().number("blend_radius").expect("it has a default").clone();
-        let (amount, most) = (build.number("blend_radius")?, build.over_shot(&radius)?.hi);
+        let (amount, most) = (build.number("blend_radius")?, build.ever("blend_radius")?.hi);
         let shapes = build.arguments().shapes("blend").cloned().unwrap_or_default();
         // The blend lies outside of all, and within its bounds.
         let mut nodes = Vec::with_capacity(shapes.len());

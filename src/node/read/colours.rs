@@ -2,19 +2,18 @@
 
 use crate::attribute::{Components, LinearRgb};
 
-use super::{Building, family};
+use super::{Building, Host, family};
 use crate::node::argument::{Argument, Arguments};
 use crate::node::direct::SRGB;
 use crate::node::list;
-use crate::node::model::{Component, ShapeColour, ShapeId};
-use crate::node::source::Source;
-use crate::node::table;
+use crate::node::model::{Component, ShapeColour};
+use crate::node::source::{Given, Source};
+use crate::node::table::{self, Family};
 use crate::text::colour::{constant, css, limits, not_a_colour};
 use crate::text::diagnostic::{Diagnostic, clip, listed};
 use crate::text::files::{self, FileReference};
-use crate::text::formula::Formula;
 use crate::text::key::{Key, Kind, Limit};
-use crate::text::reader::{Fields, Owner, Reader};
+use crate::text::reader::{Fields, Reader};
 use crate::text::source::Span;
 use crate::text::value::{Data, Entry, Table, Value};
 
@@ -79,7 +78,7 @@ impl<'r, 'a> Building<'r, 'a> {
                 }
                 let plain: Vec<&'static Key> =
                     list::COLOURS.iter().filter(is_plain).map(|source| &source.key).collect();
-                let fields = Fields::new(self.reader, path, table::colour_owner, value.span, table, plain.clone());
+                let fields = Fields::new(self.reader, path, table::COLOUR.owner, value.span, table, plain.clone());
                 let mut given = plain.into_iter().filter(|key| fields.entry(key.name).is_some());
                 match (given.next(), given.next()) {
                     (Some(Key { name, kind: Kind::Components(meaning), .. }), None) => {
@@ -104,58 +103,43 @@ impl<'r, 'a> Building<'r, 'a> {
         }
     }
 
-    /// A shape's colour. `has_cells`: whether the shape has cells that can take colours; `may_nest`: whether shapes
-    /// may be written in place in it.
-    pub(super) fn shape_colour(
-        &mut self,
-        path: &str,
-        value: &'r Value,
-        id: ShapeId,
-        has_cells: bool,
-        may_nest: bool,
-    ) -> Option<ShapeColour> {
-        let Some(table) = value.table() else {
-            let arguments = Arguments(vec![("srgb", self.components(path, value, Components::Srgb)?)]);
-            return Some(ShapeColour { source: &SRGB, arguments, span: value.span });
-        };
-        let source = self.source_of(path, value, table, list::COLOURS, table::colour_owner, "colour")?;
-        let arguments =
-            self.source_arguments(path, value, table, source, table::colour_owner, id, has_cells, may_nest)?;
-        let main = table.0.iter().find(|entry| source.key.is_called(&entry.key));
-        Some(ShapeColour { source, arguments, span: main.map_or(value.span, |entry| entry.value.span) })
+    /// A shape's colour.
+    pub(super) fn shape_colour(&mut self, path: &str, value: &'r Value, host: Host) -> Option<ShapeColour> {
+        match value.table() {
+            Some(table) => self.given(path, value, table, &table::COLOUR, host),
+            None => {
+                let arguments = Arguments(vec![("srgb", self.components(path, value, Components::Srgb)?)]);
+                Some(ShapeColour { source: &SRGB, arguments, span: value.span })
+            }
+        }
     }
 
-    /// The values of the keys of a source.
-    #[allow(clippy::too_many_arguments)]
-    pub(super) fn source_arguments<const N: usize>(
+    /// An attribute written as a table, of whose keys one says where it comes from.
+    pub(super) fn given<const N: usize>(
         &mut self,
         path: &str,
         value: &'r Value,
         table: &'r Table,
-        source: &'static Source<N>,
-        owner: Owner,
-        id: ShapeId,
-        has_cells: bool,
-        may_nest: bool,
-    ) -> Option<Arguments> {
-        let fields = Fields::new(self.reader, path, owner, value.span, table, source.keys().collect());
-        let arguments = self.arguments(source.keys(), &fields, id, may_nest);
-        if let Some(problem) = (source.check)(&fields, has_cells) {
+        family: &Family<N>,
+        host: Host,
+    ) -> Option<Given<N>> {
+        let source = self.source_of(path, value, table, family)?;
+        let fields = Fields::new(self.reader, path, family.owner, value.span, table, source.keys().collect());
+        let arguments = self.arguments(source.keys(), &fields, host.id, host.may_nest);
+        if let Some(problem) = (source.check)(&fields, host.has_cells) {
             self.reader.say(problem);
             return None;
         }
-        arguments
+        Some(Given { source, arguments: arguments?, span: fields.main_span() })
     }
 
-    /// The one source that a table of a colour or scalar names, or the error that names them all.
-    pub(super) fn source_of<const N: usize>(
+    /// The one source that a table names, or the error that names them all.
+    fn source_of<const N: usize>(
         &self,
         path: &str,
         value: &Value,
         table: &'r Table,
-        sources: &'static [Source<N>],
-        owner: Owner,
-        noun: &str,
+        Family { sources, owner, noun }: &Family<N>,
     ) -> Option<&'static Source<N>> {
         let mut found = sources.iter().filter(|source| table.0.iter().any(|entry| source.key.is_called(&entry.key)));
         match (found.next(), found.next()) {
@@ -164,7 +148,7 @@ impl<'r, 'a> Building<'r, 'a> {
             _ => {
                 let known: Vec<_> = sources.iter().flat_map(Source::keys).collect();
                 let unknown = table.0.iter().any(|entry| !known.iter().any(|key| key.is_called(&entry.key)));
-                Fields::new(self.reader, path, owner, value.span, table, known);
+                Fields::new(self.reader, path, *owner, value.span, table, known);
                 if !unknown {
                     let names: Vec<&str> = sources.iter().map(|source| source.key.name).collect();
                     let problem = format!("`{}` says no {noun}", clip(path));
@@ -190,13 +174,7 @@ impl<'r, 'a> Building<'r, 'a> {
         let limits = limits(meaning);
         let component = |i: usize| match three[i].text() {
             None => Some(Component::Number(self.reader.number(&format!("{path}[{i}]"), limits[i], &three[i]))),
-            Some(text) => match Formula::of_space(text, self.reader.names.clone()) {
-                Ok(formula) => Some(Component::Formula(formula)),
-                Err(problems) => {
-                    self.reader.say_all(problems, three[i].span, text);
-                    None
-                }
-            },
+            Some(text) => self.reader.formula_of_space(text, three[i].span).map(Component::Formula),
         };
         // All are read, so that all errors come together.
         let [a, b, c] = [component(0), component(1), component(2)];
@@ -226,7 +204,7 @@ impl<'r, 'a> Building<'r, 'a> {
         let value = self.resolve("palette", &palettes, value, path)?;
         // Its problems were said where it stands.
         let quiet = Reader::new(self.reader.sources, self.reader.names.clone());
-        let silent = Building::new(&quiet, self.surroundings, self.root, self.seed, self.up);
+        let silent = Building::new(&quiet, self.surroundings, self.root, self.seed);
         silent.palette(name, value)
     }
 

@@ -3,7 +3,6 @@
 mod chain;
 mod colours;
 mod displace;
-mod keyed;
 mod links;
 mod morph;
 mod pairs;
@@ -49,8 +48,16 @@ struct Building<'r, 'a> {
     cells: Vec<Option<Cells>>,
     links: Vec<Link>,
     seed: u64,
-    /// The axis that points up in the scene.
-    up: &'static str,
+}
+
+/// The shape that an attribute belongs to.
+#[derive(Clone, Copy)]
+struct Host {
+    id: ShapeId,
+    /// Whether it has cells, which can take a value each.
+    has_cells: bool,
+    /// Whether shapes may be written in place in the attribute.
+    may_nest: bool,
 }
 
 /// Reads a tree. The model where there is no error, and everything there is to say.
@@ -117,7 +124,7 @@ impl Parts {
         let up = top.choice("up").unwrap_or("z");
         let seed = top.whole("seed").unwrap_or(0).max(0) as u64;
         let parameters = parameters(reader, root);
-        let mut building = Building::new(reader, surroundings, root, seed, up);
+        let mut building = Building::new(reader, surroundings, root, seed);
         building.palettes();
         building.all_cells();
         building.all_shapes();
@@ -217,19 +224,13 @@ fn pair(reader: &Reader<'_>, name: &str, value: &Value) -> Option<[f64; 2]> {
 }
 
 impl<'r, 'a> Building<'r, 'a> {
-    fn new(
-        reader: &'r Reader<'a>,
-        surroundings: &'r Surroundings,
-        root: &'r Table,
-        seed: u64,
-        up: &'static str,
-    ) -> Self {
+    fn new(reader: &'r Reader<'a>, surroundings: &'r Surroundings, root: &'r Table, seed: u64) -> Self {
         let shape_ids: BTreeMap<_, _> =
             family(root, "shape").enumerate().map(|(i, entry)| (entry.key.as_str(), ShapeId(i))).collect();
         let cells_ids: BTreeMap<_, _> =
             family(root, "cells").enumerate().map(|(i, entry)| (entry.key.as_str(), CellsId(i))).collect();
         let (shapes, cells) = (vec![None; shape_ids.len()], vec![None; cells_ids.len()]);
-        Self { reader, surroundings, root, shape_ids, cells_ids, shapes, cells, links: Vec::new(), seed, up }
+        Self { reader, surroundings, root, shape_ids, cells_ids, shapes, cells, links: Vec::new(), seed }
     }
 
     /// A name of a family, or the error that says that there is none such.

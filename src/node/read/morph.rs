@@ -12,7 +12,6 @@ use crate::node::model::{
     Component, Content, DelaySource, Morph, MorphDelay, MorphEase, MorphMode, MorphPaper, MorphRound, Output, ShapeId,
 };
 use crate::text::diagnostic::{Diagnostic, clip, listed};
-use crate::text::formula::Formula;
 use crate::text::frames::{FrameRange, Shot};
 use crate::text::key::Limit;
 use crate::text::number::{Number, NumberValue};
@@ -171,13 +170,7 @@ impl<'r, 'a> Building<'r, 'a> {
                 let number = self.reader.constant(PATH, Limit::Within(0.0, 0.95), value);
                 Component::Number(Number::constant(number, PATH, span))
             }
-            Some(text) => match Formula::of_space(text, self.reader.names.clone()) {
-                Ok(formula) => Component::Formula(formula),
-                Err(problems) => {
-                    self.reader.say_all(problems, span, text);
-                    return None;
-                }
-            },
+            Some(text) => Component::Formula(self.reader.formula_of_space(text, span)?),
         };
         Some(MorphDelay { source: DelaySource::Space(component), span })
     }

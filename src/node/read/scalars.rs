@@ -2,15 +2,13 @@
 
 use std::collections::BTreeMap;
 
-use super::Building;
+use super::{Building, Host};
 use crate::node::argument::{Argument, Arguments};
 use crate::node::direct::VALUE;
 use crate::node::keys;
-use crate::node::list;
-use crate::node::model::{Component, ShapeId, ShapeScalar};
+use crate::node::model::{Component, ShapeScalar};
 use crate::node::table;
 use crate::text::diagnostic::{Diagnostic, clip};
-use crate::text::formula::Formula;
 use crate::text::key::Limit;
 use crate::text::number::NumberValue;
 use crate::text::source::Span;
@@ -18,14 +16,7 @@ use crate::text::value::{Data, Entry, Value};
 
 impl<'r, 'a> Building<'r, 'a> {
     /// `attribute.NAME = …`, as many as there are.
-    pub(super) fn scalars(
-        &mut self,
-        path: &str,
-        value: &'r Value,
-        id: ShapeId,
-        has_cells: bool,
-        may_nest: bool,
-    ) -> BTreeMap<String, ShapeScalar> {
+    pub(super) fn scalars(&mut self, path: &str, value: &'r Value, host: Host) -> BTreeMap<String, ShapeScalar> {
         let Some(table) = value.table() else {
             self.reader.wrong_kind(path, "a table", value);
             return BTreeMap::new();
@@ -33,7 +24,7 @@ impl<'r, 'a> Building<'r, 'a> {
         let mut scalars = BTreeMap::new();
         for entry in &table.0 {
             let name_is_sound = self.check_name(entry);
-            let scalar = self.scalar(&format!("{path}.{}", entry.key), &entry.value, id, has_cells, may_nest);
+            let scalar = self.scalar(&format!("{path}.{}", entry.key), &entry.value, host);
             if name_is_sound {
                 // One that is wrong was said; those who name it are not.
                 scalars.insert(
@@ -61,23 +52,13 @@ impl<'r, 'a> Building<'r, 'a> {
     }
 
     /// A number, formula, keys, or a table that makes one of them here and there.
-    fn scalar(
-        &mut self,
-        path: &str,
-        value: &'r Value,
-        id: ShapeId,
-        has_cells: bool,
-        may_nest: bool,
-    ) -> Option<ShapeScalar> {
+    fn scalar(&mut self, path: &str, value: &'r Value, host: Host) -> Option<ShapeScalar> {
         let formula = |component| given(Argument::Components(vec![component]), value.span);
         if let Some(text) = value.text() {
-            return match Formula::of_space(text, self.reader.names.clone()) {
-                Ok(of_space) => Some(formula(Component::Formula(of_space))),
-                Err(problems) => {
-                    self.reader.say_all(problems, value.span, text);
-                    None
-                }
-            };
+            return self
+                .reader
+                .formula_of_space(text, value.span)
+                .map(|of_space| formula(Component::Formula(of_space)));
         }
         let is_frame = |entry: &Entry| entry.key == "ease" || entry.key.parse::<f64>().is_ok();
         let table = match &value.data {
@@ -90,10 +71,7 @@ impl<'r, 'a> Building<'r, 'a> {
                 });
             }
         };
-        let source = self.source_of(path, value, table, list::SCALARS, table::scalar_owner, "number")?;
-        let arguments =
-            self.source_arguments(path, value, table, source, table::scalar_owner, id, has_cells, may_nest)?;
-        Some(ShapeScalar { source, arguments, span: value.span })
+        self.given(path, value, table, &table::SCALAR, host)
     }
 
     /// A number that stands still.

@@ -5,7 +5,7 @@ use glam::DVec3;
 use crate::field::Aabb;
 
 use super::links::{Link, Node};
-use super::{Building, any_shape_keys, family, shape_keys};
+use super::{Building, Host, any_shape_keys, family, shape_keys};
 use crate::node::argument::{Argument, Arguments, Bounds, Copies};
 use crate::node::keys;
 use crate::node::list;
@@ -82,12 +82,11 @@ impl<'r, 'a> Building<'r, 'a> {
         };
         let takes_cells = |spec: &Spec| spec.cells.is_some();
         let has_cells = spec.is_none_or(takes_cells) || modifiers.iter().any(|modifier| takes_cells(modifier.spec));
-        let colour = fields
-            .value("color")
-            .and_then(|value| self.shape_colour(&fields.full("color"), value, id, has_cells, may_nest));
+        let host = Host { id, has_cells, may_nest };
+        let colour = fields.value("color").and_then(|value| self.shape_colour(&fields.full("color"), value, host));
         let scalars = fields
             .value("attribute")
-            .map(|value| self.scalars(&fields.full("attribute"), value, id, has_cells, may_nest))
+            .map(|value| self.scalars(&fields.full("attribute"), value, host))
             .unwrap_or_default();
         let name = path.trim_start_matches("shape.").into();
         Some(Shape { name, span, spec: spec?, arguments: arguments?, modifiers, placement, colour, scalars })
@@ -162,9 +161,7 @@ impl<'r, 'a> Building<'r, 'a> {
             self.reader.wrong_kind(path, "a formula in quotes", value);
             return None;
         };
-        Formula::of_space(text, self.reader.names.clone())
-            .map_err(|problems| self.reader.say_all(problems, value.span, text))
-            .ok()
+        self.reader.formula_of_space(text, value.span)
     }
 
     /// The shapes of a list.

@@ -22,8 +22,7 @@ pub const NODE: Spec = Spec {
     },
     build: |build| {
         let whole = build.inner()?;
-        let offset = build.arguments().number("offset").expect("it has a default").clone();
-        let (now, ever) = (build.number("offset")?, build.over_shot(&offset)?);
+        let (now, ever) = (build.number("offset")?, build.ever("offset")?);
         let distance = build.distance(whole, Interval::new(-ever.hi, -ever.lo), "offset")?;
         if now == 0.0 {
             return Ok(whole);

@@ -15,8 +15,7 @@ pub const NODE: Spec = Spec {
     measures: |_| true,
     build: |build| {
         let solid = build.inner()?;
-        let shell = build.arguments().number("shell").expect("it must be there").clone();
-        let (thickness, ever) = (build.number("shell")?, build.over_shot(&shell)?);
+        let (thickness, ever) = (build.number("shell")?, build.ever("shell")?);
         let (least, most) = (ever.lo / 2.0, ever.hi / 2.0);
         let outside = build.distance(solid, Interval::new(-most, -least), "shell")?;
         let inside = build.distance(solid, Interval::new(least, most), "shell")?;
