@@ -93,6 +93,16 @@ impl Graph {
         self.binary(Binary::Max, a, b)
     }
 
+    /// `3a² − 2a³` of a value held to 0..1.
+    pub fn smooth(&mut self, a: Node) -> Node {
+        self.unary(Unary::Smooth, a)
+    }
+
+    /// The angle of the direction (x, y) from the x axis, −π to π.
+    pub fn atan2(&mut self, y: Node, x: Node) -> Node {
+        self.binary(Binary::Atan2, y, x)
+    }
+
     /// The sine of an angle in radians.
     pub fn sin(&mut self, a: Node) -> Node {
         self.unary(Unary::Sin, a)
@@ -279,6 +289,11 @@ impl Graph {
     /// States that a node is the signed distance to the surface of a solid in a box. It is believed.
     pub fn exact(&mut self, solid: Node, bounds: Aabb) -> Node {
         self.declare(solid, Facts::distance(Some(bounds)))
+    }
+
+    /// States that a node is nowhere steeper. It is believed.
+    pub fn no_steeper(&mut self, node: Node, bound: f64) -> Node {
+        self.declare(node, Facts::new(None, Slope::Lipschitz(bound)))
     }
 
     /// States how a solid falls outside of its known box: it is no more than −`fall` times the distance to that. It is

@@ -9,6 +9,7 @@ mod bounds;
 mod branch;
 pub mod cells;
 mod combine;
+mod copies;
 mod distances;
 mod expression;
 mod extent;
@@ -37,6 +38,7 @@ mod width;
 
 pub use batch::{BATCH, Gradients, Points};
 pub use combine::{Blend, BlendBounds, SetSystem};
+pub use copies::{Copies, CopyPlace};
 pub use distances::Side;
 pub use expression::{Expression, ExpressionEvaluator};
 pub use formula::{Formula, FormulaError, Names, functions};

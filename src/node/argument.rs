@@ -2,7 +2,7 @@
 //! name. Nothing that walks over a scene has to know what any node is.
 
 use crate::attribute::LinearRgb;
-use crate::field::Aabb;
+use crate::field::{Aabb, CopyPlace};
 use crate::node::id::{CellsId, ShapeId};
 use crate::text::files::FileReference;
 use crate::text::formula::Formula;
@@ -34,6 +34,10 @@ pub enum Argument {
     Cells(CellsId),
     /// Copies in cells.
     Copies(Copies),
+    /// How many along x, y and z.
+    Counts([u32; 3]),
+    /// Places.
+    Places(Places),
     /// A box.
     Box(Bounds),
     /// The name of a scalar of the shape.
@@ -83,6 +87,17 @@ pub struct Copies {
     pub pick: f64,
     /// What the choice starts from.
     pub seed: u64,
+}
+
+/// Places that a scene or a file lists.
+#[derive(Clone, Debug)]
+pub struct Places {
+    /// The places.
+    pub rows: Vec<CopyPlace>,
+    /// The file.
+    pub file: Option<FileReference>,
+    /// Where the scene gives them.
+    pub span: Span,
 }
 
 /// A box to cut off at.
@@ -142,6 +157,10 @@ impl Arguments {
         cells: Cells => CellsId,
         /// Copies.
         copies: Copies => Copies,
+        /// How many along each axis.
+        counts: Counts => [u32; 3],
+        /// Places.
+        places: Places => Places,
         /// A box.
         bounds: Box => Bounds,
         /// The name of a scalar.
@@ -220,7 +239,11 @@ impl Arguments {
 
     /// All files.
     pub fn files(&self) -> impl Iterator<Item = &FileReference> {
-        self.0.iter().filter_map(|(_, value)| if let Argument::File(file) = value { Some(file) } else { None })
+        self.0.iter().filter_map(|(_, value)| match value {
+            Argument::File(file) => Some(file),
+            Argument::Places(places) => places.file.as_ref(),
+            _ => None,
+        })
     }
 
     /// All scalars of the shape itself.

@@ -20,7 +20,7 @@ pub fn node_scene(name: &str) -> Option<String> {
     MAKERS.iter().chain(MODIFIERS).find(|spec| spec.key.name == name).map(scene)
 }
 
-fn scene(spec: &Spec) -> String {
+pub(super) fn scene(spec: &Spec) -> String {
     let name = spec.key.name;
     let parts: Vec<&str> =
         PARTS.iter().filter(|(part, _)| spec.example.contains(part)).map(|(_, text)| *text).collect();

@@ -44,11 +44,31 @@ pub const SCENE: &[Key] = &[
 /// Lengths that a scene's 1 can stand for.
 pub const UNITS: &[&str] = &["m", "cm", "mm", "km", "in", "ft"];
 
+/// How large a shape is made.
+pub const SCALE: Key = Key::new("scale", Kind::Lengths, Number(1.0), "How many times as large.").limit(Limit::Positive);
+
+/// How a shape is turned.
+pub const ROTATE: Key =
+    Key::new("rotate", Kind::Vector, Number(0.0), "Turned about the fixed x, then y, then z axis.").unit("degrees");
+
+/// Where a shape is moved.
+pub const MOVE: Key = Key::new("move", Kind::Vector, Number(0.0), "Moved along x, y and z.").unit("units");
+
+/// What is done to a shape, in the order of the list.
+pub const DO: Key = Key::new(
+    "do",
+    Kind::Steps,
+    Nothing,
+    "What is done to it, in the order of this list: `do = [{ twist = 30 }, { move = [1, 0, 0] }]`. Each table has one of \
+     the keys above, or `scale`, `rotate` or `move`, with its parameters. A shape with `do` has none of these keys beside it.",
+);
+
 /// What every shape takes beside what it is and what is done to it: where it stands, and its attributes.
 pub const SHAPE: &[Key] = &[
-    Key::new("scale", Kind::Lengths, Number(1.0), "How many times as large.").limit(Limit::Positive),
-    Key::new("rotate", Kind::Vector, Number(0.0), "Turned about the fixed x, then y, then z axis.").unit("degrees"),
-    Key::new("move", Kind::Vector, Number(0.0), "Moved along x, y and z.").unit("units"),
+    DO,
+    SCALE,
+    ROTATE,
+    MOVE,
     Key::new("color", Kind::Colour, Words("`#cccccc` where another shape has a colour"), "Its colour.")
         .also(&["colour"]),
     Key::new(

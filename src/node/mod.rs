@@ -6,6 +6,7 @@ pub(crate) mod argument;
 pub(crate) mod assets;
 pub(crate) mod attributes;
 pub(crate) mod bend;
+pub(crate) mod copied;
 pub(crate) mod depth;
 pub(crate) mod direct;
 pub(crate) mod displacement;
@@ -90,14 +91,40 @@ nodes! {
         cut:
             bounds;
         copies:
-            at;
+            at
+            array
+            polar
+            hexagonal
+            along
+            places
+            scatter;
         space:
+            elongate
             mirror
-            twist;
+            shear
+            taper
+            twist
+            bend
+            swirl
+            wrap_cylinder
+            wrap_sphere
+            warp
+            remap
+            rotate_about
+            quaternion
+            look_at;
         surface:
             offset
             shell
             displace;
+    }
+
+    /// What else can be done to a shape in a list of its own order. Beside a shape these keys are one placement.
+    PLACERS: Spec = {
+        place:
+            scale
+            rotate
+            translate;
     }
 
     /// Where a colour written as a table can come from.

@@ -139,12 +139,29 @@ impl Shape {
 
     /// Whether it stands in many places: what is done to it gives it cells.
     pub(crate) fn is_copied(&self) -> bool {
-        self.modifiers.iter().any(|modifier| modifier.spec.cells.is_some())
+        self.modifiers.iter().any(|modifier| modifier.spec.cells.is_some() && modifier.spec.bend.is_none())
     }
 
-    /// The box that cuts it off.
+    /// The boxes that cut it off, each with the number of its step.
+    pub(crate) fn cuts(&self) -> impl Iterator<Item = (usize, &Bounds)> {
+        (1..).zip(&self.modifiers).filter_map(|(step, modifier)| Some((step, modifier.arguments.bounds("bounds")?)))
+    }
+
+    /// The first box that cuts it off.
     pub fn bounds(&self) -> Option<&Bounds> {
-        self.modifiers.iter().find_map(|modifier| modifier.arguments.bounds("bounds"))
+        self.cuts().next().map(|(_, bounds)| bounds)
+    }
+
+    /// The step after which its colours and scalars stand in its space: copies in cells are coloured as they stand, what
+    /// bends space takes colours along.
+    pub(crate) fn painted_step(&self) -> usize {
+        let stands = |step: &usize| self.spec_of(*step).cells.is_some() && self.spec_of(*step).bend.is_none();
+        (1..=self.modifiers.len()).rev().find(stands).unwrap_or(0)
+    }
+
+    /// The last step before space is bent again.
+    pub(crate) fn before_bends(&self, from: usize, to: usize) -> usize {
+        (from + 1..=to).find(|step| self.spec_of(*step).bend.is_some()).map_or(to, |step| step - 1)
     }
 
     /// How many of its modifiers come before those that go by a scalar of it.

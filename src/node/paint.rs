@@ -61,7 +61,7 @@ impl Solids {
         let model = self.model();
         let shape = model.shape(id);
         let paint = match stage {
-            Stage::Bare | Stage::Own => self.own_paint(what, id, shape, voxel)?,
+            Stage::Bare | Stage::Own => self.own_paint(what, id, shape.modifiers.len(), voxel)?,
             Stage::Scaled | Stage::Placed => match self.paint(what, id, Stage::Own, voxel)? {
                 None => None,
                 Some(own) => {
@@ -74,28 +74,54 @@ impl Solids {
         Ok(paint)
     }
 
+    /// An attribute of a shape in its own space with so many of its modifiers.
+    pub fn paint_before<const N: usize, W: Asked<N>>(
+        &mut self,
+        what: W,
+        id: ShapeId,
+        step: usize,
+        voxel: f64,
+    ) -> Result<Option<Paint<N>>, Problem> {
+        let model = self.model();
+        let shape = model.shape(id);
+        let last = shape.modifiers.len();
+        if shape.before_bends(step, last) == last {
+            return self.paint(what, id, Stage::Own, voxel);
+        }
+        self.own_paint(what, id, step, voxel)
+    }
+
     fn own_paint<const N: usize>(
         &mut self,
         what: impl Asked<N>,
         id: ShapeId,
-        shape: &Shape,
+        step: usize,
         voxel: f64,
     ) -> Result<Option<Paint<N>>, Problem> {
-        let paint = match what.source(shape) {
+        let model = self.model();
+        let shape = model.shape(id);
+        let (paint, stands) = match what.source(shape) {
             Some(given) => {
-                let mut painting = Painting { solids: self, what, id, shape, arguments: &given.arguments, voxel };
-                Some((given.source.build)(&mut painting)?)
+                let (arguments, stands) = (&given.arguments, shape.painted_step());
+                let mut painting = Painting { solids: self, what, id, shape, arguments, voxel, stands };
+                let paint = (given.source.build)(&mut painting)?;
+                (Some(paint), painting.stands)
             }
             None => {
                 let paint = self.made_paint(what, id, shape, voxel)?;
                 if shape.is_copied() && paint.as_ref().is_some_and(|paint| paint.solid.is_none()) {
                     return Err(what.several(shape));
                 }
-                paint
+                (paint, shape.painted_step())
             }
         };
-        let bends = self.bends(id)?;
-        Ok(paint.map(|paint| bends.into_iter().fold(paint, |paint, bend| paint.through(Way::Bent(bend)))))
+        let Some(mut paint) = paint else { return Ok(None) };
+        for step in stands + 1..=step {
+            if let Some(bend) = self.bend(id, step)? {
+                paint = paint.through(Way::Bent(bend));
+            }
+        }
+        Ok(Some(paint))
     }
 
     /// The attribute that comes with a maker.
@@ -184,6 +210,8 @@ struct Painting<'b, W> {
     shape: &'b Shape,
     arguments: &'b Arguments,
     voxel: f64,
+    /// The step after which it stands in the shape's space.
+    stands: usize,
 }
 
 impl<const N: usize, W: Asked<N>> Sourcing<N> for Painting<'_, W> {
@@ -196,7 +224,8 @@ impl<const N: usize, W: Asked<N>> Sourcing<N> for Painting<'_, W> {
     }
 
     fn solid(&mut self) -> Result<Arc<dyn Field>, Problem> {
-        self.solids.field(self.id, Stage::Bare)
+        let step = self.shape.before_bends(self.stands, self.shape.bare_steps().max(self.stands));
+        self.solids.step_field(self.id, step)
     }
 
     fn voxel(&self) -> f64 {
@@ -204,9 +233,10 @@ impl<const N: usize, W: Asked<N>> Sourcing<N> for Painting<'_, W> {
     }
 
     fn cells(&mut self) -> Result<Arc<dyn CellIndex>, Problem> {
-        let cells = self.solids.cell_index(self.id)?;
-        cells
-            .ok_or_else(|| Problem::new(self.shape.span, format!("`{}` has no cells to take colours", self.shape.name)))
+        let problem = || Problem::new(self.shape.span, format!("`{}` has no cells to take colours", self.shape.name));
+        let (step, cells) = self.solids.cell_index(self.id)?.ok_or_else(problem)?;
+        self.stands = step;
+        Ok(cells)
     }
 
     fn parts(&mut self, shapes: &[ShapeId], rule: Rule) -> Result<Option<Paint<N>>, Problem> {
@@ -216,6 +246,8 @@ impl<const N: usize, W: Asked<N>> Sourcing<N> for Painting<'_, W> {
     /// The shape is measured where nothing else tells its distance, once a point off its surface is asked for.
     fn depth(&mut self, levels: Interval) -> Result<Arc<Scalar>, Problem> {
         let (id, voxel) = (self.id, self.voxel);
+        // The depth is that below the surface of the bent shape.
+        self.stands = self.shape.bare_steps();
         if let Some(distance) = self.solids.distance_without_measuring(id, levels)? {
             return Ok(Arc::new(FieldValue(distance)));
         }

@@ -56,7 +56,8 @@ Lengths are in `unit`, angles in degrees; only keys in voxels say so. F is posit
 the ends hold.
 
 **Order.** Whatever the order of the text: what the shape is, then `bounds`, copies (`at`), `mirror`, `twist`, `offset`,
-`shell`, `displace`, `scale`, `rotate`, `move`. Another order is another shape: `union = [\"first\"]` with its own modifiers.
+`shell`, `displace`, `scale`, `rotate`, `move`. A list gives any other order, each as often as it is wanted:
+`do = [{ twist = 30 }, { move = [1, 0, 0] }, { twist = 30 }]`.
 
 **Distances.** `offset`, `shell`, `displace`, `bands`, `blend_radius` and `seam` are distances. Where a shape's F is not
 the distance on the side that they use, the distance is measured first, which takes from a tenth of a second to some

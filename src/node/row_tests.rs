@@ -8,7 +8,7 @@ use glam::DVec3;
 
 use super::assets::Assets;
 use super::id::{ShapeId, Stage};
-use super::list::{COLOURS, MAKERS, MODIFIERS, SCALARS};
+use super::list::{COLOURS, MAKERS, MODIFIERS, PLACERS, SCALARS};
 use super::solid::Solids;
 use super::source::Source;
 use super::{Source as From, keys, load, node_names, node_scene};
@@ -178,6 +178,66 @@ fn every_source_of_attributes_gives_numbers() {
     each(SCALARS, "attribute.n", |solids| {
         solids.paint(TheScalar("n"), ShapeId(0), Stage::Own, 0.02).unwrap().expect("it has a scalar").attribute
     });
+}
+
+/// One map carries field, attributes and motion: where a position comes from, and what is carried there and back.
+#[test]
+fn every_bend_is_one_map() {
+    for spec in MODIFIERS.iter().chain(PLACERS).filter(|spec| spec.bend.is_some()) {
+        let name = spec.key.name;
+        let (mut solids, id) = solids(&super::example::scene(spec));
+        let model = solids.model();
+        let step = (1..=model.shape(id).modifiers.len()).find(|step| model.shape(id).spec_of(*step).key.name == name);
+        let step = step.unwrap_or_else(|| panic!("{name} is not in its example"));
+        let bend = solids.bend(id, step).unwrap().expect("it bends");
+        let (inner, outer) = (solids.step_field(id, step - 1).unwrap(), solids.step_field(id, step).unwrap());
+        let mut samples = Samples::new(23);
+        let (mut inside, mut carried) = (0, 0);
+        for _ in 0..2000 {
+            let p = samples.within(&WORLD);
+            let q = bend.back(p);
+            // The field.
+            let (there, here) = (inner.reference(q), outer.reference(p));
+            inside += usize::from(here > 0.0);
+            assert!((there > 0.0) == (here > 0.0) || here.abs() < 1e-9, "{name} at {p}: {here}, from {q}: {there}");
+            // Back and forth.
+            let branch = bend.branch(p);
+            if let Some(again) = bend.forth(q, branch) {
+                assert!(
+                    (again - p).length() < 1e-8 * (1.0 + p.length()),
+                    "{name} at {p}: back to {q}, and then {again}"
+                );
+            }
+            // Regions.
+            let size = 4.0 * 0.5_f64.powf(6.0 * samples.next());
+            let region = Aabb::new(p - size * samples.next(), p + size * samples.next());
+            assert!(
+                bend.region(&region).grown(1e-9).contains(q),
+                "{name}: {q} of {p} is not in {:?}",
+                bend.region(&region)
+            );
+            // Vectors.
+            const STEP: f64 = 1e-5;
+            let way = samples.within(&WORLD);
+            let moved = bend.carried(p, way);
+            let along = |step: f64| bend.back(p + moved * step);
+            let (fine, coarse) =
+                ((along(STEP) - along(-STEP)) / (2.0 * STEP), (along(4.0 * STEP) - along(-4.0 * STEP)) / (8.0 * STEP));
+            // Where several positions come from one place vectors cannot be told back.
+            let column = |axis: DVec3| bend.back(p + axis * STEP) - bend.back(p - axis * STEP);
+            let is_flat =
+                glam::DMat3::from_cols(column(DVec3::X), column(DVec3::Y), column(DVec3::Z)).determinant().abs()
+                    < 1e-9 * STEP.powi(3);
+            if (fine - coarse).length() < 1e-4 * (1.0 + fine.length()) && moved.is_finite() && !is_flat {
+                assert!(
+                    (fine - way).length() < 1e-3 * (1.0 + way.length()),
+                    "{name} at {p}: {way} is carried to {moved}, which is {fine} there"
+                );
+                carried += 1;
+            }
+        }
+        assert!(inside > 3 && carried > 500, "{name}: {inside} inside, {carried} carried");
+    }
 }
 
 /// Node keys are one namespace: the same name never means two things in a shape.

@@ -4,7 +4,7 @@
 use serde_json::{Map, Value, json};
 
 use super::keys;
-use super::list::{COLOURS, MAKERS, MODIFIERS, SCALARS};
+use super::list::{COLOURS, MAKERS, MODIFIERS, PLACERS, SCALARS};
 use super::source::Source;
 use super::spec::Spec;
 use crate::text::key::{Absent, Key, Kind, Limit};
@@ -35,6 +35,7 @@ pub fn schema() -> Value {
         "scalar": source(SCALARS, &json!([number()])),
         "cells": closed(properties(keys::CELLS.iter())),
         "shape": shape(),
+        "step": step(),
     });
     scene
 }
@@ -50,6 +51,14 @@ fn reference(name: &str) -> Value {
 
 fn closed(properties: Map<String, Value>) -> Value {
     json!({ "type": "object", "properties": properties, "additionalProperties": false })
+}
+
+/// One thing that is done to a shape.
+fn step() -> Value {
+    let rows = MODIFIERS.iter().chain(PLACERS);
+    let mut step = closed(properties(rows.clone().flat_map(Spec::keys)));
+    step["oneOf"] = rows.map(|spec| json!({ "required": [spec.key.name] })).collect();
+    step
 }
 
 fn shape() -> Value {
@@ -114,7 +123,7 @@ fn of_kind(kind: Kind) -> Value {
         Kind::Number | Kind::Progress | Kind::Delay => number(),
         Kind::Constant => json!({ "type": "number" }),
         Kind::Whole | Kind::Seed => json!({ "type": "integer" }),
-        Kind::Vector | Kind::Components(_) => {
+        Kind::Vector | Kind::Components(_) | Kind::Formulas => {
             json!({ "type": "array", "minItems": 3, "maxItems": 3, "items": number() })
         }
         Kind::Lengths => json!({ "type": ["number", "string", "object", "array"] }),
@@ -131,6 +140,10 @@ fn of_kind(kind: Kind) -> Value {
         Kind::ShapePairs => list(1, list(2, json!({ "type": "string" }))),
         Kind::Colour => reference("color"),
         Kind::Palette => json!({ "type": ["string", "array"] }),
+        Kind::Counts => json!({ "type": ["integer", "array"] }),
+        Kind::Places => json!({ "type": ["string", "array"] }),
+        Kind::Direction => json!({ "anyOf": [{ "enum": ["x", "y", "z"] }, of_kind(Kind::Vector)] }),
+        Kind::Steps => list(0, reference("step")),
         Kind::Bands | Kind::NumberBands => list(1, json!({ "type": "array", "minItems": 2, "maxItems": 2 })),
         Kind::Numbers => list(1, json!({ "type": "number" })),
         Kind::Box => json!({ "type": ["number", "array", "object"] }),

@@ -28,6 +28,7 @@ use crate::text::key::Key;
 use crate::text::moment::Moment;
 use crate::text::number::Number;
 use crate::text::problem::Problem;
+use crate::text::source::Span;
 
 /// Builds the fields of shapes at one moment, in one graph.
 #[derive(Clone)]
@@ -46,9 +47,14 @@ pub(crate) struct Solids {
     cells: BTreeMap<CellsId, Arc<Cells>>,
     /// Of shapes made by `facet`, as far as they are made.
     pieces: BTreeMap<ShapeId, Arc<Pieces>>,
+    /// How steps of shapes bend space.
+    bends: BTreeMap<(ShapeId, usize), Arc<dyn Bend>>,
     /// The attributes found at this moment.
     pub(crate) paints: Paints,
 }
+
+/// Cells that can take colours, and the step of the shape that they are of.
+type CellsOfStep = (usize, Arc<dyn CellIndex>);
 
 /// What of a shape is made.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -81,6 +87,7 @@ impl Solids {
             failure: Arc::default(),
             cells: BTreeMap::new(),
             pieces: BTreeMap::new(),
+            bends: BTreeMap::new(),
             paints: Paints::default(),
         }
     }
@@ -92,6 +99,7 @@ impl Solids {
             Made::Step(step) => !variation.step(*id, *step),
             Made::Scaled | Made::Placed => !variation.placed(*id),
         });
+        other.bends.retain(|(id, step), _| !variation.step(*id, *step));
         other.pieces.retain(|id, _| !variation.step(*id, 0));
         other.cells.retain(|id, _| !variation.placed(self.model.cells[id.0].around));
         other
@@ -103,8 +111,8 @@ impl Solids {
         let mut warnings = Vec::new();
         for &id in shapes {
             let shape = model.shape(id);
-            let Some(bounds) = shape.bounds().filter(|bounds| !bounds.cut) else { continue };
-            let node = self.step(id, 0)?;
+            let Some((step, bounds)) = shape.cuts().find(|(_, bounds)| !bounds.cut) else { continue };
+            let node = self.step(id, step - 1)?;
             // Nothing inside at all is an error of the whole, said elsewhere.
             let Ok(found) = extent(&Expression::new(&self.graph, node), Some(bounds.aabb)) else { continue };
             let sides = ["-x", "+x", "-y", "+y", "-z", "+z"];
@@ -276,37 +284,42 @@ impl Solids {
         let model = self.model();
         let shape = model.shape(id);
         let mut build = Making::new(self, id, shape, step);
-        let spec = build.spec;
-        let mut node = (spec.build)(&mut build)?;
-        if let Some(bend) = spec.bend {
-            let bend = bend(&build)?;
+        let mut node = (build.spec.build)(&mut build)?;
+        if let Some(bend) = self.bend(id, step)? {
             node = bend.node(&mut self.graph, node);
         }
         self.made.insert(made, node);
         Ok(node)
     }
 
-    /// The cells of a shape that can take colours each: of its copies, else of what it is.
-    pub fn cell_index(&mut self, id: ShapeId) -> Result<Option<Arc<dyn CellIndex>>, Problem> {
+    /// The cells of a shape that can take colours each, of its copies, else of what it is; and the step that they are of.
+    pub fn cell_index(&mut self, id: ShapeId) -> Result<Option<CellsOfStep>, Problem> {
         let model = self.model();
         let shape = model.shape(id);
         let of_step = |step: &usize| shape.spec_of(*step).cells.is_some();
         let Some(step) = (0..=shape.modifiers.len()).rev().find(of_step) else { return Ok(None) };
         let mut making = Making::new(self, id, shape, step);
-        making.spec.cells.map(|cells| cells(&mut making)).transpose()
+        let Some(cells) = making.spec.cells else { return Ok(None) };
+        Ok(Some((step, cells(&mut making)?)))
     }
 
-    /// How the space of a shape is bent by its modifiers, in order.
-    pub fn bends(&mut self, id: ShapeId) -> Result<Vec<Arc<dyn Bend>>, Problem> {
-        let model = self.model();
-        let shape = model.shape(id);
-        let mut bends = Vec::new();
-        for step in 1..=shape.modifiers.len() {
-            if let Some(bend) = shape.spec_of(step).bend {
-                bends.push(bend(&Making::new(self, id, shape, step))?);
-            }
+    /// How a step of a shape bends space.
+    pub fn bend(&mut self, id: ShapeId, step: usize) -> Result<Option<Arc<dyn Bend>>, Problem> {
+        if let Some(known) = self.bends.get(&(id, step)) {
+            return Ok(Some(Arc::clone(known)));
         }
-        Ok(bends)
+        let model = self.model();
+        let mut making = Making::new(self, id, model.shape(id), step);
+        let Some(bend) = making.spec.bend else { return Ok(None) };
+        let bend = bend(&mut making)?;
+        self.bends.insert((id, step), Arc::clone(&bend));
+        Ok(Some(bend))
+    }
+
+    /// A shape in its own space with so many of its modifiers, as a field.
+    pub fn step_field(&mut self, id: ShapeId, step: usize) -> Result<Arc<dyn Field>, Problem> {
+        let node = self.step(id, step)?;
+        Ok(Arc::new(Expression::new(&self.graph, node)))
     }
 
     /// Scale, then rotate, then move: from the shape's own space to where it stands.
@@ -450,6 +463,11 @@ impl Build for Making<'_> {
         self.solids.step(self.id, self.step - 1)
     }
 
+    fn bend(&mut self) -> Result<Arc<dyn Bend>, Problem> {
+        let bend = self.solids.bend(self.id, self.step)?;
+        Ok(bend.unwrap_or_else(|| unreachable!("a row asks for its own")))
+    }
+
     fn shape(&mut self, id: ShapeId) -> Result<Node, Problem> {
         self.solids.node(id, Stage::Placed)
     }
@@ -484,12 +502,16 @@ impl Build for Making<'_> {
     fn scalar(&mut self, name: &str, solid: Aabb) -> Result<Option<Arc<Scalar>>, Problem> {
         // The lattice follows from the shape's box; no shape has more voxels than the whole, but where it is scaled.
         let voxel = solid.size().max_element() / self.solids.resolution;
-        let paint = self.solids.paint(TheScalar(name), self.id, Stage::Own, voxel)?;
+        let paint = self.solids.paint_before(TheScalar(name), self.id, self.step - 1, voxel)?;
         Ok(paint.map(|paint| paint.attribute))
     }
 
     fn name(&self) -> &str {
         &self.shape.name
+    }
+
+    fn span(&self) -> Span {
+        self.shape.span
     }
 
     fn cells(&mut self, id: CellsId) -> Result<Arc<Cells>, Problem> {

@@ -19,12 +19,13 @@ use crate::text::key::{Absent, Key, LEAST};
 use crate::text::moment::Moment;
 use crate::text::number::Number;
 use crate::text::problem::Problem;
+use crate::text::source::Span;
 
 /// The cells of a node.
 pub type CellsOf = fn(&mut dyn Build) -> Result<Arc<dyn CellIndex>, Problem>;
 
-/// How a node bends space.
-pub type BendOf = fn(&dyn Build) -> Result<Arc<dyn Bend>, Problem>;
+/// How a node moves, bends or copies space.
+pub type BendOf = fn(&mut dyn Build) -> Result<Arc<dyn Bend>, Problem>;
 
 /// What a node reads from its file.
 pub type ImportOf = fn(&Import<'_>) -> Result<Imported, Problem>;
@@ -104,6 +105,13 @@ pub enum Carries {
     First,
 }
 
+/// The problem of a key whose map of space cannot be undone.
+pub(crate) fn flat(build: &dyn Build, key: &str) -> Problem {
+    let number = build.arguments().vector(key).map(|vector| vector[0].span);
+    let problem = Problem::new(number.unwrap_or_default(), format!("`{key}` of `{}` flattens space", build.name()));
+    problem.help("its numbers must be finite, and a scale other than 0")
+}
+
 /// What an import may know.
 pub struct Import<'a> {
     /// The values of its keys.
@@ -145,6 +153,8 @@ pub trait Build {
     fn over_shot(&self, number: &Number) -> Result<Interval, Problem>;
     /// The shape so far, for what is done to one.
     fn inner(&mut self) -> Result<Node, Problem>;
+    /// How this step bends space.
+    fn bend(&mut self) -> Result<Arc<dyn Bend>, Problem>;
     /// A shape where it stands.
     fn shape(&mut self, id: ShapeId) -> Result<Node, Problem>;
     /// The distance of a node wherever it is one of `levels`, positive inside: its own value where that is one.
@@ -162,6 +172,8 @@ pub trait Build {
     fn scalar(&mut self, name: &str, solid: Aabb) -> Result<Option<Arc<Scalar>>, Problem>;
     /// The name of this shape.
     fn name(&self) -> &str;
+    /// Where the scene has it.
+    fn span(&self) -> Span;
     /// Cells.
     fn cells(&mut self, id: CellsId) -> Result<Arc<Cells>, Problem>;
     /// The field of the shape that cells stand around.

@@ -1,6 +1,6 @@
 //! Looking rows up in the tables of nodes.
 
-use super::list::{COLOURS, MAKERS, MODIFIERS, SCALARS};
+use super::list::{COLOURS, MAKERS, MODIFIERS, PLACERS, SCALARS};
 use super::source::Source;
 use super::spec::Spec;
 use crate::text::key::Key;
@@ -14,6 +14,16 @@ pub fn maker(name: &str) -> Option<&'static Spec> {
 /// The keys of everything that can be done to a shape.
 pub fn modifier_keys() -> impl Iterator<Item = &'static Key> + Clone {
     MODIFIERS.iter().flat_map(Spec::keys)
+}
+
+/// What can be done to a shape in a list of its own order, by one of the names of its key.
+pub fn step(name: &str) -> Option<&'static Spec> {
+    steps().find(|spec| spec.key.is_called(name))
+}
+
+/// All of that.
+pub fn steps() -> impl Iterator<Item = &'static Spec> + Clone {
+    MODIFIERS.iter().chain(PLACERS)
 }
 
 /// What a parameter of a shape goes with.

@@ -466,6 +466,45 @@ fn formulas_point_into_the_text() {
 }
 
 #[test]
+fn a_list_gives_the_order_of_what_is_done() {
+    let model = model(
+        "[output]\nshape = 'a'\n[shape.a]\nbox = 1\ndo = [{ move = [1, 0, 0] }, { twist = 30 }, { twist = 10 }, { offset = 0.1 }, { rotate = [0, 0, 9] }, { move = [2, 0, 0] }]\n",
+    );
+    let shape = shape(&model, "a");
+    let names: Vec<&str> = shape.modifiers.iter().map(|modifier| modifier.spec.key.name).collect();
+    // What ends the list in the order of a placement is one.
+    assert_eq!(names, ["move", "twist", "twist", "offset"]);
+    let placed = |vector: &[Number; 3]| vector.each_ref().map(|number| number.at(&model.moment(1.0)).unwrap());
+    assert_eq!(placed(&shape.placement.translate), [2.0, 0.0, 0.0]);
+    assert_eq!(placed(&shape.placement.rotate), [0.0, 0.0, 9.0]);
+    assert_eq!(placed(&shape.placement.scale), [1.0; 3]);
+}
+
+#[test]
+fn a_list_of_what_is_done_that_is_wrong() {
+    let text = |keys: &str| format!("[shape.a]\nbox = 1\n{keys}\n");
+    only(
+        &text("twist = 3\ndo = [{ move = [1, 0, 0] }]"),
+        "3:1 `twist` stands beside `do` of `shape.a`; its place in the order is one in the list: { twist = … }",
+    );
+    only(
+        &text("do = [{ twist = 3, offset = 1 }]"),
+        "3:20 `twist` and `offset` are two steps of `shape.a.do[0]`; give each a table of its own",
+    );
+    only(
+        &text("do = [{ twist = 3 }, { twits = 3 }]"),
+        "3:22 nothing says what `shape.a.do[1]` does; did you mean `twist`?",
+    );
+    only(&text("do = { twist = 3 }"), "3:6 `shape.a.do` must be a list of tables such as { twist = 30 }");
+    only(&text("do = [1]"), "3:7 `shape.a.do[0]` must be a table such as { twist = 30 }");
+    only(
+        &text("do = [{ offset = 1, tube = 2 }]"),
+        "3:21 unknown key `tube` in `shape.a.do[0]`; `tube` goes with `torus`",
+    );
+    only(&text("do = [{ scale = 0 }]"), "3:17 `shape.a.do[0].scale` must be greater than 0");
+}
+
+#[test]
 fn the_hash_follows_content_alone() {
     let hash = |text: &str| model(text).hash().unwrap();
     let one = hash("seed = 1\n[shape.a]\nsphere = 2 # a ball\n");

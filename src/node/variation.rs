@@ -10,6 +10,8 @@ use crate::text::number::{Number, NumberValue};
 pub(crate) struct Variation {
     /// Of each shape as it is made, then after each of its modifiers.
     steps: Vec<Vec<bool>>,
+    /// Of each of its modifiers by itself.
+    modifiers: Vec<Vec<bool>>,
     placed: Vec<bool>,
     painted: Vec<bool>,
 }
@@ -18,16 +20,22 @@ impl Variation {
     /// Looks through all shapes.
     pub fn of(model: &Model) -> Self {
         let count = model.shapes.len();
-        let mut variation =
-            Self { steps: vec![Vec::new(); count], placed: vec![false; count], painted: vec![false; count] };
+        let mut variation = Self {
+            steps: vec![Vec::new(); count],
+            modifiers: vec![Vec::new(); count],
+            placed: vec![false; count],
+            painted: vec![false; count],
+        };
         let all: Vec<ShapeId> = (0..count).map(ShapeId).collect();
         for id in model.parts_first(&all) {
             let shape = model.shape(id);
             let mut varies = variation.arguments_vary(model, id, &shape.arguments);
             let mut steps = vec![varies];
             for modifier in &shape.modifiers {
-                varies |= variation.arguments_vary(model, id, &modifier.arguments);
+                let alone = variation.arguments_vary(model, id, &modifier.arguments);
+                varies |= alone;
                 steps.push(varies);
+                variation.modifiers[id.0].push(alone);
             }
             variation.steps[id.0] = steps;
             variation.placed[id.0] = varies || placement_varies(model, id);
@@ -39,6 +47,11 @@ impl Variation {
     /// Whether a shape changes in its own space, before all but so many of its modifiers.
     pub fn step(&self, id: ShapeId, step: usize) -> bool {
         self.steps[id.0][step]
+    }
+
+    /// Whether what a step after the first does changes.
+    pub fn modifier(&self, id: ShapeId, step: usize) -> bool {
+        self.modifiers[id.0][step - 1]
     }
 
     /// Whether a shape changes in its own space, before scale, rotate and move.

@@ -587,3 +587,72 @@ fn what_is_left_out_of_a_round_shape_goes_by_its_radius() {
     }
     assert!((size("torus = 40").z - 20.0).abs() < 0.2);
 }
+
+/// The motion of what is done to a shape, by the displacement of its places from frame to frame.
+#[test]
+fn what_is_done_to_a_shape_moves_it() {
+    let velocity = |shape: &str, at: DVec3| {
+        let scene =
+            prepared(&format!("frames = '1-3'\nfps = 1\n[output]\nshape = 's'\ngrids = ['surface', 'vel']\n{shape}"));
+        let movement = scene.movement(2).unwrap_or_else(|_| panic!("it moves: {shape}"));
+        let after = movement.around.iter().find(|around| around.instant.seconds > 0.0).expect("an instant after it");
+        let own = after.own.as_ref().expect("it moves");
+        DVec3::from_array(sample(own.as_ref(), at).map(f64::from)) / after.instant.seconds
+    };
+    let near = |found: DVec3, wanted: DVec3| assert!((found - wanted).length() < 2e-2, "{found}, not {wanted}");
+    // One unit a frame, before a turn by a right angle.
+    let moved = "do = [{ move = ['frame', 0, 0] }, { rotate = [0, 0, 90] }, { shear = [0, 0, 0] }]";
+    near(velocity(&format!("[shape.s]\nsphere = 0.5\n{moved}\n"), DVec3::new(0.0, 2.5, 0.0)), DVec3::Y);
+    // A part's own motion goes through copies and twists.
+    let part = "[shape.p]\nsphere = 0.2\nmove = ['frame/10', 0, 0]\n";
+    let copies = format!("[shape.s]\nunion = ['p']\nplaces = [[0, 0, 0], [0, 3, 0, 0, 0, 90, 2]]\n{part}");
+    near(velocity(&copies, DVec3::new(0.4, 0.0, 0.0)), DVec3::X * 0.1);
+    near(velocity(&copies, DVec3::new(0.0, 3.8, 0.0)), DVec3::Y * 0.2);
+    // Copies that spread: the second goes, the first stays.
+    let spread = "[shape.s]\nsphere = 0.2\narray = [2, 1, 1]\nspacing = ['frame', 1, 1]\nfrom = 'first'\n";
+    near(velocity(spread, DVec3::new(2.2, 0.0, 0.0)), DVec3::X);
+    near(velocity(spread, DVec3::new(0.2, 0.0, 0.0)), DVec3::ZERO);
+    // Each level turns as fast as the twist says.
+    let twist = "[shape.s]\nbox = [1, 1, 4]\ntwist = '10*frame'\n";
+    near(velocity(twist, DVec3::new(0.5, 0.0, 1.0)), DVec3::new(0.0, 0.5 * 10_f64.to_radians(), 0.0));
+}
+
+/// Colours go along with what moves, bends and copies; of copies each may have one of its own.
+#[test]
+fn colours_go_with_what_is_done_to_a_shape() {
+    let colour_at = |shape: &str, at: [f64; 3]| {
+        let scene = prepared(&format!("[output]\nshape = 's'\n[shape.s]\n{shape}\n"));
+        colour(&scene.frame(1).unwrap(), at[0], at[1], at[2])
+    };
+    let near = |found: LinearRgb, wanted: f32| assert!((found[0] - wanted).abs() < 1e-4, "{found:?}, not {wanted}");
+    let red = "box = [1, 0.2, 0.2]\ncolor = { linear = ['0.5 + x', 0.2, 0.2] }\n";
+    near(colour_at(&format!("{red}do = [{{ move = [3, 0, 0] }}, {{ twist = 90 }}]"), [3.4, 0.0, 0.0]), 0.9);
+    near(colour_at(&format!("{red}array = [3, 1, 1]\nspacing = 2"), [-2.3, 0.0, 0.1]), 0.2);
+    near(colour_at(&format!("{red}mirror = [0, 1, 0]\nmirror_offset = -0.05"), [0.3, -0.15, 0.0]), 0.8);
+    // Two bends in turn: the later one is undone first.
+    near(
+        colour_at(
+            &format!("{red}do = [{{ rotate = [0, 0, 90] }}, {{ array = [1, 3, 1], spacing = 2 }}, {{ offset = 0 }}]"),
+            [0.0, 2.3, 0.0],
+        ),
+        0.8,
+    );
+    let scene = prepared(
+        "[output]\nshape = 's'\n[shape.s]\nsphere = 0.2\narray = [40, 1, 1]\ncolor = { palette = ['red', 'lime', 'blue'], by = 'cell' }\n",
+    );
+    let frame = scene.frame(1).unwrap();
+    let found: Vec<LinearRgb> = (0..40).map(|i| colour(&frame, i as f64 - 19.5, 0.0, 0.2)).collect();
+    assert!([0, 1, 2].into_iter().all(|channel| found.iter().any(|colour| colour[channel] == 1.0)), "{found:?}");
+    assert_eq!(colour(&frame, -19.5, 0.2, 0.0), found[0]);
+}
+
+/// A band of depth is one of the shape as it is at last, however it was bent.
+#[test]
+fn depth_is_that_of_the_bent_shape() {
+    let scene = prepared(
+        "[output]\nshape = 's'\n[shape.s]\nsphere = 1\ncolor = { bands = [[0, 'red'], [0.5, 'blue']] }\ndo = [{ move = [0.2, 0, 0] }, { twist = 5 }]\n",
+    );
+    let frame = scene.frame(1).unwrap();
+    assert_eq!(colour(&frame, 1.2, 0.0, 0.0), from_srgb([1.0, 0.0, 0.0]));
+    assert_eq!(colour(&frame, 0.3, 0.0, 0.0), from_srgb([0.0, 0.0, 1.0]));
+}

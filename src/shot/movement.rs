@@ -130,9 +130,18 @@ impl Both<'_> {
             Carries::First | Carries::Any => self.way(parts[0])?,
             Carries::Nothing | Carries::Import => None,
         };
-        let Some(inner) = inner else { return Ok(None) };
-        let bent = |inner, bend| Arc::new(Bent { inner, bend }) as Arc<dyn Attribute<3>>;
-        Ok(Some(self.now.bends(id)?.into_iter().fold(inner, bent)))
+        let mut way = inner;
+        for step in 1..=shape.modifiers.len() {
+            let Some(bend) = self.now.bend(id, step)? else { continue };
+            let changes = self.prepared.variation.modifier(id, step);
+            let then = if changes { self.then.bend(id, step)? } else { None };
+            way = match (way, then) {
+                (None, None) => None,
+                (inner, Some(then)) => Some(Arc::new(Moved { inner, now: bend, then })),
+                (Some(inner), None) => Some(Arc::new(Bent { inner, bend })),
+            };
+        }
+        Ok(way)
     }
 
     fn way_of_parts(&mut self, operands: &[ShapeId], rule: Rule) -> Result<Vectors, Problem> {
@@ -248,5 +257,56 @@ impl Sampler<3> for BentSampler<'_> {
         self.way.points(points, &mut self.there);
         self.inner.sample(&self.there, out);
         self.bend.vectors_carried(points, out);
+    }
+}
+
+/// The way of what is bent by something that changes itself.
+struct Moved {
+    inner: Vectors,
+    now: Arc<dyn Bend>,
+    then: Arc<dyn Bend>,
+}
+
+impl Attribute<3> for Moved {
+    fn sampler(&self) -> Box<dyn Sampler<3> + '_> {
+        let inner = self.inner.as_ref().map(|inner| inner.sampler());
+        let way = Way::Bent(Arc::clone(&self.now));
+        Box::new(MovedSampler { inner, moved: self, way, there: Points::new(DVec3::ZERO) })
+    }
+}
+
+struct MovedSampler<'a> {
+    inner: Option<Box<dyn Sampler<3> + 'a>>,
+    moved: &'a Moved,
+    way: Way,
+    there: Points,
+}
+
+impl Sampler<3> for MovedSampler<'_> {
+    fn enter(&mut self, region: &Aabb) {
+        if let Some(inner) = &mut self.inner {
+            inner.enter(&self.way.region(region));
+        }
+    }
+
+    fn leave(&mut self) {
+        if let Some(inner) = &mut self.inner {
+            inner.leave();
+        }
+    }
+
+    fn sample(&mut self, points: &Points, out: &mut [[f32; 3]; BATCH]) {
+        out[..points.len].fill([0.0; 3]);
+        if let Some(inner) = &mut self.inner {
+            self.way.points(points, &mut self.there);
+            inner.sample(&self.there, out);
+        }
+        let Moved { now, then, .. } = self.moved;
+        for (i, out) in out.iter_mut().enumerate().take(points.len) {
+            let (position, own) = (points.position(i), DVec3::from_array(out.map(f64::from)));
+            // By way of its own space: what a place there does between the two is to be seen from both.
+            let way = then.forth(now.back(position) + own, now.branch(position)).map(|then| then - position);
+            *out = way.unwrap_or_else(|| now.carried(position, own)).as_vec3().to_array();
+        }
     }
 }

@@ -126,11 +126,16 @@ pub fn listed(names: &[&str]) -> String {
 
 /// The same of the first of many.
 pub fn some_of(names: &[&str]) -> String {
-    if names.len() <= MOST_LISTED {
+    first_of(names, MOST_LISTED)
+}
+
+/// The first so many, and how many more there are.
+pub fn first_of(names: &[&str], most: usize) -> String {
+    if names.len() <= most {
         return listed(names);
     }
-    let quoted: Vec<String> = names[..MOST_LISTED].iter().map(|name| format!("`{}`", clip(name))).collect();
-    format!("{} and {} more", quoted.join(", "), names.len() - MOST_LISTED)
+    let quoted: Vec<String> = names[..most].iter().map(|name| format!("`{}`", clip(name))).collect();
+    format!("{} and {} more", quoted.join(", "), names.len() - most)
 }
 
 /// A user's text, cut so that one hostile name cannot fill the report.

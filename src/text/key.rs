@@ -61,6 +61,8 @@ pub enum Kind {
     TwoColours,
     /// Three numbers of a colour, each also as a formula of space, and what they are.
     Components(Components),
+    /// Three numbers, each also as a formula of space.
+    Formulas,
     /// Colours with the depths at which they begin.
     Bands,
     /// Numbers with the depths at which they begin.
@@ -71,6 +73,14 @@ pub enum Kind {
     TwoNumbers,
     /// Copies in cells.
     Copies,
+    /// How many along x, y and z; one number stands for all three.
+    Counts,
+    /// Lists of numbers, a place each, or a CSV file of them.
+    Places,
+    /// A direction, or the name of an axis.
+    Direction,
+    /// Tables of one modifier each.
+    Steps,
     /// An axis.
     Box,
     /// A table of its own, described elsewhere.
@@ -107,11 +117,15 @@ impl Kind {
             Self::Cells => "cells".into(),
             Self::Colour => "colour".into(),
             Self::Palette | Self::TwoColours => "list of colours".into(),
-            Self::Components(_) => "three numbers or formulas of space".into(),
+            Self::Components(_) | Self::Formulas => "three numbers or formulas of space".into(),
             Self::Bands => "list of `[depth, colour]`, depths rising".into(),
             Self::NumberBands => "list of `[depth, number]`, depths rising".into(),
             Self::Numbers | Self::TwoNumbers => "list of numbers".into(),
             Self::Copies => "copies".into(),
+            Self::Counts => "whole number or three".into(),
+            Self::Places => "list of `[x, y, z, …]`, or a file".into(),
+            Self::Direction => "`\"x\"`, `\"y\"`, `\"z\"`, or three numbers".into(),
+            Self::Steps => "list of tables".into(),
             Self::Box => "box".into(),
             Self::Table => "table".into(),
         }

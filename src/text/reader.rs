@@ -2,7 +2,7 @@
 
 use std::cell::RefCell;
 
-use crate::text::diagnostic::{Diagnostic, clip, listed, nearest};
+use crate::text::diagnostic::{Diagnostic, clip, first_of, listed, nearest};
 use crate::text::formula::{Formula, FormulaProblem, Names};
 use crate::text::frames::FrameRange;
 use crate::text::key::{Absent, Key, Kind, Limit};
@@ -188,6 +188,9 @@ pub struct Fields<'r, 'a> {
     keys: Vec<&'static Key>,
 }
 
+/// Keys that a message lists where none is near: a shape may have a hundred.
+const MOST_KEYS: usize = 12;
+
 impl<'r, 'a> Fields<'r, 'a> {
     /// A table with its known keys; says which of its keys are unknown. `owner` tells what a key of the same kind of table
     /// goes with that is not known here.
@@ -245,7 +248,10 @@ impl<'r, 'a> Fields<'r, 'a> {
         self.reader.say(match owner(name) {
             _ if nearest(name, names.clone()).is_some() => diagnostic.suggest(name, names),
             Some(owner) => diagnostic.help(format!("`{name}` goes with `{owner}`")),
-            _ => diagnostic.suggest(name, names),
+            _ => {
+                let names: Vec<&str> = names.collect();
+                diagnostic.help(format!("there is {}", first_of(&names, MOST_KEYS)))
+            }
         });
     }
 

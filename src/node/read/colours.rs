@@ -181,6 +181,18 @@ impl<'r, 'a> Building<'r, 'a> {
         Some(Argument::Components(vec![a?, b?, c?]))
     }
 
+    /// Three numbers or formulas of space.
+    pub(super) fn formulas(&self, path: &str, value: &'r Value) -> Option<Vec<Component>> {
+        let three = self.reader.three(path, value)?;
+        let component = |i: usize| match three[i].text() {
+            None => Some(Component::Number(self.reader.number(&format!("{path}[{i}]"), Limit::Any, &three[i]))),
+            Some(text) => self.reader.formula_of_space(text, three[i].span).map(Component::Formula),
+        };
+        // All are read, so that all errors come together.
+        let all = [component(0), component(1), component(2)];
+        all.into_iter().collect()
+    }
+
     /// The file that a key names; it is there.
     pub(super) fn file(&self, key: &str, fields: &Fields<'r, 'a>) -> Option<FileReference> {
         let value = fields.value(key)?;

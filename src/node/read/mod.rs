@@ -6,6 +6,7 @@ mod displace;
 mod links;
 mod morph;
 mod pairs;
+mod places;
 mod scalars;
 mod shapes;
 
@@ -348,9 +349,11 @@ fn mixed(seed: u64, name: &str) -> u64 {
     bytes.fold(0xcbf2_9ce4_8422_2325, |hash, byte| (hash ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3))
 }
 
-/// The keys of a shape that is this.
-fn shape_keys(spec: &'static Spec) -> Vec<&'static Key> {
-    spec.keys().chain(table::modifier_keys()).chain(keys::SHAPE).collect()
+/// The keys of a shape that is this, and to which this is done.
+fn shape_keys(spec: &'static Spec, done: &[&'static Spec]) -> Vec<&'static Key> {
+    let parameters = done.iter().flat_map(|spec| spec.parameters);
+    let modifiers = list::MODIFIERS.iter().map(|spec| &spec.key);
+    spec.keys().chain(parameters).chain(keys::SHAPE).chain(modifiers).collect()
 }
 
 /// All keys that a shape may have, whatever it is.

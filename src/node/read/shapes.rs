@@ -62,24 +62,33 @@ impl<'r, 'a> Building<'r, 'a> {
     /// One shape. `may_nest`: whether a shape written in place may stand for one of its operands.
     fn read_shape(&mut self, path: &str, span: Span, table: &'r Table, id: ShapeId, may_nest: bool) -> Option<Shape> {
         let spec = self.maker_of(path, span, table);
-        let keys = spec.map_or_else(any_shape_keys, shape_keys);
+        let done: Vec<&'static Spec> =
+            list::MODIFIERS.iter().filter(|spec| table.0.iter().any(|entry| spec.key.is_called(&entry.key))).collect();
+        let keys = spec.map_or_else(any_shape_keys, |spec| shape_keys(spec, &done));
+        self.say_shared(path, table, spec.into_iter().chain(done));
         let fields = Fields::new(self.reader, path, table::shape_owner, span, table, keys);
         let arguments = spec.and_then(|spec| self.arguments(spec.keys(), &fields, id, may_nest));
         // Without a maker all else is read, so that all errors come together.
         let mut modifiers = Vec::new();
+        let steps = fields.value("do");
         for spec in list::MODIFIERS {
-            if spec.keys().all(|key| fields.entry(key.name).is_none()) {
-                // Its defaults are said.
-                spec.keys().for_each(|key| _ = fields.value(key.name));
+            if fields.entry(spec.key.name).is_none() {
+                // Its default is said.
+                fields.value(spec.key.name);
             } else if let Some(arguments) = self.arguments(spec.keys(), &fields, id, may_nest) {
                 modifiers.push(Modifier { spec, arguments });
             }
         }
-        let placement = Placement {
+        let mut placement = Placement {
             scale: fields.required_vector("scale"),
             rotate: fields.required_vector("rotate"),
             translate: fields.required_vector("move"),
         };
+        if let Some(steps) = steps {
+            self.say_beside_steps(&fields, table);
+            modifiers = self.steps(&fields.full("do"), steps, id, may_nest).unwrap_or_default();
+            placed_last(&mut modifiers, &mut placement);
+        }
         let takes_cells = |spec: &Spec| spec.cells.is_some();
         let has_cells = spec.is_none_or(takes_cells) || modifiers.iter().any(|modifier| takes_cells(modifier.spec));
         let host = Host { id, has_cells, may_nest };
@@ -90,6 +99,77 @@ impl<'r, 'a> Building<'r, 'a> {
             .unwrap_or_default();
         let name = path.trim_start_matches("shape.").into();
         Some(Shape { name, span, spec: spec?, arguments: arguments?, modifiers, placement, colour, scalars })
+    }
+
+    /// Says which keys could be parameters of two nodes of one shape.
+    fn say_shared(&self, path: &str, table: &'r Table, specs: impl Iterator<Item = &'static Spec> + Clone) {
+        for entry in &table.0 {
+            let owns = |spec: &&'static Spec| spec.parameters.iter().any(|key| key.is_called(&entry.key));
+            let mut owners = specs.clone().filter(owns);
+            if let (Some(first), Some(second)) = (owners.next(), owners.next()) {
+                let (first, second) = (first.key.name, second.key.name);
+                let problem = format!("`{}` of `{}` could go with `{first}` or with `{second}`", entry.key, clip(path));
+                let help = format!("write do = [{{ {second} = …, {} = … }}]", entry.key);
+                self.reader.say(Diagnostic::error(entry.key_span, problem).help(help));
+            }
+        }
+    }
+
+    /// Says which keys stand beside `do` that belong into it.
+    fn say_beside_steps(&self, fields: &Fields<'r, 'a>, table: &'r Table) {
+        for entry in &table.0 {
+            let is_maker = table::maker(&entry.key).is_some();
+            if let Some(spec) = table::step(&entry.key).filter(|_| !is_maker) {
+                let problem = format!("`{}` stands beside `do` of `{}`", entry.key, clip(&fields.path));
+                let help = format!("its place in the order is one in the list: {{ {} = … }}", spec.key.name);
+                self.reader.say(Diagnostic::error(entry.key_span, problem).help(help));
+            }
+        }
+    }
+
+    /// What is done to a shape, in the order of a list.
+    fn steps(&mut self, path: &str, value: &'r Value, id: ShapeId, may_nest: bool) -> Option<Vec<Modifier>> {
+        let Some(list) = value.list() else {
+            self.reader.wrong_kind(path, "a list of tables such as { twist = 30 }", value);
+            return None;
+        };
+        let mut steps = Vec::with_capacity(list.len());
+        let mut sound = true;
+        for (i, value) in list.iter().enumerate() {
+            let step = self.step_of(&format!("{path}[{i}]"), value, id, may_nest);
+            sound &= step.is_some();
+            steps.extend(step);
+        }
+        sound.then_some(steps)
+    }
+
+    /// One thing that is done to a shape.
+    fn step_of(&mut self, path: &str, value: &'r Value, id: ShapeId, may_nest: bool) -> Option<Modifier> {
+        let Some(table) = value.table() else {
+            self.reader.wrong_kind(path, "a table such as { twist = 30 }", value);
+            return None;
+        };
+        let mut found = table.0.iter().filter_map(|entry| Some((entry, table::step(&entry.key)?)));
+        let spec = match (found.next(), found.next()) {
+            (Some((_, spec)), None) => spec,
+            (Some((first, _)), Some((second, _))) => {
+                let problem = format!("`{}` and `{}` are two steps of `{}`", first.key, second.key, clip(path));
+                self.reader.say(Diagnostic::error(second.key_span, problem).help("give each a table of its own"));
+                return None;
+            }
+            _ => {
+                let names: Vec<&str> = table::steps().map(|spec| spec.key.name).collect();
+                let problem = Diagnostic::error(value.span, format!("nothing says what `{}` does", clip(path)));
+                self.reader.say(match table.0.first() {
+                    Some(entry) => problem.suggest(&entry.key, names.iter().copied()),
+                    None => problem.help(format!("give it one of {}", some_of(&names))),
+                });
+                return None;
+            }
+        };
+        let fields = Fields::new(self.reader, path, table::shape_owner, value.span, table, spec.keys().collect());
+        let arguments = self.arguments(spec.keys(), &fields, id, may_nest)?;
+        Some(Modifier { spec, arguments })
     }
 
     /// The values of a node's keys. Reads them all even where one is wrong, so that all errors come together.
@@ -132,6 +212,9 @@ impl<'r, 'a> Building<'r, 'a> {
             Kind::Shapes(least) => Argument::Shapes(self.operands(name, least, fields, id, may_nest)?),
             Kind::Cells => Argument::Cells(self.cells_reference(&path, id, fields.value(name)?, may_nest)?),
             Kind::Copies => Argument::Copies(self.copies(&path, id, fields.value(name)?, may_nest)?),
+            Kind::Counts => Argument::Counts(self.counts(&path, fields.value(name)?)?),
+            Kind::Places => Argument::Places(self.places(name, fields)?),
+            Kind::Direction => Argument::Vector(Box::new(self.direction(name, fields)?)),
             Kind::Box => Argument::Box(self.bounds(&path, fields.value(name)?)?),
             Kind::Scalar => Argument::Scalar(self.scalar_name(fields, name)?),
             Kind::Whole => Argument::Whole(fields.whole(name)?),
@@ -140,6 +223,7 @@ impl<'r, 'a> Building<'r, 'a> {
                 Argument::Text(fields.text(name)?, span)
             }
             Kind::Components(meaning) => self.components(&path, fields.value(name)?, meaning)?,
+            Kind::Formulas => Argument::Components(self.formulas(&path, fields.value(name)?)?),
             Kind::Palette => Argument::Colours(self.named_palette(&path, fields.value(name)?)?),
             Kind::TwoColours => Argument::Colours(self.two_colours(&path, fields.value(name)?)?),
             Kind::Numbers => Argument::Numbers(self.several(&path, fields.value(name)?)?),
@@ -271,6 +355,19 @@ impl<'r, 'a> Building<'r, 'a> {
                 );
                 None
             }
+        }
+    }
+}
+
+/// Where a list ends with scaling, turning and moving, in this order, that is where the shape stands: a morph carries it.
+fn placed_last(modifiers: &mut Vec<Modifier>, placement: &mut Placement) {
+    let targets =
+        [("move", &mut placement.translate), ("rotate", &mut placement.rotate), ("scale", &mut placement.scale)];
+    for (name, target) in targets {
+        let last = modifiers.last().filter(|modifier| modifier.spec.key.name == name);
+        if let Some(vector) = last.and_then(|modifier| modifier.arguments.vector(name)) {
+            *target = vector.clone();
+            modifiers.pop();
         }
     }
 }

@@ -52,6 +52,10 @@ impl Bend for Twist {
         Aabb::new(DVec3::new(-reach, -reach, region.min.z), DVec3::new(reach, reach, region.max.z))
     }
 
+    fn forth(&self, own: DVec3, _branch: u32) -> Option<DVec3> {
+        Some(DMat3::from_rotation_z(self.0 * own.z) * own)
+    }
+
     fn carried(&self, position: DVec3, vector: DVec3) -> DVec3 {
         let turned = DMat3::from_rotation_z(self.0 * position.z) * vector;
         turned + self.0 * vector.z * DVec3::Z.cross(position)
