@@ -113,6 +113,11 @@ impl Graph {
         self.unary(Unary::Cos, a)
     }
 
+    /// The exponential.
+    pub fn exp(&mut self, a: Node) -> Node {
+        self.unary(Unary::Exp, a)
+    }
+
     /// A power; not a number where the base is negative and the exponent not whole.
     pub fn pow(&mut self, base: Node, exponent: f64) -> Node {
         let exponent = self.constant(exponent);
@@ -294,6 +299,34 @@ impl Graph {
     /// States that a node is nowhere steeper. It is believed.
     pub fn no_steeper(&mut self, node: Node, bound: f64) -> Node {
         self.declare(node, Facts::new(None, Slope::Lipschitz(bound)))
+    }
+
+    /// Whether a node is the same for every z.
+    pub fn is_flat(&self, node: Node) -> bool {
+        let mut seen = std::collections::BTreeSet::new();
+        let mut open = vec![node.0];
+        while let Some(next) = open.pop() {
+            if !seen.insert(next) {
+                continue;
+            }
+            match self.ops[next as usize] {
+                Op::Affine(index) if self.affines[index as usize].slope.z != 0.0 => return false,
+                Op::Quadric(index)
+                    if self.quadrics[index as usize].terms.iter().any(|(_, form)| form.slope.z != 0.0) =>
+                {
+                    return false;
+                }
+                // Other fields of the plane are read at some z, whatever it is.
+                Op::External { at: [x, y, _], .. } => open.extend([x, y]),
+                op => op.arguments(|argument| open.push(argument)),
+            }
+        }
+        true
+    }
+
+    /// States what a node's value says about distance, of a solid in a box where there is one. It is believed.
+    pub fn sloped(&mut self, solid: Node, slope: Slope, bounds: Option<Aabb>) -> Node {
+        self.declare(solid, Facts::new(bounds, slope))
     }
 
     /// States how a solid falls outside of its known box: it is no more than −`fall` times the distance to that. It is

@@ -80,6 +80,13 @@ impl Aabb {
         Self { min: self.min - margin, max: self.max + margin }
     }
 
+    /// The box of a region of the xy plane, whatever z: as far as numbers of a scene reach.
+    pub fn without_z(self) -> Self {
+        /// Finite, so that turning and moving it makes no infinity times 0.
+        const FAR: f64 = 1e15;
+        Self { min: self.min.with_z(-FAR), max: self.max.with_z(FAR) }
+    }
+
     /// The least box around both.
     pub fn union(self, other: Self) -> Self {
         Self { min: self.min.min(other.min), max: self.max.max(other.max) }

@@ -16,7 +16,7 @@ fn centred(half: DVec3) -> Option<Aabb> {
 
 impl Graph {
     /// `√(x² + y²)`.
-    fn radius_about_z(&mut self) -> Node {
+    pub fn radius_about_z(&mut self) -> Node {
         let (x, y) = (self.x(), self.y());
         self.length(&[x, y])
     }

@@ -1,0 +1,341 @@
+//! Solids of many simple parts, found by a procedure: outlines, struts, curves. What an expression would have to compute in
+//! full at every point, an evaluator here narrows to the few parts that can be nearest in a region.
+//!
+//! Every part's value has slope 1 at most. A part is therefore out of question throughout a ball of radius r where its
+//! value at the centre is more than 2r below that of the best part there. What is left gives the same bits as all parts.
+
+use std::cell::OnceCell;
+use std::sync::Arc;
+
+use glam::DVec3;
+
+use super::{Aabb, BATCH, Evaluator, Field, Gradients, Hint, Hints, Interval, Points, Slope};
+
+/// A value and its gradient.
+pub type Sample = (f64, DVec3);
+
+/// Parts that make a solid, or whose union is the boundary of one.
+pub trait Parts: Send + Sync {
+    /// How many there are, at least one.
+    fn count(&self) -> usize;
+
+    /// The value of a part and its gradient, slope 1 at most: of a solid its signed distance, positive inside; of a piece
+    /// of a boundary minus the distance to it.
+    fn part(&self, index: usize, position: DVec3) -> Sample;
+
+    /// Whether a position is inside, where parts are pieces of a boundary.
+    fn inside(&self, _position: DVec3) -> Option<bool> {
+        None
+    }
+
+    /// A smooth function that is zero where the part is: across a crease each side has its own.
+    fn carrier(&self, index: usize, position: DVec3) -> Sample {
+        self.part(index, position)
+    }
+
+    /// A box that holds the solid.
+    fn bounding_box(&self) -> Option<Aabb>;
+
+    /// What the value says about distance.
+    fn slope(&self) -> Slope;
+
+    /// Whether z plays no role.
+    fn is_flat(&self) -> bool {
+        false
+    }
+
+    /// The edge of the cubes in which all repeats. The parts then are those of a cube with one corner at the origin, and
+    /// of all cubes around it.
+    fn period(&self) -> Option<f64> {
+        None
+    }
+}
+
+/// The field of some parts.
+pub struct Joined<P>(P);
+
+impl<P: Parts + 'static> Joined<P> {
+    /// As an operand of an expression.
+    pub fn shared(parts: P) -> Arc<dyn Field> {
+        Arc::new(Self(parts))
+    }
+}
+
+impl<P: Parts> Joined<P> {
+    /// The best of some parts, the first where several are; as it is in the solid.
+    fn best(&self, candidates: impl Iterator<Item = u32>, position: DVec3) -> Sample {
+        let mut best = (f64::NEG_INFINITY, DVec3::ZERO);
+        for index in candidates {
+            let sample = self.0.part(index as usize, position);
+            if sample.0 > best.0 {
+                best = sample;
+            }
+        }
+        best
+    }
+
+    fn all(&self) -> std::ops::Range<u32> {
+        0..self.0.count() as u32
+    }
+
+    /// A position as the parts see it.
+    fn own(&self, position: DVec3) -> DVec3 {
+        match self.0.period() {
+            Some(period) => position - (position / period).floor() * period,
+            None if self.0.is_flat() => position.with_z(0.0),
+            None => position,
+        }
+    }
+
+    fn signed(&self, (value, gradient): Sample, inside: Option<bool>) -> Sample {
+        if inside == Some(true) { (-value, -gradient) } else { (value, gradient) }
+    }
+}
+
+impl<P: Parts> Field for Joined<P> {
+    fn bounding_box(&self) -> Option<Aabb> {
+        self.0.bounding_box()
+    }
+
+    fn slope(&self) -> Slope {
+        self.0.slope()
+    }
+
+    fn reference(&self, position: DVec3) -> f64 {
+        let position = self.own(position);
+        self.signed(self.best(self.all(), position), self.0.inside(position)).0
+    }
+
+    fn evaluator(&self) -> Box<dyn Evaluator + '_> {
+        Box::new(JoinedEvaluator { joined: self, regions: Vec::new(), spare: Vec::new() })
+    }
+}
+
+/// What is known of a region.
+struct Region {
+    centre: DVec3,
+    reach: f64,
+    /// What is taken from positions; `None` where they are folded one by one.
+    shift: Option<DVec3>,
+    few: Vec<u32>,
+    /// F at the centre.
+    value: f64,
+    inside: Option<bool>,
+    carriers: OnceCell<Vec<u32>>,
+}
+
+struct JoinedEvaluator<'f, P> {
+    joined: &'f Joined<P>,
+    regions: Vec<Region>,
+    spare: Vec<Vec<u32>>,
+}
+
+impl<P: Parts> JoinedEvaluator<'_, P> {
+    fn sample(&self, position: DVec3) -> Sample {
+        let joined = self.joined;
+        let Some(region) = self.regions.last() else {
+            let position = joined.own(position);
+            return joined.signed(joined.best(joined.all(), position), joined.0.inside(position));
+        };
+        let own = region.shift.map_or_else(|| joined.own(position), |shift| self.flat(position - shift));
+        let best = joined.best(region.few.iter().copied(), own);
+        joined.signed(best, region.inside.or_else(|| joined.0.inside(own)))
+    }
+
+    fn flat(&self, position: DVec3) -> DVec3 {
+        if self.joined.0.is_flat() { position.with_z(0.0) } else { position }
+    }
+
+    /// The carriers that may be zero in the region; none where they are too many.
+    fn carriers(&self) -> &[u32] {
+        /// More are not told apart: each is evaluated by itself.
+        const MOST: usize = 12;
+        let Some(region) = self.regions.last() else { return &[] };
+        region.carriers.get_or_init(|| {
+            let Some(shift) = region.shift else { return Vec::new() };
+            let centre = self.flat(region.centre - shift);
+            let near = |index: &&u32| {
+                let (value, _) = self.joined.0.part(**index as usize, centre);
+                value.abs() <= region.reach
+            };
+            let found: Vec<u32> = region.few.iter().filter(near).copied().collect();
+            if found.len() > MOST { Vec::new() } else { found }
+        })
+    }
+}
+
+impl<P: Parts> Evaluator for JoinedEvaluator<'_, P> {
+    fn enter(&mut self, region: &Aabb) {
+        let parts = &self.joined.0;
+        let (centre, size) = (region.centre(), region.size());
+        let reach = if parts.is_flat() { size.truncate().length() } else { size.length() } * 0.5 * (1.0 + 1e-9);
+        // Of what repeats, a region that leaves the cubes around is folded point by point.
+        let shift = match parts.period() {
+            Some(period) if reach <= 0.25 * period => Some((centre / period).floor() * period),
+            Some(_) => None,
+            None => Some(DVec3::ZERO),
+        };
+        let shift = shift.filter(|_| reach.is_finite());
+        let mut few = self.spare.pop().unwrap_or_default();
+        few.clear();
+        // Parts are counted in the cube of the outermost region that has one.
+        let outer = self.regions.last().filter(|outer| outer.shift.is_some() && shift.is_some());
+        let shift = outer.map_or(shift, |outer| outer.shift);
+        let own = shift.map_or_else(|| self.joined.own(centre), |shift| self.flat(centre - shift));
+        let candidates = || match outer {
+            Some(outer) => either(Some(outer.few.iter().copied()), None),
+            None => either(None, Some(self.joined.all())),
+        };
+        let known = outer.and_then(|outer| outer.inside);
+        let mut value = f64::NAN;
+        let mut inside = None;
+        if own.is_finite() {
+            let best = self.joined.best(candidates(), own);
+            let here = known.or_else(|| parts.inside(own));
+            value = self.joined.signed(best, here).0;
+            // Pieces of a boundary that is farther away leave the side as it is.
+            inside = known.or_else(|| here.filter(|_| value.abs() > reach));
+            let least = best.0 - 2.0 * reach - 1e-9 * (best.0.abs() + reach);
+            let all = shift.is_none();
+            few.extend(candidates().filter(|index| all || parts.part(*index as usize, own).0 >= least));
+        } else {
+            few.extend(candidates());
+        }
+        self.regions.push(Region { centre, reach, shift, few, value, inside, carriers: OnceCell::new() });
+    }
+
+    fn bounds(&mut self) -> Interval {
+        let Some(region) = self.regions.last() else { return Interval::ALL };
+        let by = region.reach + 1e-9 * (region.value.abs() + region.reach);
+        let (lo, hi) = (region.value - by, region.value + by);
+        match region.inside {
+            _ if lo.is_nan() || hi.is_nan() => Interval::ALL,
+            Some(true) => Interval::new(lo.max(0.0), hi),
+            Some(false) => Interval::new(lo, hi.min(0.0)),
+            None => Interval::new(lo, hi),
+        }
+    }
+
+    fn hints(&mut self, _: Hint) -> Hints {
+        /// As many parts as are better narrowed on the way to small regions.
+        const MANY: usize = 8;
+        Hints { has_many_parts: self.joined.0.count() > MANY, ..Hints::NONE }
+    }
+
+    fn leave(&mut self) {
+        self.spare.extend(self.regions.pop().map(|region| region.few));
+    }
+
+    fn values(&mut self, points: &Points, out: &mut [f32; BATCH]) {
+        for (i, value) in out.iter_mut().enumerate().take(points.len) {
+            *value = self.sample(points.position(i)).0 as f32;
+        }
+    }
+
+    fn gradients(&mut self, points: &Points, out: &mut Gradients) {
+        for i in 0..points.len {
+            set(out, i, self.sample(points.position(i)));
+        }
+    }
+
+    fn branches(&self) -> usize {
+        self.carriers().len().max(1)
+    }
+
+    fn branch(&mut self, branch: usize, points: &Points, out: &mut Gradients) {
+        let Some(index) = self.carriers().get(branch).copied() else { return self.gradients(points, out) };
+        let shift = self.regions.last().and_then(|region| region.shift).unwrap_or(DVec3::ZERO);
+        for i in 0..points.len {
+            set(out, i, self.joined.0.carrier(index as usize, self.flat(points.position(i) - shift)));
+        }
+    }
+}
+
+/// One iterator or the other.
+fn either<T>(a: Option<impl Iterator<Item = T>>, b: Option<impl Iterator<Item = T>>) -> impl Iterator<Item = T> {
+    a.into_iter().flatten().chain(b.into_iter().flatten())
+}
+
+fn set(out: &mut Gradients, i: usize, (value, gradient): Sample) {
+    out.value[i] = value as f32;
+    out.dx[i] = gradient.x as f32;
+    out.dy[i] = gradient.y as f32;
+    out.dz[i] = gradient.z as f32;
+}
+
+/// A single part by a function.
+pub struct Procedure<F> {
+    /// The value and its gradient.
+    pub at: F,
+    /// A box that holds the solid, where there is one.
+    pub bounds: Option<Aabb>,
+    /// What the value says about distance; the slope must be 1 at most.
+    pub slope: Slope,
+    /// Whether z plays no role.
+    pub is_flat: bool,
+}
+
+impl<F: Fn(DVec3) -> Sample + Send + Sync> Parts for Procedure<F> {
+    fn count(&self) -> usize {
+        1
+    }
+
+    fn part(&self, _: usize, position: DVec3) -> Sample {
+        (self.at)(position)
+    }
+
+    fn bounding_box(&self) -> Option<Aabb> {
+        self.bounds
+    }
+
+    fn slope(&self) -> Slope {
+        self.slope
+    }
+
+    fn is_flat(&self) -> bool {
+        self.is_flat
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::field::struts::{Strut, Struts};
+
+    /// What a region leaves out never changes a bit, also where all repeats.
+    #[test]
+    fn regions_leave_every_bit_as_it_is() {
+        let bars: Vec<Strut> = DVec3::AXES.map(|axis| Strut::new(DVec3::ZERO, axis, [0.1; 2])).to_vec();
+        let lattice = Joined(Struts::periodic(&bars, 1.0));
+        let many: Vec<Strut> = (0..200)
+            .map(|i| {
+                let at =
+                    |i: i32| DVec3::new(libm::sin(f64::from(i)), libm::cos(1.7 * f64::from(i)), 0.01 * f64::from(i));
+                Strut::new(at(i), at(i + 1), [0.02, 0.03])
+            })
+            .collect();
+        let line = Joined(Struts::new(many));
+        for field in [&lattice as &dyn Field, &line as &dyn Field] {
+            let mut evaluator = field.evaluator();
+            for step in 0..60 {
+                let centre = DVec3::new(0.03, -0.041, 0.027) * f64::from(step);
+                let outer = Aabb::new(centre, centre).grown(0.3);
+                let inner = Aabb::new(centre, centre).grown(0.02);
+                evaluator.enter(&outer);
+                evaluator.enter(&inner);
+                let mut points = Points::new(centre);
+                for i in 0..8 {
+                    points.push((inner.corners()[i] - centre).as_vec3());
+                }
+                let mut values = [0.0; BATCH];
+                evaluator.values(&points, &mut values);
+                for i in 0..8 {
+                    assert_eq!(values[i], field.reference(points.position(i)) as f32, "{centre}");
+                    assert!(evaluator.bounds().contains(field.reference(points.position(i))));
+                }
+                evaluator.leave();
+                evaluator.leave();
+            }
+        }
+    }
+}
