@@ -16,6 +16,10 @@ pub enum Argument {
     Number(Number),
     /// Three of them.
     Vector(Box<[Number; 3]>),
+    /// Two of them.
+    Pair(Box<[Number; 2]>),
+    /// Lists of numbers that stand still, such as points.
+    Rows(Rows),
     /// A number that stands still.
     Constant(f64),
     /// What choices at random start from.
@@ -75,6 +79,15 @@ pub struct ScalarName {
     /// Its name.
     pub name: String,
     /// Where the scene names it.
+    pub span: Span,
+}
+
+/// Lists of numbers, and where they stand.
+#[derive(Clone, Debug)]
+pub struct Rows {
+    /// The lists.
+    pub all: Vec<Vec<f64>>,
+    /// Where the scene has them.
     pub span: Span,
 }
 
@@ -139,6 +152,10 @@ impl Arguments {
         number: Number => Number,
         /// Three numbers.
         vector: Vector => [Number; 3],
+        /// Two numbers.
+        pair: Pair => [Number; 2],
+        /// Lists of numbers.
+        rows: Rows => Rows,
         /// A number that stands still.
         constant: Constant => f64,
         /// What choices at random start from.
@@ -177,6 +194,17 @@ impl Arguments {
         number_bands: NumberBands => Vec<(f64, [f32; 1])>,
     }
 
+    /// Where the value of a key stands, of those that have a place of their own.
+    pub fn span(&self, key: &str) -> Option<Span> {
+        match self.get(key)? {
+            Argument::Number(number) => Some(number.span),
+            Argument::Vector(vector) => Some(vector[0].span),
+            Argument::Pair(pair) => Some(pair[0].span),
+            Argument::Rows(rows) => Some(rows.span),
+            _ => None,
+        }
+    }
+
     /// Whether any of them is a number or formula of space.
     pub fn has_components(&self) -> bool {
         self.0.iter().any(|(_, value)| matches!(value, Argument::Components(_)))
@@ -194,6 +222,7 @@ impl Arguments {
         let whole = self.0.iter().flat_map(|(_, value)| match value {
             Argument::Number(number) => std::slice::from_ref(number),
             Argument::Vector(vector) => &vector[..],
+            Argument::Pair(pair) => &pair[..],
             _ => &[],
         });
         let of_space = self.components().filter_map(|component| match component {

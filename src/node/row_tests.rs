@@ -5,6 +5,7 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 use glam::DVec3;
+use rayon::prelude::*;
 
 use super::assets::Assets;
 use super::id::{ShapeId, Stage};
@@ -14,7 +15,7 @@ use super::source::Source;
 use super::{Source as From, keys, load, node_names, node_scene};
 use crate::attribute::Attribute;
 use crate::field::tests::{Samples, bits_by_width, slope_at};
-use crate::field::{Aabb, BATCH, Expression, Field, Gradients, Slope};
+use crate::field::{Aabb, BATCH, Evaluator, Expression, Field, Gradients, Graph, Node, Points, SetSystem, Slope};
 use crate::node::attributes::{TheColour, TheScalar};
 use crate::text::Overrides;
 use crate::text::key::Key;
@@ -23,7 +24,7 @@ use crate::text::key::Key;
 const STEPS: [f64; 2] = [1e-5, 2e-4];
 const WORLD: Aabb = Aabb::new(DVec3::splat(-2.0), DVec3::splat(2.0));
 
-fn solids(text: &str) -> (Solids, ShapeId) {
+pub(super) fn solids(text: &str) -> (Solids, ShapeId) {
     let scene = From::Text {
         name: "row.toml".into(),
         text: text.into(),
@@ -122,27 +123,162 @@ fn what_every_node_declares_holds() {
             assert!(first < 0.0 || bounds.is_none_or(|bounds| bounds.contains(p)), "{name}: {p} is inside, {bounds:?}");
         }
         assert!(inside > 10, "nothing is inside the example of {name}");
-        exact_distances(name, &field, &mut samples);
     }
 }
 
-/// Where a node says that its value is the distance, a ball of that radius holds no point of the other side, and the
-/// gradient leads to the surface.
-fn exact_distances(name: &str, field: &Expression, samples: &mut Samples) {
-    let Slope::Exact { outside, inside } = field.slope() else { return };
-    let unit = Aabb::new(DVec3::splat(-1.0), DVec3::splat(1.0));
-    let directions: Vec<DVec3> = (0..2000).map(|_| samples.within(&unit).normalize_or(DVec3::X)).collect();
-    for _ in 0..60 {
+/// Where a node says that its value is the distance, that is the distance of the nearest point that a search finds which
+/// knows nothing but on which side points are.
+#[test]
+fn every_exact_distance_is_that_of_the_nearest_point() {
+    let names: Vec<&str> = node_names().collect();
+    let failures: Vec<String> =
+        names.into_par_iter().flat_map_iter(|name| wrong_distances(name, &built(name), 60)).collect();
+    assert!(failures.is_empty(), "{}", failures.join("\n"));
+}
+
+/// The search finds a distance that is too short, too long, or right on one side only.
+#[test]
+fn wrong_distances_are_found() {
+    let wrong = |build: &dyn Fn(&mut Graph) -> Node| {
+        let mut graph = Graph::new();
+        let node = build(&mut graph);
+        let slope = Slope::Exact { outside: true, inside: true };
+        let node = graph.sloped(node, slope, Some(Aabb::new(DVec3::splat(-1.0), DVec3::splat(1.0))));
+        wrong_distances("it", &Expression::new(&graph, node), 60).len()
+    };
+    assert_eq!(wrong(&|graph| graph.sphere(0.8)), 0);
+    assert!(wrong(&|graph| graph.ellipsoid(DVec3::new(1.0, 0.99, 1.0))) > 20);
+    // A mitred box is right inside, and at its faces.
+    let mitred = |graph: &mut Graph| {
+        let slabs = DVec3::AXES.map(|axis| graph.slab(axis, 1.6));
+        graph.intersection(SetSystem::MinMax, &slabs)
+    };
+    assert!(wrong(&mitred) > 5);
+    let union = |graph: &mut Graph| {
+        let ball = graph.sphere(0.6);
+        let other = graph.translate(ball, DVec3::X * 0.3).unwrap();
+        graph.union(SetSystem::MinMax, &[ball, other])
+    };
+    assert!(wrong(&union) > 2);
+    let far_too_far = |graph: &mut Graph| {
+        let ball = graph.sphere(0.8);
+        graph.linear(ball, 1.0 + 1e-4, 0.0)
+    };
+    assert!(wrong(&far_too_far) > 20);
+}
+
+/// Points of `count` at random where the value is not the distance though the field says so.
+pub(super) fn wrong_distances(name: &str, field: &Expression, count: usize) -> Vec<String> {
+    /// Of the size of what is tested.
+    const TOLERANCE: f64 = 1e-5;
+    let Slope::Exact { outside, inside } = field.slope() else { return Vec::new() };
+    let mut samples = Samples::new(23);
+    let surface = surface_points(field, &mut samples);
+    assert!(!surface.is_empty(), "no surface of {name} was found");
+    let mut search = Search { field, evaluator: field.evaluator(), samples: Samples::new(29) };
+    let mut wrong = Vec::new();
+    let mut tested = [0; 2];
+    // Points inside are few where a shape is thin.
+    for _ in 0..40 * count {
         let p = samples.within(&WORLD);
         let value = field.reference(p);
-        if !(if value < 0.0 { outside } else { inside }) || value.abs() < 1e-3 {
+        let side = usize::from(value > 0.0);
+        if ![outside, inside][side] || tested[side] >= count / 2 || value.abs() < 1e-3 {
             continue;
         }
-        let other_side = |way: &DVec3| (field.reference(p + *way * (0.999 * value.abs())) > 0.0) != (value > 0.0);
-        assert!(!directions.iter().any(other_side), "{name} at {p}: the surface is nearer than {value}");
-        let Some(slope) = slope_at(field, p, STEPS) else { continue };
-        let foot = field.reference(p - slope * value);
-        assert!(foot.abs() < 1e-3 * value.abs() + 1e-6, "{name} at {p}: {value} away from it F is {foot}");
+        tested[side] += 1;
+        let slope = slope_at(field, p, STEPS).map(|slope| -slope * value.signum());
+        let found = search.distance(p, value > 0.0, &surface, slope);
+        if (value.abs() - found).abs() > TOLERANCE * WORLD.size().x {
+            wrong.push(format!("{name} at {p}: {value}, and the surface is {found} away"));
+        }
+    }
+    wrong
+}
+
+/// Points of the surface between points of both sides.
+fn surface_points(field: &Expression, samples: &mut Samples) -> Vec<DVec3> {
+    let all: Vec<DVec3> = (0..6000).map(|_| samples.within(&WORLD)).collect();
+    let (inside, outside): (Vec<DVec3>, Vec<DVec3>) = all.into_iter().partition(|p| field.reference(*p) > 0.0);
+    if inside.is_empty() || outside.is_empty() {
+        return Vec::new();
+    }
+    let pair = |i: usize| (inside[i % inside.len()], outside[i % outside.len()]);
+    (0..1200)
+        .map(|i| {
+            let (mut within, mut without) = pair(i);
+            for _ in 0..30 {
+                let middle = (within + without) / 2.0;
+                *(if field.reference(middle) > 0.0 { &mut within } else { &mut without }) = middle;
+            }
+            without
+        })
+        .collect()
+}
+
+/// Looks for the nearest point of the other side.
+struct Search<'f> {
+    field: &'f Expression,
+    evaluator: Box<dyn Evaluator + 'f>,
+    samples: Samples,
+}
+
+impl Search<'_> {
+    fn distance(&mut self, p: DVec3, inside: bool, surface: &[DVec3], slope: Option<DVec3>) -> f64 {
+        let mut near: Vec<DVec3> = surface.to_vec();
+        near.sort_by(|a, b| a.distance(p).total_cmp(&b.distance(p)));
+        let mut starts: Vec<(DVec3, f64)> = Vec::new();
+        if let Some(direction) = slope.and_then(DVec3::try_normalize) {
+            // Along the gradient, past where the surface should be; there may be none.
+            let reach = self.field.reference(p).abs();
+            let found = [1.0 + 1e-6, 1.001, 1.1, 2.0].map(|share| share * reach).into_iter();
+            let other = |way: &f64| (self.field.reference(p + direction * *way) > 0.0) != inside;
+            starts.extend(found.filter(other).take(1).map(|way| (direction, way)));
+        }
+        for at in near {
+            let (direction, far) = ((at - p).normalize_or(DVec3::X), at.distance(p));
+            let apart = |(other, _): &(DVec3, f64)| other.dot(direction) < 0.97;
+            if starts.len() < 6 && starts.iter().skip(usize::from(slope.is_some())).all(apart) {
+                starts.push((direction, far));
+            }
+        }
+        starts.into_iter().map(|(direction, far)| self.refined(p, inside, direction, far)).fold(f64::INFINITY, f64::min)
+    }
+
+    /// A ball around the point shrinks as long as something of the other side lies in it, near where it touched.
+    fn refined(&mut self, p: DVec3, inside: bool, mut direction: DVec3, mut far: f64) -> f64 {
+        let unit = Aabb::new(DVec3::splat(-1.0), DVec3::splat(1.0));
+        let mut spread = 0.4;
+        far = self.crossing(p, inside, direction, far);
+        let mut values = [0.0; BATCH];
+        while spread > 2e-5 {
+            let mut points = Points::new(p);
+            let mut tried = Vec::new();
+            for _ in 0..64 {
+                let way = (direction + self.samples.within(&unit) * spread).normalize_or(direction);
+                points.push((way * far).as_vec3());
+                tried.push(way);
+            }
+            self.evaluator.values(&points, &mut values);
+            let other = (0..tried.len()).find(|i| (values[*i] > 0.0) != inside);
+            let nearer = other.map(|i| (tried[i], self.crossing(p, inside, tried[i], far)));
+            match nearer {
+                Some((way, nearer)) if nearer < far * (1.0 - 1e-9) => (direction, far) = (way, nearer),
+                _ => spread *= 0.7,
+            }
+        }
+        far
+    }
+
+    /// Where the side changes on the way; as far as it was where it does not.
+    fn crossing(&self, p: DVec3, inside: bool, direction: DVec3, far: f64) -> f64 {
+        let (mut near, mut beyond) = (0.0, far);
+        for _ in 0..48 {
+            let middle = (near + beyond) / 2.0;
+            let same = (self.field.reference(p + direction * middle) > 0.0) == inside;
+            *(if same { &mut near } else { &mut beyond }) = middle;
+        }
+        beyond
     }
 }
 

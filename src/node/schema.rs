@@ -126,6 +126,8 @@ fn of_kind(kind: Kind) -> Value {
         Kind::Vector | Kind::Components(_) | Kind::Formulas => {
             json!({ "type": "array", "minItems": 3, "maxItems": 3, "items": number() })
         }
+        Kind::Pair => json!({ "type": ["number", "string", "object", "array"] }),
+        Kind::Rows(least, _) => list(least, list(1, json!({ "type": "number" }))),
         Kind::Lengths => json!({ "type": ["number", "string", "object", "array"] }),
         Kind::Flag => json!({ "type": "boolean" }),
         Kind::Text | Kind::Path | Kind::Formula | Kind::Scalar => json!({ "type": "string" }),

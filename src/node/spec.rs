@@ -5,7 +5,7 @@
 
 use std::sync::Arc;
 
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 
 use crate::attribute::{CellIndex, Colour, Scalar};
 use crate::field::cells::Cells;
@@ -45,6 +45,8 @@ pub struct Spec {
     pub example: &'static str,
     /// What its attributes and its motion come from.
     pub carries: Carries,
+    /// Whether it is of the plane or of space.
+    pub plane: Plane,
     /// Whether it reaches to infinity unless `bounds` cut it.
     pub is_endless: bool,
     /// Whether it takes the distance of what it is made of, outside of that.
@@ -68,6 +70,7 @@ impl Spec {
         source: "",
         example: "",
         carries: Carries::Nothing,
+        plane: Plane::Solid,
         is_endless: false,
         measures: |_| false,
         cells: None,
@@ -86,6 +89,17 @@ impl std::fmt::Debug for Spec {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.write_str(self.key.name)
     }
+}
+
+/// Whether a node is of the plane or of space. Set operations and blends of shapes of the plane are such again.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Plane {
+    /// A solid, made of solids.
+    Solid,
+    /// A shape of the xy plane: its field does not depend on z.
+    Flat,
+    /// A solid made of a shape of the plane.
+    Lifts,
 }
 
 /// What a node's attributes and its motion come from, where the shape has none of its own.
@@ -207,6 +221,36 @@ impl dyn Build + '_ {
     pub fn vector(&self, key: &str) -> Result<DVec3, Problem> {
         let [x, y, z] = self.arguments().vector(key).expect("it has a default");
         Ok(DVec3::new(x.at(self.moment())?, y.at(self.moment())?, z.at(self.moment())?))
+    }
+
+    /// The two numbers of a key at the moment.
+    pub fn pair(&self, key: &str) -> Result<DVec2, Problem> {
+        let [x, y] = self.arguments().pair(key).expect("it must be there");
+        Ok(DVec2::new(x.at(self.moment())?, y.at(self.moment())?))
+    }
+
+    /// The whole number of a key.
+    pub fn whole(&self, key: &str) -> i64 {
+        *self.arguments().whole(key).expect("it has a default")
+    }
+
+    /// The lists of a key, each the coordinates of a point in the plane.
+    pub fn plane_points(&self, key: &str) -> Vec<DVec2> {
+        let rows = self.arguments().rows(key).expect("it must be there");
+        rows.all.iter().map(|row| DVec2::new(row[0], row[1])).collect()
+    }
+
+    /// The lists of a key, each the coordinates of a point.
+    pub fn points(&self, key: &str) -> Vec<DVec3> {
+        let rows = self.arguments().rows(key).expect("it must be there");
+        rows.all.iter().map(|row| DVec3::new(row[0], row[1], row[2])).collect()
+    }
+
+    /// What is wrong with the value of a key.
+    pub fn wrong(&self, key: &str, problem: impl Into<String>) -> Problem {
+        let main = self.arguments().0.first().map_or("", |(name, _)| *name);
+        let span = self.arguments().span(key).or_else(|| self.arguments().span(main));
+        Problem::new(span.unwrap_or(self.span()), problem)
     }
 
     /// The direction of a key at the moment, of any length but 0.

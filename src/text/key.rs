@@ -17,6 +17,10 @@ pub enum Kind {
     Vector,
     /// Three numbers, or one that stands for all three.
     Lengths,
+    /// Two numbers, each as [`Kind::Number`], or one that stands for both.
+    Pair,
+    /// A list of at least so many lists of so many numbers that stand still, such as points.
+    Rows(usize, &'static [usize]),
     /// True or false.
     Flag,
     /// Any text.
@@ -97,6 +101,11 @@ impl Kind {
             Self::Whole | Self::Seed => "whole number".into(),
             Self::Vector => "three numbers".into(),
             Self::Lengths => "one number or three".into(),
+            Self::Pair => "one number or two".into(),
+            Self::Rows(least, widths) => {
+                let widths = widths.iter().map(usize::to_string).collect::<Vec<_>>().join(" or ");
+                format!("list of {least} or more lists of {widths} numbers")
+            }
             Self::Flag => "true or false".into(),
             Self::Text => "text".into(),
             Self::Choice(names) => choices(names),

@@ -347,6 +347,60 @@ impl<'r, 'a> Fields<'r, 'a> {
         }))
     }
 
+    /// Two numbers, or one that stands for both.
+    pub fn two(&self, name: &str) -> Option<[Number; 2]> {
+        let key = self.key(name);
+        let full = self.full(name);
+        let Some(value) = self.value(name) else {
+            let Absent::Number(value) = key.default else { return None };
+            return Some([(); 2].map(|()| Number::constant(value, &full, self.span)));
+        };
+        let Some(list) = value.list() else {
+            let number = self.reader.number(&full, key.limit, value);
+            return Some([number.clone(), number]);
+        };
+        let Ok(two) = <&[Value; 2]>::try_from(list) else {
+            let problem = format!("`{}` must be one number or two", clip(&full));
+            self.reader.say(Diagnostic::error(value.span, problem).label(format!("these are {}", list.len())));
+            return None;
+        };
+        let part = |axis: usize| self.reader.number(&format!("{full}.{}", ["x", "y"][axis]), key.limit, &two[axis]);
+        Some([part(0), part(1)])
+    }
+
+    /// Lists of numbers that stand still.
+    pub fn rows(&self, name: &str) -> Option<(Vec<Vec<f64>>, Span)> {
+        let key = self.key(name);
+        let full = self.full(name);
+        let Kind::Rows(least, widths) = key.kind else { return None };
+        let value = self.value(name)?;
+        let Some(list) = value.list() else {
+            self.reader.wrong_kind(&full, &format!("a {}", key.kind.words()), value);
+            return None;
+        };
+        if list.len() < least {
+            let problem = format!("`{}` needs at least {least}", clip(&full));
+            self.reader.say(Diagnostic::error(value.span, problem).label(format!("these are {}", list.len())));
+            return None;
+        }
+        let row = |row: &Value| -> Option<Vec<f64>> {
+            let parts = row.list()?;
+            let numbers: Vec<f64> = parts.iter().filter_map(Value::number).collect();
+            let fits = numbers.len() == parts.len() && widths.contains(&numbers.len());
+            (fits && numbers.iter().all(|number| Limit::Any.allows(*number))).then_some(numbers)
+        };
+        let mut rows = Vec::with_capacity(list.len());
+        for value in list {
+            let Some(numbers) = row(value) else {
+                let problem = format!("`{}` is a {}", clip(&full), key.kind.words());
+                self.reader.say(Diagnostic::error(value.span, problem).label("this is none of them"));
+                return None;
+            };
+            rows.push(numbers);
+        }
+        Some((rows, value.span))
+    }
+
     /// Three numbers that must be there.
     pub fn required_vector(&self, name: &str) -> [Number; 3] {
         self.vector(name).unwrap_or_else(|| [(); 3].map(|()| Number::constant(1.0, name, self.span)))

@@ -6,7 +6,7 @@ use crate::field::Aabb;
 
 use super::links::{Link, Node};
 use super::{Building, Host, any_shape_keys, family, shape_keys};
-use crate::node::argument::{Argument, Arguments, Bounds, Copies};
+use crate::node::argument::{Argument, Arguments, Bounds, Copies, Rows};
 use crate::node::keys;
 use crate::node::list;
 use crate::node::model::{Modifier, Placement, Shape, ShapeId};
@@ -203,6 +203,11 @@ impl<'r, 'a> Building<'r, 'a> {
         Some(match key.kind {
             Kind::Number => Argument::Number(fields.number(name)?),
             Kind::Vector | Kind::Lengths => Argument::Vector(Box::new(fields.vector(name)?)),
+            Kind::Pair => Argument::Pair(Box::new(fields.two(name)?)),
+            Kind::Rows(..) => {
+                let (all, span) = fields.rows(name)?;
+                Argument::Rows(Rows { all, span })
+            }
             Kind::Constant => Argument::Constant(fields.constant(name)?),
             Kind::Seed => Argument::Seed(self.seed_of(fields.whole(name), &fields.path)),
             Kind::Choice(_) => Argument::Choice(fields.choice(name)?),
