@@ -7,6 +7,7 @@ pub(crate) mod assets;
 pub(crate) mod attributes;
 pub(crate) mod bend;
 pub(crate) mod copied;
+pub(crate) mod corners;
 pub(crate) mod depth;
 pub(crate) mod direct;
 pub(crate) mod displacement;
@@ -21,6 +22,7 @@ pub(crate) mod model;
 pub(crate) mod paint;
 pub(crate) mod painted;
 pub(crate) mod placed;
+pub(crate) mod profile;
 mod read;
 mod reference;
 mod schema;
@@ -73,8 +75,50 @@ nodes! {
             capsule
             half_space
             slab
+            infinite_cylinder
+            infinite_cone
+            corner
+            rounded_box
+            chamfered_box
+            box_frame
+            hollow_box
+            cut_sphere
+            cap
+            hollow_sphere
+            cut_hollow_sphere
+            lens
+            egg
+            round_cone
+            solid_angle
+            dented_sphere
+            barth_sextic
+            barth_decic
+            capped_torus
+            link
+            chain
+            torus_knot
+            helix
+            rounded_cylinder
+            pipe
+            elliptic_cylinder
             heart
             formula;
+        polyhedron:
+            tetrahedron
+            octahedron
+            dodecahedron
+            icosahedron
+            cuboctahedron
+            truncated_octahedron
+            truncated_icosahedron
+            rhombic_dodecahedron
+            bipyramid
+            prism
+            antiprism
+            pyramid
+            frustum
+            hull
+            planes;
         import:
             mesh;
         combine:
