@@ -119,6 +119,41 @@ nodes! {
             frustum
             hull
             planes;
+        planar:
+            circle
+            ellipse
+            rectangle
+            rounded_rectangle
+            chamfered_rectangle
+            rhombus
+            trapezoid
+            parallelogram
+            triangle
+            regular_polygon
+            polygon
+            star
+            cross
+            pie
+            arc_2d
+            ring
+            horseshoe
+            vesica
+            moon
+            egg_2d
+            heart_2d
+            parabola
+            spiral
+            stroke
+            stadium
+            cut_disk
+            tunnel
+            stairs
+            gear
+            superellipse;
+        lift:
+            extrude
+            revolve
+            lathe;
         import:
             mesh;
         combine:

@@ -7,6 +7,7 @@ mod links;
 mod morph;
 mod pairs;
 mod places;
+mod planar;
 mod scalars;
 mod shapes;
 
@@ -134,7 +135,9 @@ impl Parts {
         building.check_velocity(morph.as_deref(), &output);
         building.check_displacements();
         building.report_cycles();
+        building.check_planes();
         let content = building.content(morph, chosen)?;
+        let content = building.lifted(content);
         Some(Self {
             shot,
             unit,

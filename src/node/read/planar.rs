@@ -1,0 +1,135 @@
+//! Shapes of the plane among solids: where they may stand, and what becomes of one that is baked by itself.
+
+use super::Building;
+use super::links::Node;
+use crate::node::argument::{Argument, Arguments};
+use crate::node::model::{Content, Shape, ShapeId};
+use crate::node::profile;
+use crate::node::spec::{Plane, Spec};
+use crate::text::diagnostic::{Diagnostic, clip};
+use crate::text::key::{Absent, Kind};
+use crate::text::number::Number;
+
+impl Building<'_, '_> {
+    /// Which shapes are of the plane: those that are by themselves, and set operations and blends of such.
+    fn flat_shapes(&self) -> Vec<bool> {
+        let is = |spec: &Spec, plane: Plane| spec.plane == plane;
+        let mut flat: Vec<bool> =
+            self.shapes.iter().map(|shape| shape.as_ref().is_some_and(|shape| is(shape.spec, Plane::Flat))).collect();
+        let joins = |shape: &Shape| matches!(shape.spec.key.kind, Kind::Shapes(_)) && is(shape.spec, Plane::Solid);
+        // A shape is told after its operands; each round tells one level more.
+        loop {
+            let mut changed = false;
+            for (i, shape) in self.shapes.iter().enumerate() {
+                let Some(shape) = shape.as_ref().filter(|shape| joins(shape) && !flat[i]) else { continue };
+                let mut operands = shape.arguments.all_shapes().peekable();
+                if operands.peek().is_some() && operands.all(|operand| flat[operand.0]) {
+                    (flat[i], changed) = (true, true);
+                }
+            }
+            if !changed {
+                return flat;
+            }
+        }
+    }
+
+    /// Says which operands are of the plane where a solid is needed, or the other way round.
+    pub(super) fn check_planes(&self) {
+        let flat = self.flat_shapes();
+        for link in &self.links {
+            let Node::Shape(to) = link.to else { continue };
+            let (from, lifts) = match link.from {
+                Node::Shape(from) if flat[from.0] => continue,
+                Node::Shape(from) => match &self.shapes[from.0] {
+                    Some(shape) => (shape.spec.key.name, shape.spec.plane == Plane::Lifts),
+                    None => continue,
+                },
+                Node::Cells(_) => ("octree", false),
+                Node::Output => continue,
+            };
+            let Some(name) = self.shapes[to.0].as_ref().map(|shape| clip(&shape.name).into_owned()) else { continue };
+            match (flat[to.0], lifts) {
+                (true, false) => self.reader.say(
+                    Diagnostic::error(
+                        link.span,
+                        format!("`{from}` needs solids, and `{name}` is a shape of the plane"),
+                    )
+                    .help(format!("make it a solid with {}", profile::LIFTING)),
+                ),
+                (false, true) => self.reader.say(
+                    Diagnostic::error(
+                        link.span,
+                        format!("`{from}` needs a shape of the plane, and `{name}` is a solid"),
+                    )
+                    .help("such as `circle`, `rectangle`, `polygon`, or a `union` of them"),
+                ),
+                _ => {}
+            }
+        }
+    }
+
+    /// What is baked, with shapes of the plane extruded by themselves.
+    pub(super) fn lifted(&mut self, content: Content) -> Content {
+        let flat = self.flat_shapes();
+        match content {
+            Content::Shape(id) => Content::Shape(self.lift(id, &flat)),
+            Content::Morph(mut morphs) => {
+                for morph in &mut morphs {
+                    (morph.from, morph.to) = (self.lift(morph.from, &flat), self.lift(morph.to, &flat));
+                }
+                Content::Morph(morphs)
+            }
+        }
+    }
+
+    fn lift(&mut self, id: ShapeId, flat: &[bool]) -> ShapeId {
+        if !flat.get(id.0).is_some_and(|flat| *flat) {
+            return id;
+        }
+        let spec = profile::extrude();
+        let is_made =
+            |shape: &Option<Shape>| shape.as_ref().is_some_and(|shape| shape.arguments.shape_of(spec) == Some(id));
+        if let Some(made) = (flat.len()..self.shapes.len()).find(|i| is_made(&self.shapes[*i])) {
+            return ShapeId(made);
+        }
+        let Some(shape) = self.shapes[id.0].clone() else { return id };
+        let problem =
+            format!("`{}` is a shape of the plane: it is extruded by an eighth of its longer side", clip(&shape.name));
+        self.reader
+            .say(Diagnostic::warning(shape.span, problem).help(format!("{} say what it is to be", profile::LIFTING)));
+        let number = |name: &str, value: f64| Number::constant(value, name, shape.span);
+        let mut arguments = Arguments(vec![(spec.key.name, Argument::Shape(id))]);
+        for key in spec.parameters {
+            if let Absent::Number(value) = key.default {
+                arguments.0.push((key.name, Argument::Number(number(key.name, value))));
+            }
+        }
+        let placement = crate::node::model::Placement {
+            scale: [(); 3].map(|()| number("scale", 1.0)),
+            rotate: [(); 3].map(|()| number("rotate", 0.0)),
+            translate: [(); 3].map(|()| number("move", 0.0)),
+        };
+        let lifted = Shape {
+            name: shape.name,
+            span: shape.span,
+            spec,
+            arguments,
+            modifiers: Vec::new(),
+            placement,
+            colour: None,
+            scalars: Default::default(),
+        };
+        self.shapes.push(Some(lifted));
+        ShapeId(self.shapes.len() - 1)
+    }
+}
+
+impl Arguments {
+    /// The shape that a row's own key names.
+    fn shape_of(&self, spec: &Spec) -> Option<ShapeId> {
+        match self.get(spec.key.name)? {
+            Argument::Shape(id) => Some(*id),
+            _ => None,
+        }
+    }
+}
