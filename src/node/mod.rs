@@ -16,8 +16,10 @@ pub(crate) mod extent;
 mod hash;
 pub(crate) mod id;
 pub mod keys;
+pub(crate) mod lattice;
 pub(crate) mod load;
 pub(crate) mod measured;
+pub(crate) mod minimal;
 pub(crate) mod model;
 pub(crate) mod paint;
 pub(crate) mod painted;
@@ -154,6 +156,26 @@ nodes! {
             extrude
             revolve
             lathe;
+        periodic:
+            gyroid
+            schwarz_p
+            schwarz_d
+            lidinoid
+            neovius
+            i_wp
+            f_rd
+            split_p
+            fischer_koch_s
+            cubic
+            bcc
+            fcc
+            octet
+            kelvin
+            diamond
+            rhombic
+            fluorite
+            isotruss
+            honeycomb;
         import:
             mesh;
         combine:

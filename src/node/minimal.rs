@@ -1,0 +1,155 @@
+//! Periodic minimal surfaces, by the few waves that are near to them.
+//!
+//! A sheet is |g| ≤ t/2·|∇g|: to first order all that is within t/2 of g = 0, so that its thickness is a length, whatever g
+//! is in. Where g is flat there is no sheet, and nothing is divided by its slope.
+
+use super::spec::Build;
+use crate::field::{Graph, Node, Slope};
+use crate::text::problem::Problem;
+
+use Wave::{Cos, Sin};
+
+/// A wave along an axis: of 0 … 2 for x … z, and how many go into a cell.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Wave {
+    /// The cosine.
+    Cos(usize, i32),
+    /// The sine.
+    Sin(usize, i32),
+}
+
+/// A product of waves on different axes, with a factor.
+#[derive(Clone, Copy, Debug)]
+pub struct Term(pub f64, pub &'static [Wave]);
+
+/// Points along a cell's edge at which the share of space and the mean slope are counted: the share is right to a
+/// thousandth.
+const GRID: usize = 32;
+
+impl Wave {
+    fn axis(self) -> (usize, f64) {
+        match self {
+            Cos(axis, times) | Sin(axis, times) => (axis, f64::from(times)),
+        }
+    }
+
+    /// The wave, or its derivative by its own coordinate.
+    fn at(self, angles: [f64; 3], derived: bool) -> f64 {
+        let (axis, times) = self.axis();
+        let angle = times * angles[axis];
+        match (self, derived) {
+            (Cos(..), false) => libm::cos(angle),
+            (Cos(..), true) => -times * libm::sin(angle),
+            (Sin(..), false) => libm::sin(angle),
+            (Sin(..), true) => times * libm::cos(angle),
+        }
+    }
+
+    fn node(self, graph: &mut Graph, angles: [Node; 3], derived: bool) -> Node {
+        let (axis, times) = self.axis();
+        let angle = graph.linear(angles[axis], times, 0.0);
+        let factor = match (self, derived) {
+            (_, false) => 1.0,
+            (Cos(..), true) => -times,
+            (Sin(..), true) => times,
+        };
+        let wave = if matches!(self, Cos(..)) == derived { graph.sin(angle) } else { graph.cos(angle) };
+        graph.linear(wave, factor, 0.0)
+    }
+}
+
+impl Term {
+    /// Whether its derivative by an axis is 0.
+    fn is_without(&self, by: Option<usize>) -> bool {
+        by.is_some_and(|by| self.1.iter().all(|wave| wave.axis().0 != by))
+    }
+
+    /// The term, or its derivative by an axis.
+    fn at(&self, angles: [f64; 3], by: Option<usize>) -> f64 {
+        if self.is_without(by) {
+            return 0.0;
+        }
+        self.1.iter().fold(self.0, |product, wave| product * wave.at(angles, by == Some(wave.axis().0)))
+    }
+
+    fn node(&self, graph: &mut Graph, angles: [Node; 3], by: Option<usize>) -> Option<Node> {
+        if self.is_without(by) {
+            return None;
+        }
+        let factors = self.1.iter().map(|wave| wave.node(graph, angles, by == Some(wave.axis().0)));
+        let factors: Vec<Node> = factors.collect();
+        match factors.into_iter().reduce(|product, factor| graph.mul(product, factor)) {
+            Some(product) => Some(graph.linear(product, self.0, 0.0)),
+            None => Some(graph.constant(self.0)),
+        }
+    }
+
+    /// A bound of the derivative by some axes, one after another.
+    fn bound(&self, by: &[usize]) -> f64 {
+        by.iter().fold(self.0.abs(), |bound, by| {
+            let times = self.1.iter().find(|wave| wave.axis().0 == *by).map_or(0.0, |wave| wave.axis().1);
+            bound * times
+        })
+    }
+}
+
+fn sum(graph: &mut Graph, terms: &[Term], angles: [Node; 3], by: Option<usize>) -> Node {
+    let parts: Vec<Node> = terms.iter().filter_map(|term| term.node(graph, angles, by)).collect();
+    let zero = graph.constant(0.0);
+    parts.into_iter().fold(zero, |sum, part| graph.add(sum, part))
+}
+
+/// The row's node: a sheet of `thickness`, or the side that `fraction` fills.
+pub fn surface(build: &mut dyn Build, key: &'static str, terms: &[Term]) -> Result<Node, Problem> {
+    let given = |name: &str| build.arguments().number(name).is_some();
+    let (sheet, solid) = (given("thickness"), given("fraction"));
+    if sheet == solid {
+        let (at, problem) = if sheet {
+            ("fraction", format!("`{key}` has both `thickness` and `fraction`"))
+        } else {
+            (key, format!("`{key}` has neither `thickness` nor `fraction`"))
+        };
+        return Err(build.wrong(at, problem).help(
+            "exactly one of `thickness`, for a sheet in units, and `fraction`, for a solid that fills so much of space",
+        ));
+    }
+    let wave = std::f64::consts::TAU / build.number(key)?;
+    let (mut values, mean) = counted(terms);
+    let scale = 1.0 / (wave * mean);
+    // Bounds of |∇g| and of how fast that changes, in waves.
+    let derived = |by: &[usize]| terms.iter().map(|term| term.bound(by)).sum::<f64>();
+    let first = [0, 1, 2].into_iter().map(|i| derived(&[i])).fold(0.0, f64::hypot);
+    let second = (0..9).map(|i| derived(&[i / 3, i % 3])).fold(0.0, f64::hypot);
+    let half = if sheet { build.number("thickness")? / 2.0 * wave } else { 0.0 };
+    let fraction = if solid { build.number("fraction")? } else { 0.0 };
+    let graph = build.graph();
+    let angles = glam::DVec3::AXES.map(|axis| graph.affine(axis * wave, 0.0));
+    let value = sum(graph, terms, angles, None);
+    let (node, steepest) = if sheet {
+        let by = [0, 1, 2].map(|axis| sum(graph, terms, angles, Some(axis)));
+        let slope = graph.length(&by);
+        let (slope, from) = (graph.linear(slope, half * scale, 0.0), graph.abs(value));
+        let from = graph.linear(from, scale, 0.0);
+        (graph.sub(slope, from), first + half * second)
+    } else {
+        let at = ((fraction * values.len() as f64) as usize).min(values.len() - 1);
+        let (_, level, _) = values.select_nth_unstable_by(at, f64::total_cmp);
+        (graph.linear(value, -scale, scale * *level), first)
+    };
+    Ok(graph.sloped(node, Slope::Lipschitz(scale * wave * steepest * (1.0 + 1e-9)), None))
+}
+
+/// g at points all over a cell, and the mean of |∇g|.
+fn counted(terms: &[Term]) -> (Vec<f64>, f64) {
+    let angle = |i: usize| (i as f64 + 0.5) / GRID as f64 * std::f64::consts::TAU;
+    let mut values = Vec::with_capacity(GRID * GRID * GRID);
+    let mut slopes = 0.0;
+    for i in 0..GRID * GRID * GRID {
+        let angles = [angle(i / (GRID * GRID)), angle(i / GRID % GRID), angle(i % GRID)];
+        let all = |by: Option<usize>| terms.iter().map(|term| term.at(angles, by)).sum::<f64>();
+        values.push(all(None));
+        slopes += [0, 1, 2].into_iter().map(|axis| all(Some(axis))).fold(0.0, f64::hypot);
+    }
+    let mean = slopes / values.len() as f64;
+    (values, mean)
+}

@@ -1,0 +1,21 @@
+//! A cubic lattice.
+
+use crate::node::lattice::{edges, lattice};
+use crate::node::spec::Spec;
+use crate::text::key::Absent::{Of, Required};
+use crate::text::key::Key;
+
+/// A cubic lattice.
+pub const NODE: Spec = Spec {
+    key: Key::length(
+        "cubic",
+        Required,
+        "Lattice of round struts, along the edges of cubes: the edge of a cell. Unbounded: cut it with `bounds` or `intersection`.",
+    ),
+    parameters: &[Key::length("radius", Of("cubic", 0.08), "The radius of its struts.")],
+    formula: "the greatest over the struts of r − |p − q|, q the nearest of the strut",
+    example: "cubic = 1\nbounds = { box = 2.2, cut = true }",
+    is_endless: true,
+    build: |build| lattice(build, "cubic", &edges()),
+    ..Spec::PLAIN
+};

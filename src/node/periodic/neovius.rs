@@ -1,0 +1,46 @@
+//! Neovius' surface.
+
+use crate::node::minimal::{Term, Wave::Cos, surface};
+use crate::node::spec::Spec;
+use crate::text::key::Absent::{Nothing, Required};
+use crate::text::key::{Key, Kind, Limit};
+
+/// Neovius' surface.
+pub const NODE: Spec = Spec {
+    key: Key::length(
+        "neovius",
+        Required,
+        "Neovius' surface: the edge of a cell. Unbounded: cut it with `bounds` or `intersection`.",
+    ),
+    parameters: &[
+        Key::new(
+            "thickness",
+            Kind::Number,
+            Nothing,
+            "The thickness of a sheet along it, units, by the slope at its middle. Either this or `fraction`.",
+        )
+        .limit(Limit::Positive)
+        .unit("units"),
+        Key::new(
+            "fraction",
+            Kind::Number,
+            Nothing,
+            "The share of space that is filled on one side of it. Either this or `thickness`.",
+        )
+        .limit(Limit::Within(0.01, 0.99)),
+    ],
+    formula: "(t/2·|∇g| − |g|)/m for a sheet, (c − g)/m for a solid, m the mean of |∇g|, g = 3(cos x + cos y + cos z) + 4 cos x cos y cos z, x, y, z in cells times 2π",
+    source: "Neovius, 1883; its usual approximation by waves",
+    example: "neovius = 1\nthickness = 0.15\nbounds = { box = 2, cut = true }",
+    is_endless: true,
+    build: |build| surface(build, "neovius", TERMS),
+    ..Spec::PLAIN
+};
+
+/// g as a sum of products.
+const TERMS: &[Term] = &[
+    Term(3.0, &[Cos(0, 1)]),
+    Term(3.0, &[Cos(1, 1)]),
+    Term(3.0, &[Cos(2, 1)]),
+    Term(4.0, &[Cos(0, 1), Cos(1, 1), Cos(2, 1)]),
+];
