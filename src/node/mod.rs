@@ -8,6 +8,7 @@ pub(crate) mod attributes;
 pub(crate) mod bend;
 pub(crate) mod copied;
 pub(crate) mod corners;
+pub(crate) mod curves;
 pub(crate) mod depth;
 pub(crate) mod direct;
 pub(crate) mod displacement;
@@ -15,6 +16,7 @@ mod example;
 pub(crate) mod extent;
 mod hash;
 pub(crate) mod id;
+pub(crate) mod kernels;
 pub mod keys;
 pub(crate) mod lattice;
 pub(crate) mod load;
@@ -37,6 +39,8 @@ mod volume;
 
 #[cfg(test)]
 mod row_tests;
+#[cfg(test)]
+mod shape_tests;
 #[cfg(test)]
 mod tests;
 
@@ -176,6 +180,15 @@ nodes! {
             fluorite
             isotruss
             honeycomb;
+        curve:
+            polyline
+            bezier
+            b_spline
+            catmull_rom;
+        soft:
+            metaballs
+            blobby
+            convolution;
         import:
             mesh;
         combine:

@@ -1,0 +1,294 @@
+//! What shapes refuse, and what holds of more of them than their examples show.
+
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+
+use glam::DVec3;
+
+use super::assets::Assets;
+use super::id::{ShapeId, Stage};
+use super::model::Content;
+use super::row_tests::{solids, wrong_distances};
+use super::solid::Solids;
+use super::{Model, Source as From, load};
+use crate::field::tests::{Samples, slope_at};
+use crate::field::{Aabb, Expression, Field, Slope};
+use crate::text::Overrides;
+
+fn loaded(text: &str) -> Result<Model, String> {
+    let scene = From::Text { name: "shapes.toml".into(), text: text.into(), folder: ".".into() };
+    load(&scene, &Overrides::default()).map_err(|problems| problems.to_string())
+}
+
+/// What is wrong with a shape of some keys, when it is read or when it is built.
+fn problem(keys: &str) -> String {
+    let model = match loaded(&format!("hfvdb = 1\n[shape.s]\n{keys}\n")) {
+        Ok(model) => Arc::new(model),
+        Err(problems) => return problems,
+    };
+    let assets = Assets::load(&model, &[ShapeId(0)], None).unwrap_or_else(|problem| panic!("{problem:?}\n{keys}"));
+    let cancel = Arc::new(AtomicBool::new(false));
+    let mut solids = Solids::new(&model, &Arc::new(assets), model.moment(1.0), 64.0, &cancel);
+    let Content::Shape(id) = model.content else { panic!("it is a shape") };
+    match solids.values(id) {
+        Ok(_) => panic!("nothing is wrong with\n{keys}"),
+        Err(problem) => {
+            assert!(problem.0.span.is_some_and(|span| span != Default::default()), "no place: {}", problem.0.message);
+            assert!(!problem.0.help.is_empty(), "no way out: {}", problem.0.message);
+            format!("{}; {}", problem.0.message, problem.0.help)
+        }
+    }
+}
+
+fn field(keys: &str) -> Expression {
+    let text = format!("hfvdb = 1\n[output]\nshape = \"s\"\n[shape.s]\n{keys}\n");
+    let (mut solids, id) = solids(&text);
+    solids.values(id).unwrap_or_else(|problem| panic!("{problem:?}\n{keys}"))
+}
+
+#[test]
+fn parameters_that_make_no_shape_are_errors_with_a_way_out() {
+    for (keys, words) in [
+        ("sphere = -1", "must be greater than 0"),
+        ("rounded_box = [1, 2, 0.3]\nedge_radius = 0.2", "`edge_radius` is more than half of the shortest edge"),
+        ("chamfered_box = 1\nchamfer = 0.5", "`chamfer` must be less than half"),
+        ("box_frame = 1\nbar = 0.6", "nothing is left between the bars"),
+        ("hollow_box = 1\nwall = 0.5", "`wall` must be less than half"),
+        ("hollow_sphere = 1\nwall = 1", "`wall` must be less than the radius"),
+        ("cut_sphere = 1\ncut = 1.5", "must lie within the ball"),
+        ("cut_hollow_sphere = 1\ncut = -0.99", "`cut` must lie between"),
+        ("lens = 1\nthickness = 3", "more than twice the rim's radius"),
+        ("egg = 1\ntip = 1", "`tip` must be less"),
+        ("egg = 1\nheight = 2", "`height` must be more than twice"),
+        ("dented_sphere = 1\ndent_height = 3", "the two balls must cross"),
+        ("chain = 0.2\ntube = 0.15", "does not fit through the next"),
+        ("torus_knot = 1\np = 2\nq = 4", "p = 1, q = 2"),
+        ("rounded_cylinder = 1\nedge_radius = 1.2", "`edge_radius` must be at most"),
+        ("pipe = 1\nwall = 1", "a thinner wall"),
+        ("hull = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 1, 0]]", "lie in one plane"),
+        ("hull = [[0, 0, 0], [1, 0, 0], [0, 1, 0]]", "needs at least 4"),
+        ("hull = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 1]]", "lists of 3 numbers"),
+        ("planes = [[1, 0, 0, 1], [-1, 0, 0, 1], [0, 1, 0, 1], [0, -1, 0, 1]]", "nothing ends"),
+        (
+            "planes = [[1, 0, 0, -1], [-1, 0, 0, -1], [0, 1, 0, 1], [0, -1, 0, 1], [0, 0, 1, 1], [0, 0, -1, 1]]",
+            "nothing lies behind",
+        ),
+        ("polygon = [[0, 0], [1, 0]]", "needs at least 3"),
+        ("polygon = [[0, 0], [1, 1], [1, 0], [0, 1]]", "cross: [0, 0] to [1, 1]"),
+        ("polygon = [[0, 0], [1, 1], [2, 2]]", "has no area"),
+        ("triangle = [[0, 0], [1, 0], [1, 1], [0, 1]]", "`polygon` has any number"),
+        ("cross = 1\narm = 1", "`arm` must be less"),
+        ("arc_2d = 1\nangle = 355", "the ends of the arc meet"),
+        ("horseshoe = 1\nangle = 300\nlength = 3", "the ends of the horseshoe meet"),
+        ("ring = 1\nwidth = 2", "`circle`"),
+        ("vesica = 1\nwidth = 2", "`rotate`"),
+        ("moon = 1\nbite_at = 5", "must cross"),
+        ("tunnel = [4, 1]", "at least 2"),
+        ("gear = 1\nhole = 1", "between the teeth"),
+        ("stroke = [[0, 0, 1], [1, 0, -1]]", "a width must be greater than 0"),
+        ("lathe = [[-1, 0], [1, 0], [1, 1]]", "beyond the axis"),
+        ("extrude = { circle = 1 }\nheight = 0.2\nedge_radius = 0.2", "half of the height"),
+        ("extrude = { superellipse = 1 }\nedge_radius = 0.1", "needs a shape whose F is its distance"),
+        ("extrude = { circle = 1, rotate = [30, 0, 0] }", "leaves the plane"),
+        ("revolve = { rectangle = 1, move = [0.5, 0, 0] }", "an edge on the axis"),
+        ("revolve = { circle = 1, move = [-3, 0, 0] }", "nothing is left"),
+        ("extrude = { sphere = 1 }", "`extrude` needs a shape of the plane, and"),
+        ("union = [{ circle = 1 }, { sphere = 1 }]", "make it a solid with `extrude` or `revolve`"),
+        ("facet = { circle = 1 }\ncells = { octree = { sphere = 1 } }", "`facet` needs solids"),
+        ("gyroid = 1\nbounds = 2", "neither `thickness` nor `fraction`"),
+        ("gyroid = 1\nthickness = 0.1\nfraction = 0.2\nbounds = 2", "both `thickness` and `fraction`"),
+        ("honeycomb = 1\nwall = 1\nbounds = 2", "larger cells"),
+        ("polyline = [[0, 0, 0, 0.1], [1, 0, 0, 0]]", "a radius must be greater than 0"),
+        ("polyline = [[0, 0, 0]]", "needs at least 2"),
+        ("b_spline = [[0, 0, 0], [1, 0, 0], [1, 1, 0]]", "needs at least 4"),
+        ("metaballs = [[0, 0, 0, -1]]", "the fourth number of a ball"),
+        ("convolution = [[0, 0, 0], [0, 0, 0]]", "are the same"),
+        ("sphere = 1\nat = { cells = { octree = { circle = 1 } } }", "a shape of the plane"),
+    ] {
+        let said = problem(keys);
+        assert!(said.contains(words), "{keys}\n{said}");
+    }
+}
+
+/// Distances of what is made of shapes of the plane, and of parameters beside those of the examples.
+#[test]
+fn solids_of_the_plane_are_as_exact_as_they_say() {
+    let both = Slope::Exact { outside: true, inside: true };
+    for (keys, slope) in [
+        ("extrude = { polygon = [[-1, -1], [1, -1], [1, 1], [0, 0], [-1, 1]] }\nheight = 0.7", both),
+        ("extrude = { ellipse = [1.2, 0.4], rotate = [0, 0, 30], move = [0.2, 0.1, 5] }\nheight = 0.7", both),
+        ("extrude = { gear = 1, teeth = 8, hole = 0.4, scale = 0.9 }\nheight = 1", both),
+        (
+            "extrude = { rectangle = [1.4, 0.8], offset = 0.2 }\nheight = 1",
+            Slope::Exact { outside: true, inside: false },
+        ),
+        ("revolve = { rectangle = [0.4, 1] }\naxis_offset = 0.8", both),
+        ("revolve = { star = 0.4, move = [1, 0, 0] }", both),
+        // Half of the rectangle lies beyond the axis, which counts in its distance.
+        ("revolve = { rectangle = [2, 1], move = [0.2, 0, 0] }", Slope::Lipschitz(1.0)),
+        ("revolve = { circle = 0.4 }\naxis_offset = 1\nangle = 200", Slope::Lipschitz(1.0)),
+        ("extrude = { star = 1 }\nheight = 0.8\nedge_radius = 0.1", Slope::Lipschitz(1.0)),
+        ("lathe = [[0, -1], [1, -0.5], [0.3, 0], [1, 1], [0, 1]]", both),
+        ("capped_torus = 1\nangle = 60", both),
+        ("capped_torus = 1\nangle = 300", both),
+        ("capped_torus = 1\nangle = 350", Slope::Exact { outside: true, inside: false }),
+        ("cut_sphere = 1.2\ncut = -0.5", both),
+        ("cap = 0.6\nheight = 1.6", both),
+        ("cut_hollow_sphere = 1.2\ncut = -0.6\nwall = 0.3", both),
+        ("solid_angle = 1.4\nangle = 140", both),
+        ("infinite_cone = 70", both),
+        ("elliptic_cylinder = [0.3, 1.4]\nheight = 0.8", both),
+        ("elliptic_cylinder = [1, 1]\nheight = 0.8", both),
+        ("frustum = 0.5\ntop = 1.2\nsides = 3", both),
+        ("arc_2d = 1\nangle = 40\nwidth = 0.5", both),
+        ("pie = 1.2\nangle = 60", both),
+    ] {
+        let field = field(keys);
+        assert_eq!(field.slope(), slope, "{keys}");
+        let wrong = wrong_distances(keys, &field, 40);
+        assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+    }
+}
+
+#[test]
+fn a_shape_of_the_plane_is_extruded_by_an_eighth_of_its_longer_side() {
+    let model = loaded("hfvdb = 1\n[shape.plate]\nrectangle = [2, 1]\noffset = 0.3\n").unwrap();
+    assert!(model.warnings.to_string().contains("`plate` is a shape of the plane"), "{}", model.warnings);
+    let Content::Shape(id) = model.content else { panic!("it is a shape") };
+    let model = Arc::new(model);
+    let assets = Arc::new(Assets::load(&model, &[id], None).unwrap());
+    let mut solids = Solids::new(&model, &assets, model.moment(1.0), 64.0, &Arc::new(AtomicBool::new(false)));
+    let field = solids.field(id, Stage::Placed).unwrap();
+    let size = field.bounding_box().unwrap().size();
+    assert!((size - DVec3::new(2.6, 1.6, 2.6 / 8.0)).length() < 1e-9, "{size}");
+    // Nobody extrudes what something else does.
+    let named = loaded("hfvdb = 1\n[shape.a]\ncircle = 1\n[shape.b]\nextrude = \"a\"\nheight = 3\n").unwrap();
+    assert!(!named.warnings.to_string().contains("plane"), "{}", named.warnings);
+}
+
+/// Set operations of shapes of the plane are such again.
+#[test]
+fn shapes_of_the_plane_are_joined_in_the_plane() {
+    let field =
+        field("extrude = \"both\"\nheight = 0.5\n[shape.both]\ndifference = [{ circle = 1 }, { circle = 0.5 }]");
+    assert!(field.reference(DVec3::new(0.75, 0.0, 0.2)) > 0.0);
+    assert!(field.reference(DVec3::ZERO) < 0.0 && field.reference(DVec3::new(0.75, 0.0, 0.3)) < 0.0);
+    let size = field.bounding_box().unwrap().size();
+    assert!((size - DVec3::new(2.0, 2.0, 0.5)).length() < 1e-6, "{size}");
+}
+
+const SURFACES: [&str; 9] =
+    ["gyroid", "schwarz_p", "schwarz_d", "lidinoid", "neovius", "i_wp", "f_rd", "split_p", "fischer_koch_s"];
+
+/// The share of a cell that is inside, counted at points at random.
+fn share(field: &Expression, cell: f64) -> f64 {
+    let mut samples = Samples::new(5);
+    let cell = Aabb::new(DVec3::ZERO, DVec3::splat(cell));
+    let count = 20_000;
+    (0..count).filter(|_| field.reference(samples.within(&cell)) > 0.0).count() as f64 / f64::from(count)
+}
+
+#[test]
+fn periodic_solids_fill_their_fraction_of_space() {
+    for name in SURFACES {
+        for fraction in [0.2, 0.5, 0.8] {
+            let field = field(&format!("{name} = 0.7\nfraction = {fraction}\nbounds = 9"));
+            let found = share(&field, 0.7);
+            assert!((found - fraction).abs() < 0.015, "{name}: {found} of {fraction}");
+        }
+    }
+}
+
+/// A thickness is a length: from the middle of a thin sheet its surface is half of it away, whatever the cell.
+#[test]
+fn periodic_sheets_are_as_thick_as_they_say() {
+    for name in SURFACES {
+        for cell in [0.5, 3.0] {
+            let thickness = 0.01 * cell;
+            let field = field(&format!("{name} = {cell}\nthickness = {thickness}\nbounds = 99"));
+            let mut samples = Samples::new(9);
+            let within = Aabb::new(DVec3::ZERO, DVec3::splat(cell));
+            let found: Vec<f64> = (0..200_000)
+                .map(|_| samples.within(&within))
+                .filter(|p| field.reference(*p) > 0.0)
+                .take(300)
+                .filter_map(|p| thickness_at(&field, p, thickness))
+                .collect();
+            assert!(found.len() > 100, "{name}");
+            let mean = found.iter().sum::<f64>() / found.len() as f64;
+            assert!((mean / thickness - 1.0).abs() < 0.05, "{name} of {cell}: {mean} for {thickness}");
+        }
+    }
+}
+
+/// The way through a wall along the gradient at its surface.
+fn thickness_at(field: &Expression, p: DVec3, expected: f64) -> Option<f64> {
+    let slope = slope_at(field, p, [1e-6, 1e-5])?.normalize();
+    let way = |direction: DVec3| {
+        let at = |i: i32| f64::from(i) * expected / 400.0;
+        (1..4000).map(at).find(|far| field.reference(p + direction * *far) <= 0.0)
+    };
+    Some(way(slope)? + way(-slope)?)
+}
+
+#[test]
+fn lattices_of_struts_repeat_and_reach_their_points() {
+    for (name, on_strut, beside) in [
+        ("cubic", [0.5, 0.0, 0.0], [0.5, 0.5, 0.5]),
+        ("bcc", [0.25, 0.25, 0.25], [0.5, 0.0, 0.0]),
+        ("fcc", [0.25, 0.25, 0.0], [0.5, 0.0, 0.0]),
+        ("octet", [0.75, 0.75, 0.5], [0.5, 0.0, 0.0]),
+        ("kelvin", [0.5, 0.75, 0.0], [0.5, 0.5, 0.5]),
+        ("diamond", [0.125, 0.125, 0.125], [0.5, 0.5, 0.5]),
+        ("rhombic", [0.25, 0.25, 0.25], [0.0, 0.0, 0.0]),
+        ("fluorite", [0.125, 0.125, 0.125], [0.5, 0.5, 0.5]),
+        ("isotruss", [0.5, 0.0, 0.0], [0.5, 0.25, 0.1]),
+        ("honeycomb", [0.5, 0.1, 0.3], [0.0, 0.0, 0.0]),
+    ] {
+        let field = field(&format!("{name} = 2\nbounds = 99"));
+        for cell in [DVec3::ZERO, DVec3::new(1.0, -2.0, 3.0), DVec3::new(-4.0, 5.0, 1.0)] {
+            // Hexagons repeat along y by √3.
+            let cell = if name == "honeycomb" { cell * DVec3::new(1.0, 3.0_f64.sqrt(), 1.0) } else { cell };
+            let at = |point: [f64; 3]| field.reference((DVec3::from(point) + cell) * 2.0);
+            assert!(at(on_strut) > 0.09, "{name}: {}", at(on_strut));
+            assert!(at(beside) < 0.0, "{name}: {}", at(beside));
+        }
+    }
+}
+
+#[test]
+fn curves_go_where_their_points_say() {
+    let radius = |keys: &str, at: [f64; 3]| field(keys).reference(DVec3::from(at));
+    let points = "[[-1, 0, 0, 0.2], [-1, 0, 2], [1, 0, -2], [1, 0, 0, 0.4]]";
+    for (keys, at, wanted) in [
+        (format!("bezier = {points}"), [-1.0, 0.0, 0.0], 0.2),
+        (format!("bezier = {points}"), [1.0, 0.0, 0.0], 0.4),
+        // The middle of a cubic: (a + 3b + 3c + d)/8.
+        (format!("bezier = {points}"), [0.0, 0.0, 0.0], (0.2 + 0.3 + 0.3 + 0.4) / 8.0),
+        (format!("b_spline = {points}"), [-1.0, 0.0, 0.0], 0.2),
+        // A clamped cubic of four points is the Bézier curve of them.
+        (format!("b_spline = {points}"), [0.0, 0.0, 0.0], (0.2 + 0.3 + 0.3 + 0.4) / 8.0),
+        // A closed one passes at (a + 4b + c)/6.
+        (format!("b_spline = {points}\nends = \"closed\""), [-2.0 / 3.0, 0.0, 1.0], (0.2 + 0.4 + 0.1) / 6.0),
+        (format!("catmull_rom = {points}"), [-1.0, 0.0, 2.0], 0.1),
+        (format!("catmull_rom = {points}\nends = \"closed\""), [1.0, 0.0, -2.0], 0.1),
+        (format!("polyline = {points}\nends = \"closed\""), [0.0, 0.0, 0.0], 0.3),
+    ] {
+        assert!((radius(&keys, at) - wanted).abs() < 2e-3, "{keys}: {}", radius(&keys, at));
+    }
+}
+
+/// Of a long straight line the flesh is as thick as it says.
+#[test]
+fn soft_objects_have_their_radii() {
+    let line = field("convolution = [[-20, 0, 0], [20, 0, 0]]\nradius = 0.3\nkernel_width = 0.5");
+    assert!(line.reference(DVec3::new(0.0, 0.3, 0.0)).abs() < 1e-4);
+    let slope = slope_at(&line, DVec3::new(0.0, 0.3, 0.0), [1e-5, 1e-4]).unwrap();
+    assert!((slope - DVec3::NEG_Y).length() < 1e-2, "{slope}");
+    // Cut into pieces it is the same.
+    let cut =
+        field("convolution = [[-20, 0, 0], [-1, 0, 0], [0.3, 0, 0], [20, 0, 0]]\nradius = 0.3\nkernel_width = 0.5");
+    assert!((cut.reference(DVec3::new(0.3, 0.2, 0.1)) - line.reference(DVec3::new(0.3, 0.2, 0.1))).abs() < 1e-9);
+    let blob = field("blobby = [[0, 0, 0, 0.6]]\nblobbiness = 2");
+    assert!(blob.reference(DVec3::X * 0.6).abs() < 1e-12);
+}
