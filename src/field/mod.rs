@@ -7,6 +7,7 @@
 mod batch;
 mod bounds;
 mod branch;
+mod candidates;
 pub mod cells;
 mod combine;
 mod copies;

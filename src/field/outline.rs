@@ -157,6 +157,9 @@ impl Outline {
                 self.pen = Some((start, from));
                 self.line(start);
                 self.pen = None;
+            } else if from != start {
+                // Rounding left a gap, through which a ray must not slip.
+                self.crossings.push(Crossing { from, to: start, arc: None });
             }
             if self.area < 0.0 {
                 for piece in &mut self.pieces[self.loop_begins..] {

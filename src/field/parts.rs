@@ -9,6 +9,7 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
+use super::candidates::Candidates;
 use super::{Aabb, BATCH, Evaluator, Field, Gradients, Hint, Hints, Interval, Points, Slope};
 
 /// A value and its gradient.
@@ -52,21 +53,35 @@ pub trait Parts: Send + Sync {
 }
 
 /// The field of some parts.
-pub struct Joined<P>(P);
+pub struct Joined<P> {
+    parts: P,
+    candidates: Option<Candidates>,
+}
 
 impl<P: Parts + 'static> Joined<P> {
     /// As an operand of an expression.
     pub fn shared(parts: P) -> Arc<dyn Field> {
-        Arc::new(Self(parts))
+        Arc::new(Self::new(parts))
     }
 }
 
 impl<P: Parts> Joined<P> {
+    /// The field of parts.
+    pub fn new(parts: P) -> Self {
+        let candidates = Candidates::new(&parts);
+        Self { parts, candidates }
+    }
+
+    /// Those that may be the best in a region, as the parts see it.
+    fn candidates<'s>(&'s self, region: &Aabb, all: &'s [u32]) -> &'s [u32] {
+        self.candidates.as_ref().map_or(all, |candidates| candidates.of(region))
+    }
+
     /// The best of some parts, the first where several are; as it is in the solid.
-    fn best(&self, candidates: impl Iterator<Item = u32>, position: DVec3) -> Sample {
+    fn best(&self, candidates: &[u32], position: DVec3) -> Sample {
         let mut best = (f64::NEG_INFINITY, DVec3::ZERO);
         for index in candidates {
-            let sample = self.0.part(index as usize, position);
+            let sample = self.parts.part(*index as usize, position);
             if sample.0 > best.0 {
                 best = sample;
             }
@@ -74,15 +89,11 @@ impl<P: Parts> Joined<P> {
         best
     }
 
-    fn all(&self) -> std::ops::Range<u32> {
-        0..self.0.count() as u32
-    }
-
     /// A position as the parts see it.
     fn own(&self, position: DVec3) -> DVec3 {
-        match self.0.period() {
+        match self.parts.period() {
             Some(period) => position - (position / period).floor() * period,
-            None if self.0.is_flat() => position.with_z(0.0),
+            None if self.parts.is_flat() => position.with_z(0.0),
             None => position,
         }
     }
@@ -94,20 +105,27 @@ impl<P: Parts> Joined<P> {
 
 impl<P: Parts> Field for Joined<P> {
     fn bounding_box(&self) -> Option<Aabb> {
-        self.0.bounding_box()
+        self.parts.bounding_box()
     }
 
     fn slope(&self) -> Slope {
-        self.0.slope()
+        self.parts.slope()
     }
 
     fn reference(&self, position: DVec3) -> f64 {
+        // All of them, one by one: the judge of what is left out.
         let position = self.own(position);
-        self.signed(self.best(self.all(), position), self.0.inside(position)).0
+        let mut best = (f64::NEG_INFINITY, DVec3::ZERO);
+        for index in 0..self.parts.count() {
+            let sample = self.parts.part(index, position);
+            best = if sample.0 > best.0 { sample } else { best };
+        }
+        self.signed(best, self.parts.inside(position)).0
     }
 
     fn evaluator(&self) -> Box<dyn Evaluator + '_> {
-        Box::new(JoinedEvaluator { joined: self, regions: Vec::new(), spare: Vec::new() })
+        let all = (0..self.parts.count() as u32).collect();
+        Box::new(JoinedEvaluator { joined: self, all, regions: Vec::new(), spare: Vec::new() })
     }
 }
 
@@ -126,6 +144,7 @@ struct Region {
 
 struct JoinedEvaluator<'f, P> {
     joined: &'f Joined<P>,
+    all: Vec<u32>,
     regions: Vec<Region>,
     spare: Vec<Vec<u32>>,
 }
@@ -133,17 +152,20 @@ struct JoinedEvaluator<'f, P> {
 impl<P: Parts> JoinedEvaluator<'_, P> {
     fn sample(&self, position: DVec3) -> Sample {
         let joined = self.joined;
-        let Some(region) = self.regions.last() else {
-            let position = joined.own(position);
-            return joined.signed(joined.best(joined.all(), position), joined.0.inside(position));
+        let (own, few, inside) = match self.regions.last() {
+            // Parts that were counted in a region where no single cube repeats are sought at each point.
+            Some(Region { shift: Some(shift), few, inside, .. }) => (self.flat(position - *shift), &few[..], *inside),
+            _ => {
+                let own = joined.own(position);
+                let few = joined.candidates.as_ref().map_or(&self.all[..], |candidates| candidates.at(own));
+                (own, few, None)
+            }
         };
-        let own = region.shift.map_or_else(|| joined.own(position), |shift| self.flat(position - shift));
-        let best = joined.best(region.few.iter().copied(), own);
-        joined.signed(best, region.inside.or_else(|| joined.0.inside(own)))
+        joined.signed(joined.best(few, own), inside.or_else(|| joined.parts.inside(own)))
     }
 
     fn flat(&self, position: DVec3) -> DVec3 {
-        if self.joined.0.is_flat() { position.with_z(0.0) } else { position }
+        if self.joined.parts.is_flat() { position.with_z(0.0) } else { position }
     }
 
     /// The carriers that may be zero in the region; none where they are too many.
@@ -155,7 +177,7 @@ impl<P: Parts> JoinedEvaluator<'_, P> {
             let Some(shift) = region.shift else { return Vec::new() };
             let centre = self.flat(region.centre - shift);
             let near = |index: &&u32| {
-                let (value, _) = self.joined.0.part(**index as usize, centre);
+                let (value, _) = self.joined.parts.part(**index as usize, centre);
                 value.abs() <= region.reach
             };
             let found: Vec<u32> = region.few.iter().filter(near).copied().collect();
@@ -166,7 +188,7 @@ impl<P: Parts> JoinedEvaluator<'_, P> {
 
 impl<P: Parts> Evaluator for JoinedEvaluator<'_, P> {
     fn enter(&mut self, region: &Aabb) {
-        let parts = &self.joined.0;
+        let parts = &self.joined.parts;
         let (centre, size) = (region.centre(), region.size());
         let reach = if parts.is_flat() { size.truncate().length() } else { size.length() } * 0.5 * (1.0 + 1e-9);
         // Of what repeats, a region that leaves the cubes around is folded point by point.
@@ -182,24 +204,24 @@ impl<P: Parts> Evaluator for JoinedEvaluator<'_, P> {
         let outer = self.regions.last().filter(|outer| outer.shift.is_some() && shift.is_some());
         let shift = outer.map_or(shift, |outer| outer.shift);
         let own = shift.map_or_else(|| self.joined.own(centre), |shift| self.flat(centre - shift));
-        let candidates = || match outer {
-            Some(outer) => either(Some(outer.few.iter().copied()), None),
-            None => either(None, Some(self.joined.all())),
-        };
         let known = outer.and_then(|outer| outer.inside);
-        let mut value = f64::NAN;
-        let mut inside = None;
+        let (mut value, mut inside) = (f64::NAN, None);
         if own.is_finite() {
-            let best = self.joined.best(candidates(), own);
+            let around = Aabb::new(own, own);
+            let candidates = match (outer, shift) {
+                (Some(outer), _) => &outer.few[..],
+                (None, Some(_)) => self.joined.candidates(&around.grown(reach), &self.all),
+                (None, None) => self.joined.candidates(&around, &self.all),
+            };
+            let best = self.joined.best(candidates, own);
             let here = known.or_else(|| parts.inside(own));
             value = self.joined.signed(best, here).0;
             // Pieces of a boundary that is farther away leave the side as it is.
             inside = known.or_else(|| here.filter(|_| value.abs() > reach));
-            let least = best.0 - 2.0 * reach - 1e-9 * (best.0.abs() + reach);
-            let all = shift.is_none();
-            few.extend(candidates().filter(|index| all || parts.part(*index as usize, own).0 >= least));
-        } else {
-            few.extend(candidates());
+            if shift.is_some() {
+                let least = best.0 - 2.0 * reach - 1e-9 * (best.0.abs() + reach);
+                few.extend(candidates.iter().filter(|index| parts.part(**index as usize, own).0 >= least));
+            }
         }
         self.regions.push(Region { centre, reach, shift, few, value, inside, carriers: OnceCell::new() });
     }
@@ -219,7 +241,7 @@ impl<P: Parts> Evaluator for JoinedEvaluator<'_, P> {
     fn hints(&mut self, _: Hint) -> Hints {
         /// As many parts as are better narrowed on the way to small regions.
         const MANY: usize = 8;
-        Hints { has_many_parts: self.joined.0.count() > MANY, ..Hints::NONE }
+        Hints { has_many_parts: self.joined.parts.count() > MANY, ..Hints::NONE }
     }
 
     fn leave(&mut self) {
@@ -246,14 +268,9 @@ impl<P: Parts> Evaluator for JoinedEvaluator<'_, P> {
         let Some(index) = self.carriers().get(branch).copied() else { return self.gradients(points, out) };
         let shift = self.regions.last().and_then(|region| region.shift).unwrap_or(DVec3::ZERO);
         for i in 0..points.len {
-            set(out, i, self.joined.0.carrier(index as usize, self.flat(points.position(i) - shift)));
+            set(out, i, self.joined.parts.carrier(index as usize, self.flat(points.position(i) - shift)));
         }
     }
-}
-
-/// One iterator or the other.
-fn either<T>(a: Option<impl Iterator<Item = T>>, b: Option<impl Iterator<Item = T>>) -> impl Iterator<Item = T> {
-    a.into_iter().flatten().chain(b.into_iter().flatten())
 }
 
 fn set(out: &mut Gradients, i: usize, (value, gradient): Sample) {
@@ -300,13 +317,14 @@ impl<F: Fn(DVec3) -> Sample + Send + Sync> Parts for Procedure<F> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::field::outline::Outline;
     use crate::field::struts::{Strut, Struts};
 
     /// What a region leaves out never changes a bit, also where all repeats.
     #[test]
     fn regions_leave_every_bit_as_it_is() {
         let bars: Vec<Strut> = DVec3::AXES.map(|axis| Strut::new(DVec3::ZERO, axis, [0.1; 2])).to_vec();
-        let lattice = Joined(Struts::periodic(&bars, 1.0));
+        let lattice = Joined::new(Struts::periodic(&bars, 1.0));
         let many: Vec<Strut> = (0..200)
             .map(|i| {
                 let at =
@@ -314,24 +332,36 @@ mod tests {
                 Strut::new(at(i), at(i + 1), [0.02, 0.03])
             })
             .collect();
-        let line = Joined(Struts::new(many));
-        for field in [&lattice as &dyn Field, &line as &dyn Field] {
+        let line = Joined::new(Struts::new(many));
+        let corner = |i: i32| {
+            let far = if i % 2 == 0 { 1.0 } else { 0.6 };
+            glam::DVec2::new(libm::cos(f64::from(i) * 0.2), libm::sin(f64::from(i) * 0.2)) * far
+        };
+        let mut outline = Outline::polygon(&(0..31).map(corner).collect::<Vec<_>>());
+        outline.draw_circle(glam::DVec2::ZERO, 0.3);
+        let outline = Joined::new(outline);
+        for field in [&lattice as &dyn Field, &line as &dyn Field, &outline as &dyn Field] {
             let mut evaluator = field.evaluator();
             for step in 0..60 {
                 let centre = DVec3::new(0.03, -0.041, 0.027) * f64::from(step);
                 let outer = Aabb::new(centre, centre).grown(0.3);
                 let inner = Aabb::new(centre, centre).grown(0.02);
-                evaluator.enter(&outer);
-                evaluator.enter(&inner);
                 let mut points = Points::new(centre);
                 for i in 0..8 {
                     points.push((inner.corners()[i] - centre).as_vec3());
                 }
-                let mut values = [0.0; BATCH];
-                evaluator.values(&points, &mut values);
-                for i in 0..8 {
-                    assert_eq!(values[i], field.reference(points.position(i)) as f32, "{centre}");
-                    assert!(evaluator.bounds().contains(field.reference(points.position(i))));
+                // Without a region, in one that repeats or not, and in a small one within.
+                for (depth, region) in [None, Some(outer), Some(inner)].into_iter().enumerate() {
+                    if let Some(region) = region {
+                        evaluator.enter(&region);
+                    }
+                    let mut values = [0.0; BATCH];
+                    evaluator.values(&points, &mut values);
+                    for i in 0..8 {
+                        let wanted = field.reference(points.position(i));
+                        assert_eq!(values[i], wanted as f32, "{centre}, {depth}");
+                        assert!(depth == 0 || evaluator.bounds().contains(wanted), "{centre}, {depth}");
+                    }
                 }
                 evaluator.leave();
                 evaluator.leave();

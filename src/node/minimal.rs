@@ -33,15 +33,15 @@ impl Wave {
         }
     }
 
-    /// The wave, or its derivative by its own coordinate.
-    fn at(self, angles: [f64; 3], derived: bool) -> f64 {
+    /// The wave at a point of the grid, or its derivative by its own coordinate.
+    fn at(self, grid: &Grid, point: [usize; 3], derived: bool) -> f64 {
         let (axis, times) = self.axis();
-        let angle = times * angles[axis];
+        let turn = (2 * point[axis] + 1) * times as usize;
         match (self, derived) {
-            (Cos(..), false) => libm::cos(angle),
-            (Cos(..), true) => -times * libm::sin(angle),
-            (Sin(..), false) => libm::sin(angle),
-            (Sin(..), true) => times * libm::cos(angle),
+            (Cos(..), false) => grid.cos(turn),
+            (Cos(..), true) => -times * grid.sin(turn),
+            (Sin(..), false) => grid.sin(turn),
+            (Sin(..), true) => times * grid.cos(turn),
         }
     }
 
@@ -64,12 +64,12 @@ impl Term {
         by.is_some_and(|by| self.1.iter().all(|wave| wave.axis().0 != by))
     }
 
-    /// The term, or its derivative by an axis.
-    fn at(&self, angles: [f64; 3], by: Option<usize>) -> f64 {
+    /// The term at a point of the grid, or its derivative by an axis.
+    fn at(&self, grid: &Grid, point: [usize; 3], by: Option<usize>) -> f64 {
         if self.is_without(by) {
             return 0.0;
         }
-        self.1.iter().fold(self.0, |product, wave| product * wave.at(angles, by == Some(wave.axis().0)))
+        self.1.iter().fold(self.0, |product, wave| product * wave.at(grid, point, by == Some(wave.axis().0)))
     }
 
     fn node(&self, graph: &mut Graph, angles: [Node; 3], by: Option<usize>) -> Option<Node> {
@@ -118,8 +118,8 @@ pub fn surface(build: &mut dyn Build, key: &'static str, terms: &[Term]) -> Resu
     let scale = 1.0 / (wave * mean);
     // Bounds of |∇g| and of how fast that changes, in waves.
     let derived = |by: &[usize]| terms.iter().map(|term| term.bound(by)).sum::<f64>();
-    let first = [0, 1, 2].into_iter().map(|i| derived(&[i])).fold(0.0, f64::hypot);
-    let second = (0..9).map(|i| derived(&[i / 3, i % 3])).fold(0.0, f64::hypot);
+    let first = length((0..3).map(|i| derived(&[i])));
+    let second = length((0..9).map(|i| derived(&[i / 3, i % 3])));
     let half = if sheet { build.number("thickness")? / 2.0 * wave } else { 0.0 };
     let fraction = if solid { build.number("fraction")? } else { 0.0 };
     let graph = build.graph();
@@ -139,16 +139,38 @@ pub fn surface(build: &mut dyn Build, key: &'static str, terms: &[Term]) -> Resu
     Ok(graph.sloped(node, Slope::Lipschitz(scale * wave * steepest * (1.0 + 1e-9)), None))
 }
 
+/// The length of a vector, the same bits on every machine.
+fn length(components: impl Iterator<Item = f64>) -> f64 {
+    components.map(|component| component * component).sum::<f64>().sqrt()
+}
+
+/// The sines at the angles of the grid: of so many halves of a step.
+struct Grid([f64; 2 * GRID]);
+
+impl Grid {
+    fn new() -> Self {
+        Self(std::array::from_fn(|i| libm::sin(i as f64 / (2 * GRID) as f64 * std::f64::consts::TAU)))
+    }
+
+    fn sin(&self, turn: usize) -> f64 {
+        self.0[turn % (2 * GRID)]
+    }
+
+    fn cos(&self, turn: usize) -> f64 {
+        self.sin(turn + GRID / 2)
+    }
+}
+
 /// g at points all over a cell, and the mean of |∇g|.
 fn counted(terms: &[Term]) -> (Vec<f64>, f64) {
-    let angle = |i: usize| (i as f64 + 0.5) / GRID as f64 * std::f64::consts::TAU;
+    let grid = Grid::new();
     let mut values = Vec::with_capacity(GRID * GRID * GRID);
     let mut slopes = 0.0;
     for i in 0..GRID * GRID * GRID {
-        let angles = [angle(i / (GRID * GRID)), angle(i / GRID % GRID), angle(i % GRID)];
-        let all = |by: Option<usize>| terms.iter().map(|term| term.at(angles, by)).sum::<f64>();
+        let point = [i / (GRID * GRID), i / GRID % GRID, i % GRID];
+        let all = |by: Option<usize>| terms.iter().map(|term| term.at(&grid, point, by)).sum::<f64>();
         values.push(all(None));
-        slopes += [0, 1, 2].into_iter().map(|axis| all(Some(axis))).fold(0.0, f64::hypot);
+        slopes += length([0, 1, 2].into_iter().map(|axis| all(Some(axis))));
     }
     let mean = slopes / values.len() as f64;
     (values, mean)

@@ -104,6 +104,7 @@ nodes! {
             chain
             torus_knot
             helix
+            thread
             rounded_cylinder
             pipe
             elliptic_cylinder
@@ -159,7 +160,8 @@ nodes! {
         lift:
             extrude
             revolve
-            lathe;
+            lathe
+            sweep;
         periodic:
             gyroid
             schwarz_p

@@ -11,7 +11,7 @@ use crate::mesh::{Holes, MeshDistance, hull};
 use crate::text::problem::Problem;
 
 /// What makes solids of shapes of the plane, for messages.
-pub const LIFTING: &str = "`extrude` or `revolve`";
+pub const LIFTING: &str = "`extrude`, `revolve` or `sweep`";
 
 /// The row of `extrude`.
 pub fn extrude() -> &'static Spec {

@@ -61,9 +61,14 @@ the ends hold.
 
 **Distances.** `offset`, `shell`, `displace`, `bands`, `blend_radius` and `seam` are distances. Where a shape's F is not
 the distance on the side that they use, the distance is measured first, which takes from a tenth of a second to some
-seconds, for a shape that changes in every frame: it is that of balls, boxes, cylinders, capsules, half-spaces, slabs and
-closed meshes, outside of unions of them, and inside what is cut from them. What has no end cannot be measured: give it
+seconds, for a shape that changes in every frame. F is the distance where it is given below as the signed distance or as a
+length, outside of unions of such shapes, and inside what is cut from them. What has no end cannot be measured: give it
 `bounds`. Of a blend of three, what the first two make counts by its F.
+
+**The plane.** `circle`, `polygon`, `star` and others are shapes of the xy plane. `extrude`, `revolve` and `sweep` make
+solids of them, and `lathe` turns a polygon. Set operations and blends of shapes of the plane are of the plane; among solids
+such a shape is an error. Move, turn and scale it within the plane. Baked by itself it is extruded by an eighth of its longer
+side, with a warning.
 
 **Output.** hfvdb bakes the `[morph]` if there is one, otherwise `output.shape`, otherwise the only shape that no other
 shape uses.
@@ -237,7 +242,10 @@ fn specs(out: &mut String, specs: &'static [Spec]) {
             Absent::Required | Absent::Nothing => String::new(),
             _ => format!(" When left out: {}.", left_out(&spec.key)),
         };
-        let _ = write!(out, "### `{}`\n\n{} Takes: {}.{left_out}\n", spec.key.name, spec.key.text, takes(&spec.key));
+        let also: Vec<String> = spec.key.also.iter().map(|name| format!("`{name}`")).collect();
+        let also = if also.is_empty() { String::new() } else { format!(" Also called {}.", also.join(", ")) };
+        let (name, text) = (spec.key.name, spec.key.text);
+        let _ = write!(out, "### `{name}`\n\n{text} Takes: {}.{left_out}{also}\n", takes(&spec.key));
         match (spec.formula, spec.source) {
             ("", "") => {}
             (formula, "") => _ = write!(out, "\nF = {formula}\n"),

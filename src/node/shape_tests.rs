@@ -93,7 +93,9 @@ fn parameters_that_make_no_shape_are_errors_with_a_way_out() {
         ("revolve = { rectangle = 1, move = [0.5, 0, 0] }", "an edge on the axis"),
         ("revolve = { circle = 1, move = [-3, 0, 0] }", "nothing is left"),
         ("extrude = { sphere = 1 }", "`extrude` needs a shape of the plane, and"),
-        ("union = [{ circle = 1 }, { sphere = 1 }]", "make it a solid with `extrude` or `revolve`"),
+        ("sweep = { circle = 0.1 }\npath = { superellipse = 1 }", "`path` needs a shape whose F is its distance"),
+        ("thread = 1\ndepth = 1", "a finer `pitch`"),
+        ("union = [{ circle = 1 }, { sphere = 1 }]", "make it a solid with `extrude`, `revolve` or `sweep`"),
         ("facet = { circle = 1 }\ncells = { octree = { sphere = 1 } }", "`facet` needs solids"),
         ("gyroid = 1\nbounds = 2", "neither `thickness` nor `fraction`"),
         ("gyroid = 1\nthickness = 0.1\nfraction = 0.2\nbounds = 2", "both `thickness` and `fraction`"),
@@ -128,6 +130,7 @@ fn solids_of_the_plane_are_as_exact_as_they_say() {
         ("revolve = { rectangle = [2, 1], move = [0.2, 0, 0] }", Slope::Lipschitz(1.0)),
         ("revolve = { circle = 0.4 }\naxis_offset = 1\nangle = 200", Slope::Lipschitz(1.0)),
         ("extrude = { star = 1 }\nheight = 0.8\nedge_radius = 0.1", Slope::Lipschitz(1.0)),
+        ("sweep = { rectangle = 0.4 }\npath = { star = 1 }", Slope::Lipschitz(1.0)),
         ("lathe = [[0, -1], [1, -0.5], [0.3, 0], [1, 1], [0, 1]]", both),
         ("capped_torus = 1\nangle = 60", both),
         ("capped_torus = 1\nangle = 300", both),
@@ -142,6 +145,8 @@ fn solids_of_the_plane_are_as_exact_as_they_say() {
         ("frustum = 0.5\ntop = 1.2\nsides = 3", both),
         ("arc_2d = 1\nangle = 40\nwidth = 0.5", both),
         ("pie = 1.2\nangle = 60", both),
+        ("hollow_sphere = 1.2\nwall = 0.4", both),
+        ("hollow_box = [2, 1.5, 1.2]\nwall = 0.3", both),
     ] {
         let field = field(keys);
         assert_eq!(field.slope(), slope, "{keys}");

@@ -13,7 +13,7 @@ pub const NODE: Spec = Spec {
         Required,
         "Barth's decic around the origin, a surface of degree 10 with 345 double points: the radius of the ball that cuts it off.",
     ),
-    formula: "8(x² − φ⁴y²)(y² − φ⁴z²)(z² − φ⁴x²)(x⁴ + y⁴ + z⁴ − 2x²y² − 2y²z² − 2z²x²) + (3 + 5φ)(q − 1)²(q − 2 + φ)², q = x² + y² + z², φ the golden ratio, cut off by a ball",
+    formula: "−8(x² − φ⁴y²)(y² − φ⁴z²)(z² − φ⁴x²)(x⁴ + y⁴ + z⁴ − 2x²y² − 2y²z² − 2z²x²) − (3 + 5φ)(q − 1)²(q − 2 + φ)², q = x² + y² + z², φ the golden ratio, cut off by a ball",
     source: "Barth, Two projective surfaces with many nodes admitting the symmetries of the icosahedron, 1996",
     example: "barth_decic = 1",
     build: |build| {
@@ -25,13 +25,14 @@ pub const NODE: Spec = Spec {
         /// Makes the value about as steep as a distance.
         const SCALE: f64 = 0.02;
         let golden = (1.0 + 5.0_f64.sqrt()) / 2.0;
+        let fourth = (golden * golden) * (golden * golden);
         let squares = [DVec3::X, DVec3::Y, DVec3::Z].map(|axis| {
             let share = graph.affine(axis * (REACH / radius), 0.0);
             graph.square(share)
         });
         let [x, y, z] = squares;
         let product = [(x, y), (y, z), (z, x)].map(|(first, second)| {
-            let second = graph.linear(second, golden.powi(4), 0.0);
+            let second = graph.linear(second, fourth, 0.0);
             graph.sub(first, second)
         });
         let product = product.into_iter().reduce(|a, b| graph.mul(a, b)).expect("there are three");
@@ -50,6 +51,7 @@ pub const NODE: Spec = Spec {
         let (ball, product) =
             (graph.linear(ball, scale * (3.0 + 5.0 * golden), 0.0), graph.linear(product, 8.0 * scale, 0.0));
         let surface = graph.add(ball, product);
+        let surface = graph.neg(surface);
         let cut = graph.sphere(radius);
         Ok(graph.min(surface, cut))
     },

@@ -13,7 +13,7 @@ pub const NODE: Spec = Spec {
         Required,
         "Barth's sextic around the origin, a surface of degree 6 with 65 double points: the radius of the ball that cuts it off.",
     ),
-    formula: "(1 + 2φ)(q − 1)² − 4(φ²x² − y²)(φ²y² − z²)(φ²z² − x²), q = x² + y² + z², φ the golden ratio, cut off by a ball",
+    formula: "4(φ²x² − y²)(φ²y² − z²)(φ²z² − x²) − (1 + 2φ)(q − 1)², q = x² + y² + z², φ the golden ratio, cut off by a ball",
     source: "Barth, Two projective surfaces with many nodes admitting the symmetries of the icosahedron, 1996",
     example: "barth_sextic = 1",
     build: |build| {
@@ -41,7 +41,7 @@ pub const NODE: Spec = Spec {
         let scale = SCALE * radius;
         let (ball, product) =
             (graph.linear(ball, scale * (1.0 + 2.0 * golden), 0.0), graph.linear(product, 4.0 * scale, 0.0));
-        let surface = graph.sub(ball, product);
+        let surface = graph.sub(product, ball);
         let cut = graph.sphere(radius);
         Ok(graph.min(surface, cut))
     },

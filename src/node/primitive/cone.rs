@@ -9,7 +9,8 @@ use crate::text::key::{Key, Kind, Limit};
 
 /// A cone, or one whose top is cut off.
 pub const NODE: Spec = Spec {
-    key: Key::length("cone", Required, "A cone along z around the origin: the radius of its base, which is below."),
+    key: Key::length("cone", Required, "A cone along z around the origin: the radius of its base, which is below.")
+        .also(&["capped_cone"]),
     parameters: &[
         Key::length("height", Of("cone", 2.0), "From its base to its top."),
         Key::new("top", Kind::Number, Number(0.0), "The radius of its top; 0 is a point.")

@@ -17,7 +17,7 @@ pub const NODE: Spec = Spec {
     .unit("units"),
     parameters: &[Key::length("wall", Number(0.1), "The thickness of its walls.")],
     formula: "min(outer box, −inner box), both signed distances",
-    example: "hollow_box = [1.6, 1.2, 0.8]\nwall = 0.15",
+    example: "hollow_box = [1.6, 1.2, 0.8]\nwall = 0.15\nbounds = { box = [[-1, 0, -1], [1, 1, 1]], cut = true }",
     build: |build| {
         let (edges, wall) = (build.vector("hollow_box")?, build.number("wall")?);
         if 2.0 * wall >= edges.min_element() {

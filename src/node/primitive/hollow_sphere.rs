@@ -12,7 +12,7 @@ pub const NODE: Spec = Spec {
     key: Key::length("hollow_sphere", Required, "Ball around the origin with a hollow in it: its outer radius."),
     parameters: &[Key::length("wall", Of("hollow_sphere", 0.1), "The thickness of its wall.")],
     formula: "min(r − |p|, |p| − r + w)",
-    example: "hollow_sphere = 1\nwall = 0.15",
+    example: "hollow_sphere = 1\nwall = 0.15\nbounds = { box = [[-1, 0, -1], [1, 1, 1]], cut = true }",
     build: |build| {
         let (radius, wall) = (build.number("hollow_sphere")?, build.number("wall")?);
         if wall >= radius {
