@@ -6,7 +6,7 @@
 use glam::DVec3;
 
 use super::Aabb;
-use super::parts::Parts;
+use super::parts::{Parts, WITHIN};
 
 /// So few parts are not told apart any further.
 const FEW: usize = 4;
@@ -35,8 +35,8 @@ impl Candidates {
     /// Of all parts in a box; `None` where they are few, or the box is nowhere.
     pub fn new(parts: &impl Parts) -> Option<Self> {
         let bounds = match parts.period() {
-            // Regions of half an edge around any point of the cube at the origin.
-            Some(edge) => Aabb::new(DVec3::ZERO, DVec3::splat(edge)).grown(0.25 * edge),
+            // All regions that are seen as one, around any point of the cube at the origin.
+            Some(edge) => Aabb::new(DVec3::ZERO, DVec3::splat(edge)).grown(WITHIN * edge),
             None => {
                 let bounds = parts.bounding_box()?;
                 let bounds = if parts.is_flat() { flattened(bounds) } else { bounds };

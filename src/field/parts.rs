@@ -12,6 +12,12 @@ use glam::DVec3;
 use super::candidates::Candidates;
 use super::{Aabb, BATCH, Evaluator, Field, Gradients, Hint, Hints, Interval, Points, Slope};
 
+/// How far a region may reach, in cubes that repeat, to be seen as one: no part beyond the cubes around is then the best.
+pub(super) const WITHIN: f64 = 0.45;
+
+/// More parts of a region than this are more work at each point than a look into the tree.
+const MOST_LISTED: usize = 6;
+
 /// A value and its gradient.
 pub type Sample = (f64, DVec3);
 
@@ -153,8 +159,13 @@ impl<P: Parts> JoinedEvaluator<'_, P> {
     fn sample(&self, position: DVec3) -> Sample {
         let joined = self.joined;
         let (own, few, inside) = match self.regions.last() {
-            // Parts that were counted in a region where no single cube repeats are sought at each point.
-            Some(Region { shift: Some(shift), few, inside, .. }) => (self.flat(position - *shift), &few[..], *inside),
+            Some(Region { shift: Some(shift), few, inside, .. }) => {
+                let own = self.flat(position - *shift);
+                // Of many the tree knows the few of the point.
+                let tree = joined.candidates.as_ref().filter(|_| few.len() > MOST_LISTED);
+                (own, tree.map_or(&few[..], |tree| tree.at(own)), *inside)
+            }
+            // In a region where no single cube repeats each point has parts of its own.
             _ => {
                 let own = joined.own(position);
                 let few = joined.candidates.as_ref().map_or(&self.all[..], |candidates| candidates.at(own));
@@ -193,7 +204,7 @@ impl<P: Parts> Evaluator for JoinedEvaluator<'_, P> {
         let reach = if parts.is_flat() { size.truncate().length() } else { size.length() } * 0.5 * (1.0 + 1e-9);
         // Of what repeats, a region that leaves the cubes around is folded point by point.
         let shift = match parts.period() {
-            Some(period) if reach <= 0.25 * period => Some((centre / period).floor() * period),
+            Some(period) if reach <= WITHIN * period => Some((centre / period).floor() * period),
             Some(_) => None,
             None => Some(DVec3::ZERO),
         };
@@ -344,7 +355,7 @@ mod tests {
             let mut evaluator = field.evaluator();
             for step in 0..60 {
                 let centre = DVec3::new(0.03, -0.041, 0.027) * f64::from(step);
-                let outer = Aabb::new(centre, centre).grown(0.3);
+                let outer = Aabb::new(centre, centre).grown(0.25);
                 let inner = Aabb::new(centre, centre).grown(0.02);
                 let mut points = Points::new(centre);
                 for i in 0..8 {
