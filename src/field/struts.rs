@@ -63,12 +63,15 @@ pub struct Struts {
     all: Vec<Strut>,
     period: Option<f64>,
     is_flat: bool,
+    /// Whether the value is the distance inside, too.
+    inside: bool,
 }
 
 impl Struts {
     /// Some of them, at least one.
     pub fn new(all: Vec<Strut>) -> Self {
-        Self { all, period: None, is_flat: false }
+        let inside = all.len() == 1 || is_tube(&all);
+        Self { all, period: None, is_flat: false, inside }
     }
 
     /// A curve by straight pieces, places and radii given by the share of the way.
@@ -104,7 +107,7 @@ impl Struts {
                 }
             }
         }
-        Self { all, period: Some(edge), is_flat: false }
+        Self { all, period: Some(edge), is_flat: false, inside: false }
     }
 }
 
@@ -127,7 +130,7 @@ impl Parts for Struts {
 
     /// Outside of a union the nearest strut is as far; inside of one a wall that another one covers does not count.
     fn slope(&self) -> Slope {
-        Slope::Exact { outside: true, inside: self.all.len() == 1 }
+        Slope::Exact { outside: true, inside: self.inside }
     }
 
     fn is_flat(&self) -> bool {
@@ -137,4 +140,54 @@ impl Parts for Struts {
     fn period(&self) -> Option<f64> {
         self.period
     }
+}
+
+/// Whether struts are the pieces of one smooth curve, all of one radius, whose tube does not meet itself: then the nearest
+/// wall is straight out from the curve. So it is where the radius is less than the curve's reach: nowhere is the curve
+/// more strongly bent, and points farther apart along it than half a turn of that radius are two radii apart.
+fn is_tube(all: &[Strut]) -> bool {
+    /// Pairs of all pieces are looked at.
+    const MOST: usize = 4000;
+    /// How far the corners between straight pieces put the wall off, of the curve's size.
+    const TOLERANCE: f64 = 1e-5;
+    let (radius, count) = (all[0].radii[0], all.len());
+    if count > MOST || all.iter().any(|strut| strut.radii != [radius; 2] || strut.length == 0.0) {
+        return false;
+    }
+    let bounds = all.iter().map(Strut::bounding_box).reduce(Aabb::union);
+    let size = bounds.map_or(0.0, |bounds| bounds.size().max_element());
+    let meets = |a: &Strut, b: &Strut| a.to().distance(b.from) <= 1e-9 * size;
+    let bend = |a: &Strut, b: &Strut| {
+        // Its sine, which is the angle where that is small.
+        let turn = a.along.cross(b.along).length();
+        let is_smooth = a.along.dot(b.along) > 0.0 && radius * turn * turn / 8.0 <= TOLERANCE * size;
+        is_smooth && turn * radius <= (a.length + b.length) / 2.0
+    };
+    if !all.array_windows().all(|[a, b]| meets(a, b) && bend(a, b)) {
+        return false;
+    }
+    let is_closed = meets(&all[count - 1], &all[0]);
+    if is_closed && !bend(&all[count - 1], &all[0]) {
+        return false;
+    }
+    let mut along = 0.0;
+    let places: Vec<(f64, DVec3)> = all
+        .iter()
+        .map(|strut| {
+            along += strut.length;
+            (along - strut.length, strut.from)
+        })
+        .collect();
+    let whole = along;
+    let longest = all.iter().fold(0.0_f64, |longest, strut| longest.max(strut.length));
+    // Between two corners the curve may be nearer by as much as the pieces are long.
+    let least = 2.0 * radius + longest;
+    (0..places.len()).all(|i| {
+        let (from, a) = places[i];
+        (i + 1..places.len()).all(|j| {
+            let (to, b) = places[j];
+            let way = if is_closed { (to - from).min(whole - to + from) } else { to - from };
+            way <= std::f64::consts::PI * radius + longest || a.distance(b) >= least
+        })
+    })
 }

@@ -145,6 +145,11 @@ fn solids_of_the_plane_are_as_exact_as_they_say() {
         ("frustum = 0.5\ntop = 1.2\nsides = 3", both),
         ("arc_2d = 1\nangle = 40\nwidth = 0.5", both),
         ("pie = 1.2\nangle = 60", both),
+        ("torus_knot = 0.8", both),
+        ("helix = 0.7\nturns = 3", both),
+        // Windings that touch, and a knot whose strands do.
+        ("helix = 0.7\npitch = 0.15\nwire = 0.08", Slope::Exact { outside: true, inside: false }),
+        ("torus_knot = 0.8\ntube = 0.35", Slope::Exact { outside: true, inside: false }),
         ("hollow_sphere = 1.2\nwall = 0.4", both),
         ("hollow_box = [2, 1.5, 1.2]\nwall = 0.3", both),
     ] {

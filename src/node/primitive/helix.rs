@@ -33,7 +33,7 @@ pub const NODE: Spec = Spec {
             let up = (share - 0.5) * turns * pitch;
             DVec3::new(radius * libm::cos(angle), hand * radius * libm::sin(angle), up)
         };
-        let pieces = (96.0 * turns).ceil() as usize;
+        let pieces = (192.0 * turns).ceil() as usize;
         Ok(build.graph().field(Joined::shared(Struts::along(at, |_| wire, pieces))))
     },
     ..Spec::PLAIN

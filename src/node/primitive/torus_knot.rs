@@ -33,7 +33,7 @@ pub const NODE: Spec = Spec {
             let across = major + minor * libm::cos(about);
             DVec3::new(across * libm::cos(round), across * libm::sin(round), minor * libm::sin(about))
         };
-        Ok(build.graph().field(Joined::shared(Struts::along(at, |_| tube, 96 * (p + q) as usize))))
+        Ok(build.graph().field(Joined::shared(Struts::along(at, |_| tube, 192 * (p + q) as usize))))
     },
     ..Spec::PLAIN
 };
