@@ -15,6 +15,7 @@ mod mapped;
 mod mesh_colour;
 mod mix;
 mod parts;
+mod ramp;
 mod scalar_field;
 mod voxels;
 
@@ -28,6 +29,7 @@ pub use mapped::{MappedSampler, SpaceMap};
 pub use mesh_colour::VertexColours;
 pub use mix::{Mix, Mixer, Straight, Turn};
 pub use parts::{Overlap, Part, Parts, Rule};
+pub use ramp::{Ramp, RampEase};
 pub use scalar_field::ScalarField;
 pub use voxels::{Outside, POWERS, Power, RELATIVE_ERROR, ValueBlocks, VoxelValues};
 

@@ -17,6 +17,19 @@ pub enum SetSystem {
     MinMax,
 }
 
+/// How the greater of two values is rounded where they are near one another.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kernel {
+    /// A polynomial of second degree.
+    Quadratic,
+    /// A polynomial of third degree.
+    Cubic,
+    /// A piece of a circle.
+    Circular,
+    /// Exponentials: felt everywhere, if faintly, and the same for any order of several.
+    Exponential,
+}
+
 /// What holds a blend within bounds: it vanishes where this field is not positive.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BlendBounds {
@@ -96,6 +109,11 @@ impl Graph {
     /// `3a² − 2a³` of a value held to 0..1.
     pub fn smooth(&mut self, a: Node) -> Node {
         self.unary(Unary::Smooth, a)
+    }
+
+    /// The greatest whole number that is not above a value; jumps.
+    pub fn floor(&mut self, a: Node) -> Node {
+        self.unary(Unary::Floor, a)
     }
 
     /// The angle of the direction (x, y) from the x axis, −π to π.
@@ -238,6 +256,18 @@ impl Graph {
         let slope = if exact { Slope::Exact { outside: true, inside: false } } else { Slope::Unknown };
         let node = self.min(outer, inner);
         self.declare(node, Facts::new(None, slope))
+    }
+
+    /// The greater of two values, rounded where they differ by less than `width`: the union of two distances, blended.
+    pub fn smooth_max(&mut self, kernel: Kernel, width: f64, a: Node, b: Node) -> Node {
+        let operation = match kernel {
+            Kernel::Quadratic => Binary::SmoothQuadratic { width },
+            Kernel::Cubic => Binary::SmoothCubic { width },
+            Kernel::Circular => Binary::SmoothCircular { width },
+            // As much is added in the middle as by the polynomial of second degree.
+            Kernel::Exponential => Binary::SmoothExponential { width: width / 4.0 },
+        };
+        self.binary(operation, a, b)
     }
 
     /// `scale · node + offset`, scale ±1.

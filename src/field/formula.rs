@@ -282,7 +282,7 @@ mod tests {
             (4, "nothing here is called `foo`; known are `size`, `t`, `pi`"),
             (11, "`clamp` takes 3 arguments, `clamp(x, least, greatest)`, not 2"),
             (20, "nothing here is called `bar`"),
-            (27, "no function `wobble`; there are `abs`, `atan`,"),
+            (27, "no function `wobble`; there are `abs`, `angle`,"),
             (39, "did you mean `size`?"),
             (45, "the formula ends where"),
         ]

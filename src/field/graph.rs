@@ -168,6 +168,19 @@ impl Graph {
         self.declare(node, facts)
     }
 
+    /// A field read at other coordinates; of constants, its value.
+    pub fn field_at(&mut self, field: Arc<dyn Field>, at: [Node; 3]) -> Node {
+        if let [Some(x), Some(y), Some(z)] = at.map(|node| self.as_constant(node)) {
+            return self.constant(field.reference(DVec3::new(x, y, z)));
+        }
+        let own = Facts::new(None, field.slope()).steepness();
+        let read = at.iter().try_fold(0.0, |sum, node| Some(sum + self.facts(*node).steepness()?.powi(2)));
+        let here = self.field(field);
+        let Op::External { leaf, .. } = self.op(here) else { return here };
+        let node = self.external(leaf, at);
+        self.declare(node, Facts::steep(own.zip(read).map(|(own, read): (f64, f64)| own * read.sqrt())))
+    }
+
     pub(super) fn external(&mut self, leaf: u32, at: [Node; 3]) -> Node {
         self.intern(Op::External { leaf, at: at.map(|node| node.0) }, Facts::NONE)
     }

@@ -6,8 +6,6 @@ use glam::{DAffine3, DMat3, DVec3};
 
 use crate::attribute::CellIndex;
 use crate::field::{Aabb, Expression, Field, Graph, Interval, Node, Points, Slope};
-use crate::node::spec::Build;
-use crate::text::problem::Problem;
 
 /// A map of a shape's own space onto another. Where it is not one to one (mirrors, copies), a *branch* tells which of the
 /// images of its own space a position lies in.
@@ -194,21 +192,6 @@ impl Bend for Mapped {
     fn forth(&self, own: DVec3, _branch: u32) -> Option<DVec3> {
         self.forth.as_ref().map(|forth| forth(own))
     }
-}
-
-/// The box of the shape so far.
-pub(crate) fn own_box(build: &mut dyn Build) -> Result<Aabb, Problem> {
-    let inner = build.inner()?;
-    match build.graph().known_box(inner) {
-        Some(own) => Ok(own),
-        None => build.solid_box(inner),
-    }
-}
-
-/// The box of the shape so far, as far as its construction tells it.
-pub(crate) fn known_box(build: &mut dyn Build) -> Result<Option<Aabb>, Problem> {
-    let inner = build.inner()?;
-    Ok(build.graph().known_box(inner))
 }
 
 /// A box that holds all of one turned about z by any angle.

@@ -6,6 +6,7 @@ pub(crate) mod argument;
 pub(crate) mod assets;
 pub(crate) mod attributes;
 pub(crate) mod bend;
+pub(crate) mod blending;
 pub(crate) mod copied;
 pub(crate) mod corners;
 pub(crate) mod curves;
@@ -23,8 +24,10 @@ pub(crate) mod load;
 pub(crate) mod measured;
 pub(crate) mod minimal;
 pub(crate) mod model;
+pub(crate) mod own_box;
 pub(crate) mod paint;
 pub(crate) mod painted;
+pub(crate) mod pattern;
 pub(crate) mod placed;
 pub(crate) mod profile;
 mod read;
@@ -33,6 +36,7 @@ mod schema;
 pub(crate) mod solid;
 pub(crate) mod source;
 pub(crate) mod spec;
+pub(crate) mod system;
 pub(crate) mod table;
 pub(crate) mod variation;
 mod volume;
@@ -43,6 +47,8 @@ mod row_tests;
 mod shape_tests;
 #[cfg(test)]
 mod tests;
+#[cfg(test)]
+mod trap_tests;
 
 pub use example::{node_names, node_scene};
 pub use load::{Source, load, morph_of_meshes};
@@ -197,13 +203,37 @@ nodes! {
             union
             intersection
             difference
-            blend;
+            blend
+            symmetric_difference
+            complement
+            smooth_union
+            smooth_intersection
+            smooth_difference
+            round_union
+            round_intersection
+            round_difference
+            chamfer_union
+            chamfer_intersection
+            chamfer_difference
+            stairs_union
+            stairs_intersection
+            stairs_difference
+            columns_union
+            columns_intersection
+            columns_difference
+            seam_pipe
+            engrave
+            groove
+            tongue
+            clearance;
         structure:
             facet;
     }
 
     /// What can be done to a shape, in the order of work whatever the order of the text.
     MODIFIERS: Spec = {
+        level:
+            isovalue;
         cut:
             bounds;
         copies:
@@ -225,12 +255,16 @@ nodes! {
             wrap_cylinder
             wrap_sphere
             warp
+            warp_noise
             remap
             rotate_about
             quaternion
             look_at;
         surface:
+            round
+            fillet
             offset
+            onion
             shell
             displace;
     }
@@ -251,6 +285,18 @@ nodes! {
             palette
             range
             checker
+            noise
+            gradient_noise
+            simplex
+            fbm
+            ridged
+            turbulence
+            worley
+            radius
+            angle
+            waves
+            stripes
+            ramp
             bands
             parts
             vdb;
@@ -261,6 +307,18 @@ nodes! {
         number:
             values
             range
+            noise
+            gradient_noise
+            simplex
+            fbm
+            ridged
+            turbulence
+            worley
+            radius
+            angle
+            waves
+            stripes
+            ramp
             bands
             parts
             vdb;

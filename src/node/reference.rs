@@ -55,8 +55,8 @@ Lengths are in `unit`, angles in degrees; only keys in voxels say so. F is posit
 **Time.** t is 0 at the first frame of `frames` and 1 at its last: t = (frame − first)/(last − first). Outside the shot
 the ends hold.
 
-**Order.** Whatever the order of the text: what the shape is, then `bounds`, copies (`at`), `mirror`, `twist`, `offset`,
-`shell`, `displace`, `scale`, `rotate`, `move`. A list gives any other order, each as often as it is wanted:
+**Order.** Whatever the order of the text: what the shape is, then what is done to it in the order of
+[that chapter](#what-can-be-done-to-a-shape), then `scale`, `rotate`, `move`. A list gives any other order, each as often as it is wanted:
 `do = [{ twist = 30 }, { move = [1, 0, 0] }, { twist = 30 }]`.
 
 **Distances.** `offset`, `shell`, `displace`, `bands`, `blend_radius` and `seam` are distances. Where a shape's F is not

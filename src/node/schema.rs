@@ -146,7 +146,9 @@ fn of_kind(kind: Kind) -> Value {
         Kind::Places => json!({ "type": ["string", "array"] }),
         Kind::Direction => json!({ "anyOf": [{ "enum": ["x", "y", "z"] }, of_kind(Kind::Vector)] }),
         Kind::Steps => list(0, reference("step")),
-        Kind::Bands | Kind::NumberBands => list(1, json!({ "type": "array", "minItems": 2, "maxItems": 2 })),
+        Kind::Bands | Kind::NumberBands | Kind::Stops | Kind::NumberStops => {
+            list(1, json!({ "type": "array", "minItems": 2, "maxItems": 2 }))
+        }
         Kind::Numbers => list(1, json!({ "type": "number" })),
         Kind::Box => json!({ "type": ["number", "array", "object"] }),
         Kind::Copies | Kind::Fill | Kind::Table => json!({ "type": "object" }),

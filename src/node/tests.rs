@@ -98,7 +98,7 @@ fn all_errors_of_a_shape_come_together() {
 fn what_there_is_is_listed() {
     let found = problems("[shape.a]\nformula = 'wibble(x) + bar - wobble'\n");
     assert_eq!(found.len(), 3, "{found:#?}");
-    assert!(found[0].starts_with("2:12 there is no function `wibble`; there are `abs`, `atan`, "), "{found:#?}");
+    assert!(found[0].starts_with("2:12 there is no function `wibble`; there are `abs`, `angle`, "), "{found:#?}");
     assert!(found[1].starts_with("2:24 nothing here is called `bar`; known are "), "{found:#?}");
     assert!(found[2].starts_with("2:30 nothing here is called `wobble`"), "{found:#?}");
     let names: String = (0..15).map(|i| format!("[shape.part{i}]\nsphere = 1\n")).collect();
@@ -530,7 +530,7 @@ fn every_built_in_scene_is_right() {
 #[test]
 fn colours_that_are_wrong() {
     let colour = |colour: &str| format!("[shape.a]\nsphere = 1\ncolor = {colour}\n");
-    let makers = "`linear`, `hsv`, `palette`, `range`, `checker`, `bands`, `parts` and `vdb`";
+    let makers = "`linear`, `hsv`, `palette`, `range`, `checker`, `noise`, `gradient_noise`, `simplex`, `fbm`, `ridged`, `turbulence`, `worley`, `radius`, `angle`, `waves`, `stripes`, `ramp`, `bands`, `parts` and `vdb`";
     only(&colour("{}"), &format!("3:9 `shape.a.color` says no colour; give it one of {makers}"));
     only(
         &colour("{ bands = [[0, 'red']], linear = [0, 0, 1] }"),
@@ -607,4 +607,42 @@ fn what_a_morphs_mode_does_not_use() {
     only(&morph("mode = 'linear'\na0 = 1"), "10:1 `a0` is for `mode = \"paper\"` only");
     only(&morph("mode = 'paper'\na1 = -1"), "10:6 `morph.a1` must be greater than 0");
     only(&morph("volume = { 1 = 1, 5 = 0, 9 = 1 }"), "9:23 `morph.volume.5` must be from 0.001 to 100");
+}
+
+#[test]
+fn copies_patterns_and_space_that_are_wrong() {
+    let text = |keys: &str| format!("[shape.a]\nsphere = 1\n{keys}\n");
+    only(&text("array = 0"), "3:9 `shape.a.array` must be whole numbers from 1 on: one, or three for x, y and z");
+    only(
+        &text("array = [9000, 9000, 9000]"),
+        "3:9 `shape.a.array` makes 729000000000 copies, and 4000000 are the most",
+    );
+    only(
+        &text("places = [[1, 2, 3], [1, 2]]"),
+        "3:22 `shape.a.places[1]`: a place has 3, 4, 6 or 7 numbers, not 2; each is [x, y, z], [x, y, z, scale], [x, y, z, rx, ry, rz] or [x, y, z, rx, ry, rz, scale]",
+    );
+    only(
+        &text("mirror = 'w'"),
+        "3:11 `shape.a.mirror` cannot be `w`; one of `x`, `y`, `z`, or three numbers, such as [1, 1, 0]",
+    );
+    only(&text("spacing = 2"), "3:1 unknown key `spacing` in `shape.a`; `spacing` goes with `array`");
+    only(&text("scatter = 9"), "1:8 `shape.a` has no `host`; The shape that they are scattered on.");
+    only(&text("warp = ['x', 'y']"), "3:8 `shape.a.warp` must be three numbers");
+    only(
+        &text("color = { fbm = 0.5 }"),
+        "3:9 `shape.a.color` has no `colors`; The colours from 0 to 1, evenly: a palette's name, or at least one.",
+    );
+    only(
+        &text("color = { ramp = [[0, 'red'], [0, 'blue']], by = 'z' }"),
+        "3:32 `shape.a.color.ramp[1]` is at 0, not after the stop before it, 0; stops rise from one to the next",
+    );
+    only(&text("attribute.n = 'noise(x, y)'"), "3:16 `noise` takes 3 or 4 arguments, `noise(x, y, z[, seed])`, not 2");
+    only(
+        &text("along = [[0, 0, 0], [1, 0, 0]]\nclosed = 'maybe'"),
+        "4:11 `shape.a.closed` cannot be `maybe`; there is `no` and `yes`",
+    );
+    only(
+        &text("warp_noise = 0.1\nscatter = 5\nhost = 'b'\nseed = 3\n[shape.b]\nbox = 1\n[output]\nshape = 'a'"),
+        "6:1 `seed` of `shape.a` could go with `scatter` or with `warp_noise`; write do = [{ warp_noise = …, seed = … }]",
+    );
 }

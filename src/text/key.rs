@@ -71,6 +71,10 @@ pub enum Kind {
     Bands,
     /// Numbers with the depths at which they begin.
     NumberBands,
+    /// Colours at stops of a number.
+    Stops,
+    /// Numbers at stops of a number.
+    NumberStops,
     /// A list of numbers.
     Numbers,
     /// Two numbers that stand still.
@@ -129,6 +133,8 @@ impl Kind {
             Self::Components(_) | Self::Formulas => "three numbers or formulas of space".into(),
             Self::Bands => "list of `[depth, colour]`, depths rising".into(),
             Self::NumberBands => "list of `[depth, number]`, depths rising".into(),
+            Self::Stops => "list of `[at, colour]`, rising".into(),
+            Self::NumberStops => "list of `[at, number]`, rising".into(),
             Self::Numbers | Self::TwoNumbers => "list of numbers".into(),
             Self::Copies => "copies".into(),
             Self::Counts => "whole number or three".into(),

@@ -1,6 +1,9 @@
 //! The functions that formulas know.
 
+use std::sync::Arc;
+
 use crate::field::graph::{Graph, Node};
+use crate::field::noise::{Fold, Fractal, GradientNoise, Near, Noise, NoiseField, Simplex, ValueNoise, Worley};
 use crate::field::op::{self, Binary, Unary};
 
 /// A function of formulas.
@@ -49,6 +52,37 @@ pub(in crate::field) const fn any_number(
     Function { name, least: 1, most: usize::MAX, usage, text, make }
 }
 
+const fn up_to_one_more(
+    name: &'static str,
+    least: usize,
+    usage: &'static str,
+    text: &'static str,
+    make: Make,
+) -> Function {
+    Function { name, least, most: least + 1, usage, text, make }
+}
+
+/// Noise read at three arguments; the seed is the one after those and `more`.
+fn noise<N: Noise + 'static>(graph: &mut Graph, a: &[Node], seed: usize, make: impl FnOnce(u64) -> N) -> Node {
+    match whole(graph, a.get(seed)) {
+        Some(seed) => graph.field_at(Arc::new(NoiseField(make(seed))), [a[0], a[1], a[2]]),
+        None => graph.constant(f64::NAN),
+    }
+}
+
+/// The whole number that an argument is everywhere, 0 where it is left out; `None` where it differs from place to place.
+fn whole(graph: &Graph, argument: Option<&Node>) -> Option<u64> {
+    argument.map_or(Some(0), |node| graph.as_constant(*node).map(|number| number.round().max(0.0) as u64))
+}
+
+/// A sum of octaves of noise; how many is the argument after the place.
+fn fractal(graph: &mut Graph, a: &[Node], fold: Fold) -> Node {
+    match whole(graph, a.get(3)) {
+        Some(octaves) => noise(graph, a, 4, |seed| Fractal { seed, octaves: octaves.min(64) as u32, fold }),
+        None => graph.constant(f64::NAN),
+    }
+}
+
 /// Functions made of several operations; those of one stand with it, in [`op`].
 const MADE: &[Function] = &[
     function("ceil", 1, "ceil(x)", "the least whole number that is not below x; jumps", |graph, a| {
@@ -90,6 +124,87 @@ const MADE: &[Function] = &[
             graph.sub(a[0], taken)
         },
     ),
+    up_to_one_more(
+        "fbm",
+        4,
+        "fbm(x, y, z, octaves[, seed])",
+        "sum of octaves of gradient noise, each half as large and as strong as the one before; from 0 to 1",
+        |graph, a| fractal(graph, a, Fold::Plain),
+    ),
+    up_to_one_more(
+        "gradient_noise",
+        3,
+        "gradient_noise(x, y, z[, seed])",
+        "Perlin noise in cells of edge 1, from 0 to 1",
+        |graph, a| noise(graph, a, 3, |seed| GradientNoise { seed }),
+    ),
+    up_to_one_more(
+        "noise",
+        3,
+        "noise(x, y, z[, seed])",
+        "value noise in cells of edge 1, from 0 to 1; the same on every machine, as all noise here. A seed is a whole number \
+         and the same everywhere",
+        |graph, a| noise(graph, a, 3, |seed| ValueNoise { seed }),
+    ),
+    up_to_one_more(
+        "ridged",
+        4,
+        "ridged(x, y, z, octaves[, seed])",
+        "as fbm, of noise folded to crests, from 0 to 1",
+        |graph, a| fractal(graph, a, Fold::Ridged),
+    ),
+    up_to_one_more(
+        "simplex",
+        3,
+        "simplex(x, y, z[, seed])",
+        "simplex noise, from 0 to 1: no direction shows",
+        |graph, a| noise(graph, a, 3, |seed| Simplex { seed }),
+    ),
+    up_to_one_more(
+        "turbulence",
+        4,
+        "turbulence(x, y, z, octaves[, seed])",
+        "as fbm, of noise folded to valleys, from 0 to 1",
+        |graph, a| fractal(graph, a, Fold::Turbulence),
+    ),
+    up_to_one_more(
+        "worley_edge",
+        3,
+        "worley_edge(x, y, z[, seed])",
+        "worley_f2 − worley_f1, both by the same scale: 0 on the walls between points, below 1",
+        |graph, a| noise(graph, a, 3, |seed| Worley { seed, near: Near::Edge }),
+    ),
+    up_to_one_more(
+        "worley_f1",
+        3,
+        "worley_f1(x, y, z[, seed])",
+        "distance of the nearest of points scattered one a cell, over the greatest there can be (1.559); from 0 to 1",
+        |graph, a| noise(graph, a, 3, |seed| Worley { seed, near: Near::First }),
+    ),
+    up_to_one_more(
+        "worley_f2",
+        3,
+        "worley_f2(x, y, z[, seed])",
+        "distance of the second nearest, over the greatest there can be (1.892); from 0 to 1",
+        |graph, a| noise(graph, a, 3, |seed| Worley { seed, near: Near::Second }),
+    ),
+    function(
+        "angle",
+        2,
+        "angle(x, y)",
+        "the direction (x, y) as a share of a whole turn from the x axis, counterclockwise, from 0 to below 1; jumps there",
+        |graph, a| {
+            let angle = graph.binary(Binary::Atan2, a[1], a[0]);
+            let turns = graph.linear(angle, std::f64::consts::TAU.recip(), 0.0);
+            let whole = graph.unary(Unary::Floor, turns);
+            graph.sub(turns, whole)
+        },
+    ),
+    function("wave", 1, "wave(x)", "½ − ½·cos(2πx): 0 at whole numbers, 1 between them", |graph, a| {
+        let angle = graph.linear(a[0], std::f64::consts::TAU, 0.0);
+        let cosine = graph.unary(Unary::Cos, angle);
+        graph.linear(cosine, -0.5, 0.5)
+    }),
     function("round", 1, "round(x)", "the nearest whole number, halves upward: floor(x + ½); jumps", |graph, a| {
         let shifted = graph.linear(a[0], 1.0, 0.5);
         graph.unary(Unary::Floor, shifted)
@@ -143,6 +258,7 @@ impl Function {
     /// What it wants, in words.
     pub fn arity(&self) -> String {
         match (self.least, self.most) {
+            (least, most) if most == least + 1 => format!("{least} or {most} arguments"),
             (1, usize::MAX) => "one argument or more".to_owned(),
             (1, 1) => "one argument".to_owned(),
             (least, _) => format!("{least} arguments"),

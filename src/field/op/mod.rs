@@ -213,7 +213,29 @@ operations! {
     pow: Pow,
     r0_intersection: Intersection,
     r0_union: Union,
+    smooth_circular: SmoothCircular { width: f64 = 1.5 },
+    smooth_cubic: SmoothCubic { width: f64 = 1.5 },
+    smooth_exponential: SmoothExponential { width: f64 = 0.5 },
+    smooth_quadratic: SmoothQuadratic { width: f64 = 1.5 },
     sub: Sub,
+}
+
+/// The facts of the greater of two values with something added where they are near one another, no more than `most`, and a
+/// slope that is a mean of both.
+fn rounded(a: Facts, b: Facts, most: f64) -> Facts {
+    let steep = Facts::steep(a.steepness().zip(b.steepness()).map(|(a, b)| a.max(b)));
+    let greater = Facts::union(a, b, Slope::Unknown, 1.0);
+    let grown = Unary::Linear { scale: 1.0, offset: most }.facts([greater]);
+    Facts { bounds: grown.bounds, slope: steep.slope, fall: 0.0 }
+}
+
+/// What that is where two values differ by more than the width in which anything is added.
+fn far_apart([a, b]: [Interval; 2], width: f64) -> Same {
+    match (a, b) {
+        _ if b.hi + width <= a.lo => Same::Argument(0),
+        _ if a.hi + width <= b.lo => Same::Argument(1),
+        _ => Same::Itself,
+    }
 }
 
 /// The functions of formulas that are one operation each.

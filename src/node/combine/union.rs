@@ -1,8 +1,8 @@
 //! All in any of several shapes.
 
-use crate::field::SetSystem;
 use crate::node::source::SEAM;
 use crate::node::spec::{Carries, Spec};
+use crate::node::system::{SYSTEM, system};
 use crate::text::key::Absent::Required;
 use crate::text::key::{Key, Kind};
 
@@ -14,14 +14,15 @@ pub const NODE: Spec = Spec {
         Required,
         "All that lies in any of them. Where they overlap, the later one's colour.",
     ),
-    parameters: &[SEAM],
+    parameters: &[SEAM, SYSTEM],
     formula: "a + b + √(a² + b²)",
     source: "R₀ of Rvachev's R-functions",
     example: "union = [\"a\", \"b\"]",
     carries: Carries::Union,
     build: |build| {
         let shapes = build.different_shapes("union")?;
-        Ok(build.graph().union(SetSystem::R0, &shapes))
+        let system = system(build);
+        Ok(build.graph().union(system, &shapes))
     },
     ..Spec::PLAIN
 };

@@ -255,8 +255,15 @@ impl<'r, 'a> Building<'r, 'a> {
             };
             let begin = self.reader.constant(&path, Limit::Any, depth);
             if let Some(last) = bands.last().filter(|last| last.0 >= begin) {
-                let problem = format!("`{}` begins at {begin}, not below the band before it, {}", clip(&path), last.0);
-                self.reader.say(Diagnostic::error(depth.span, problem).help("depths rise from one band to the next"));
+                let (problem, help) = if wanted.starts_with("[depth") {
+                    let problem =
+                        format!("`{}` begins at {begin}, not below the band before it, {}", clip(&path), last.0);
+                    (problem, "depths rise from one band to the next")
+                } else {
+                    let problem = format!("`{}` is at {begin}, not after the stop before it, {}", clip(&path), last.0);
+                    (problem, "stops rise from one to the next")
+                };
+                self.reader.say(Diagnostic::error(depth.span, problem).help(help));
                 return None;
             }
             bands.push((begin, read(&path, there)?));

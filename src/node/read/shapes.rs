@@ -237,6 +237,14 @@ impl<'r, 'a> Building<'r, 'a> {
                 let colour = |path: &str, value: &'r Value| self.solid(path, value);
                 Argument::Bands(self.bands(&path, fields.value(name)?, "[depth, colour]", colour)?)
             }
+            Kind::Stops => {
+                let colour = |path: &str, value: &'r Value| self.solid(path, value);
+                Argument::Bands(self.bands(&path, fields.value(name)?, "[at, colour]", colour)?)
+            }
+            Kind::NumberStops => {
+                let one = |path: &str, value: &'r Value| Some(self.one(path, value));
+                Argument::NumberBands(self.bands(&path, fields.value(name)?, "[at, number]", one)?)
+            }
             Kind::NumberBands => {
                 let one = |path: &str, value: &'r Value| Some(self.one(path, value));
                 Argument::NumberBands(self.bands(&path, fields.value(name)?, "[depth, number]", one)?)

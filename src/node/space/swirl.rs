@@ -4,7 +4,8 @@ use std::sync::Arc;
 
 use glam::{DMat3, DVec3};
 
-use crate::node::bend::{Mapped, known_box, turned_about_z};
+use crate::node::bend::{Mapped, turned_about_z};
+use crate::node::own_box::known_box;
 use crate::node::spec::Spec;
 use crate::text::key::Absent::{Nothing, Number};
 use crate::text::key::{Key, Kind};

@@ -5,7 +5,8 @@ use std::sync::Arc;
 use glam::DVec3;
 
 use crate::field::Aabb;
-use crate::node::bend::{Mapped, known_box};
+use crate::node::bend::Mapped;
+use crate::node::own_box::known_box;
 use crate::node::spec::Spec;
 use crate::text::key::Absent::{Nothing, Number};
 use crate::text::key::{Key, Kind, Limit};

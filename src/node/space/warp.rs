@@ -6,7 +6,8 @@ use glam::DVec3;
 
 use crate::field::{Aabb, Expression, Field, Graph};
 use crate::node::argument::{Argument, Component};
-use crate::node::bend::{Mapped, known_box};
+use crate::node::bend::Mapped;
+use crate::node::own_box::known_box;
 use crate::node::spec::{Build, Spec};
 use crate::text::key::Absent::Nothing;
 use crate::text::key::{Key, Kind};

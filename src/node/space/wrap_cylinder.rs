@@ -6,7 +6,8 @@ use std::sync::Arc;
 use glam::DVec3;
 
 use crate::field::Aabb;
-use crate::node::bend::{Mapped, own_box};
+use crate::node::bend::Mapped;
+use crate::node::own_box::own_box;
 use crate::node::spec::Spec;
 use crate::text::key::Absent::Nothing;
 use crate::text::key::Key;

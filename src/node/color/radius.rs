@@ -1,0 +1,20 @@
+//! The distance from the origin or the z axis.
+
+use crate::node::pattern::{COLOURS, EASE, SPACE, colour, radius, size};
+use crate::node::source::Source;
+use crate::text::key::Absent::Text;
+use crate::text::key::{Key, Kind};
+
+/// The distance from the origin or the z axis.
+pub const NODE: Source<3> = Source {
+    key: size("radius", "The distance from the origin or the z axis, 1 at this one."),
+    parameters: &[
+        Key::new("from", Kind::Choice(&["origin", "axis"]), Text("origin"), "What it is the distance from."),
+        COLOURS,
+        SPACE,
+        EASE,
+    ],
+    example: "{ radius = 1, colors = [\"#1d3557\", \"#f1faee\", \"#e63946\"] }",
+    build: |source| colour(source, "radius", radius),
+    ..Source::PLAIN
+};
