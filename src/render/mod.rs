@@ -12,6 +12,7 @@
 mod animation;
 mod camera;
 mod error;
+mod ground;
 mod image;
 mod layers;
 mod picture;
@@ -29,6 +30,6 @@ pub use camera::{Camera, View};
 pub use error::{PictureError, save};
 pub use image::Image;
 pub use layers::Layers;
-pub use picture::{Lighting, Look, Scene, render, render_layers};
+pub use picture::{Lighting, Look, Quality, Scene, render, render_layers};
 pub use sheet::{ContactSheet, SheetFrame};
 pub use slice::{Fill, Plane, Slice};

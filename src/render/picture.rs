@@ -1,10 +1,13 @@
-//! The picture: samples of every pixel, visibility smoothed over neighbours, pixels.
+//! The picture: samples of every pixel, what they see of the lights, pixels.
 
-use glam::{DVec2, Vec3};
+use std::ops::Range;
+
+use glam::{DVec2, DVec3, Vec3};
 use rayon::prelude::*;
 
 use super::{
     camera::Camera,
+    ground::Ground,
     image::{Image, decode_srgb, encode_srgb},
     layers::{FAR, Layers},
     screen::Screen,
@@ -16,18 +19,14 @@ use crate::grid::{Band, Channel};
 
 /// Samples of a pixel each way.
 const SAMPLES: usize = 3;
-/// The places of a pixel's samples, in the order they are taken: the outermost first.
+/// The places of a pixel's samples, in the order they are taken: the middle, the corners, the rest.
 const SAMPLE_PLACES: [(usize, usize); SAMPLES * SAMPLES] =
-    [(0, 0), (2, 2), (2, 0), (0, 2), (1, 1), (1, 0), (1, 2), (0, 1), (2, 1)];
-/// Directions that each sample looks into for the sky.
-const DRAWS: usize = 2;
-/// Directions that a pixel's ground looks into for the sky.
-const GROUND_DRAWS: usize = 4;
-/// Directions chosen for one pixel.
-const PIXEL_DRAWS: usize = SAMPLES * SAMPLES * DRAWS;
-/// Pixels each way over which visibility is smoothed. Directions differ from pixel to pixel with this period, so
+    [(1, 1), (0, 0), (2, 2), (2, 0), (0, 2), (1, 0), (1, 2), (0, 1), (2, 1)];
+/// Lit pixels each way over which visibility is smoothed. Directions differ from one to the next with this period, so
 /// that a window of this edge holds each of them once, and no grain is left.
 const WINDOW: usize = 4;
+/// A pixel of at most so many voxels shows all there is by one sample, where its neighbours show the same.
+const FINE_PIXEL: f64 = 0.6;
 /// The part of a picture's width and height, at each border, over which the ground's shadow fades.
 const FADE: f32 = 0.16;
 /// The albedo where nothing gives a colour: that of sRGB `#cccccc`.
@@ -43,11 +42,51 @@ pub enum Lighting {
     Flat,
 }
 
+/// How much work goes into a picture.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Quality {
+    /// The same light by a twentieth of the rays: every other pixel each way is looked at, those between them and at
+    /// edges where neighbours differ.
+    Draft,
+    /// At least five samples a pixel, and shadows at each of them.
+    #[default]
+    Final,
+}
+
+impl Quality {
+    /// Pixels from one that looks for the lights to the next.
+    fn lit_step(self) -> usize {
+        match self {
+            Self::Draft => 2,
+            Self::Final => 1,
+        }
+    }
+
+    /// Directions that a lit pixel looks into for the sky; the first of them is one for the key.
+    fn draws(self) -> usize {
+        match self {
+            Self::Draft => 1,
+            Self::Final => 2,
+        }
+    }
+
+    /// Pixels between points of the ground that look for the lights: a shadow is soft by a share of the picture.
+    fn ground_step(self, picture: usize) -> usize {
+        let across = match self {
+            Self::Draft => 50,
+            Self::Final => 200,
+        };
+        picture.div_ceil(across).max(2)
+    }
+}
+
 /// How a picture looks apart from its object.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Look {
     /// How the object is lit.
     pub lighting: Lighting,
+    /// How much work goes into it.
+    pub quality: Quality,
     /// The plain background, sRGB.
     pub background: [u8; 3],
     /// The height z, world units, of a ground that takes the object's shadow; seen from above only, and only under
@@ -57,7 +96,7 @@ pub struct Look {
 
 impl Default for Look {
     fn default() -> Self {
-        Self { lighting: Lighting::Studio, background: [206, 209, 214], ground: None }
+        Self { lighting: Lighting::Studio, quality: Quality::default(), background: [206, 209, 214], ground: None }
     }
 }
 
@@ -80,11 +119,20 @@ pub fn render(scene: &Scene<'_>, width: usize, height: usize) -> Image {
     let volume = Volume::new(scene.band);
     let painter = Painter::new(scene, &volume, width, height);
     let pixels = painter.pixels();
+    let ground = painter.ground.map(|plane| {
+        Ground::new(
+            &painter.studio,
+            &scene.camera,
+            plane,
+            [width, height],
+            scene.look.quality.ground_step(width.max(height)),
+        )
+    });
     let [red, green, blue] = scene.look.background;
     let mut image = Image::new(width, height, [red, green, blue, 255]);
     image.pixels_mut().par_chunks_mut(width.max(1)).enumerate().for_each(|(row, out)| {
         for (column, out) in out.iter_mut().enumerate() {
-            if let Some(light) = painter.light(&pixels, column, row) {
+            if let Some(light) = painter.light(&pixels, ground.as_ref(), column, row) {
                 let [red, green, blue] = light.map(encode_srgb);
                 *out = [red, green, blue, 255];
             }
@@ -102,29 +150,84 @@ pub fn render_layers(scene: &Scene<'_>, width: usize, height: usize) -> Layers {
     let painter = Painter::new(scene, &volume, width, height);
     let pixels = painter.pixels();
     let mut layers = Layers::new(width, height);
-    for (index, pixel) in pixels.iter().enumerate() {
-        if pixel.object == 0.0 {
-            continue;
+    for (row, line) in pixels.iter().enumerate() {
+        for (column, pixel) in line.pixels.iter().enumerate() {
+            let Some(object) = line.object(column) else { continue };
+            let (index, samples) = (row * width + column, f32::from(pixel.samples));
+            let light = painter.object_light(&pixels, object, column, row, |light| light);
+            layers.mask[index] = object.samples / samples;
+            for channel in 0..3 {
+                layers.beauty[channel][index] = light[channel] / samples;
+                layers.colour[channel][index] = object.colour[channel] / samples;
+                layers.normal[channel][index] = object.normal.normalize_or_zero()[channel];
+            }
+            layers.depth[index] = object.nearest.min(FAR);
         }
-        let light = painter.object_light(&pixels, index % width, index / width, |light| light);
-        layers.mask[index] = pixel.object / pixel.samples;
-        for channel in 0..3 {
-            layers.beauty[channel][index] = light[channel] / pixel.samples;
-            layers.colour[channel][index] = pixel.colour[channel] / pixel.samples;
-            layers.normal[channel][index] = pixel.normal.normalize_or_zero()[channel];
-        }
-        layers.depth[index] = pixel.nearest.min(FAR);
     }
     layers
 }
 
-/// Sums over a pixel's samples on the object, and what was found of the ground.
-#[derive(Clone, Copy, Default)]
+/// A row of a picture. Most of many pictures is background: only what shows the object takes room.
+#[derive(Default)]
+struct Row {
+    pixels: Vec<Pixel>,
+    objects: Vec<Object>,
+}
+
+impl Row {
+    /// Adds a sample to a pixel.
+    fn add(&mut self, column: usize, sample: &Met) {
+        let pixel = &mut self.pixels[column];
+        pixel.samples += 1;
+        match sample {
+            Met::Nothing => {}
+            Met::Ground => pixel.on_ground += 1,
+            Met::Object(sample) => match self.objects.get_mut(pixel.object as usize) {
+                Some(object) => object.add(sample),
+                None => {
+                    pixel.object = self.objects.len() as u32;
+                    self.objects.push(*sample);
+                }
+            },
+        }
+    }
+
+    /// What a pixel of one sample shows.
+    fn view(&self, column: usize) -> View<'_> {
+        let pixel = self.pixels.get(column)?;
+        Some(match self.objects.get(pixel.object as usize) {
+            Some(object) => Met::Object(object),
+            None if pixel.on_ground > 0 => Met::Ground,
+            None => Met::Nothing,
+        })
+    }
+
+    /// What a pixel shows of the object.
+    fn object(&self, column: usize) -> Option<&Object> {
+        self.objects.get(self.pixels[column].object as usize)
+    }
+}
+
+/// How many samples were taken of a pixel, and where they lie.
+#[derive(Clone, Copy)]
 struct Pixel {
-    /// How many samples were taken.
+    samples: u8,
+    on_ground: u8,
+    /// Its place among the row's objects.
+    object: u32,
+}
+
+impl Default for Pixel {
+    fn default() -> Self {
+        Self { samples: 0, on_ground: 0, object: u32::MAX }
+    }
+}
+
+/// Sums over a pixel's samples on the object.
+#[derive(Clone, Copy)]
+struct Object {
+    /// How many there are.
     samples: f32,
-    /// How many samples lie on the object.
-    object: f32,
     shade: Shade,
     /// Its own colour.
     colour: [f32; 3],
@@ -133,19 +236,94 @@ struct Pixel {
     depth: f32,
     /// The least depth along the camera's axis, world units.
     nearest: f32,
-    /// How many samples lie on the ground.
-    ground: f32,
-    ground_light: f32,
+    /// Where the first of the samples lies (index position).
+    first: DVec3,
+    /// What that one sees of the lights, where it was looked for.
+    seen: Option<Seen>,
 }
 
-impl Pixel {
-    /// Whether the first four samples, with these colours, all lie on one smooth patch of one colour: the others
-    /// would tell nothing new. Beside the object they might: a crumb is small.
-    fn is_plain(&self, colours: &[[f32; 3]; 4]) -> bool {
-        let near = |a: [f32; 3], b: [f32; 3]| a.iter().zip(b).all(|(a, b)| (a - b).abs() < 0.02);
-        // The sum of four unit normals that differ by 5° or less is longer than this.
-        self.object == 4.0 && self.normal.length() > 3.99 && colours.iter().all(|&colour| near(colour, colours[0]))
+impl Object {
+    /// Whether all samples of a pixel, so many with these colours, lie on one smooth patch of one colour: more would
+    /// tell nothing new. Beside the object they might: a crumb is small.
+    fn is_all_of(&self, samples: u8, colours: &[[f32; 3]]) -> bool {
+        // The sum of unit normals that differ by 5° or less is longer than this.
+        let smooth = self.normal.length() > 0.9975 * self.samples;
+        self.samples == f32::from(samples) && smooth && colours.iter().all(|colour| alike(*colour, colours[0]))
     }
+
+    /// Whether another of one sample shows the same patch of the object: colour, direction, and no step between.
+    fn continues(&self, other: &Self) -> bool {
+        let step = (other.first - self.first).dot(self.normal.as_dvec3()).abs();
+        self.normal.dot(other.normal) > 0.995 && alike(self.colour, other.colour) && step < 0.5
+    }
+
+    /// Halfway between two of one sample.
+    fn halfway(&self, other: &Self) -> Self {
+        let mut both = *self;
+        both.add(other);
+        Self {
+            samples: 1.0,
+            shade: both.shade.scaled(0.5),
+            colour: both.colour.map(|sum| 0.5 * sum),
+            normal: both.normal.normalize_or_zero(),
+            depth: 0.5 * both.depth,
+            nearest: 0.5 * (self.nearest + other.nearest),
+            first: 0.5 * (self.first + other.first),
+            seen: None,
+        }
+    }
+
+    fn add(&mut self, sample: &Self) {
+        self.samples += sample.samples;
+        self.shade.add(&sample.shade);
+        for (sum, value) in self.colour.iter_mut().zip(sample.colour) {
+            *sum += value;
+        }
+        self.normal += sample.normal;
+        self.depth += sample.depth;
+        self.nearest = self.nearest.min(sample.nearest);
+    }
+}
+
+/// What a pixel of one sample shows; nothing where there is no such pixel.
+type View<'a> = Option<Met<&'a Object>>;
+
+/// Whether both show one patch of the object, or neither shows it.
+fn is_like(a: View<'_>, b: View<'_>) -> bool {
+    match (a, b) {
+        (Some(Met::Object(a)), Some(Met::Object(b))) => a.continues(b),
+        (Some(Met::Ground), Some(Met::Ground)) | (Some(Met::Nothing), Some(Met::Nothing)) => true,
+        _ => false,
+    }
+}
+
+/// What is seen halfway between two that show the same.
+fn between(a: View<'_>, b: View<'_>) -> Option<Met> {
+    match (a?, b?) {
+        (Met::Object(a), Met::Object(b)) if a.continues(b) => Some(Met::Object(a.halfway(b))),
+        (Met::Ground, Met::Ground) => Some(Met::Ground),
+        (Met::Nothing, Met::Nothing) => Some(Met::Nothing),
+        _ => None,
+    }
+}
+
+fn alike(a: [f32; 3], b: [f32; 3]) -> bool {
+    a.iter().zip(b).all(|(a, b)| (a - b).abs() < 0.02)
+}
+
+/// What a ray meets first.
+#[derive(Clone, Copy)]
+enum Met<T = Object> {
+    Object(T),
+    Ground,
+    Nothing,
+}
+
+/// The parts of sky and key that are seen.
+#[derive(Clone, Copy, Default)]
+struct Seen {
+    sky: f32,
+    key: f32,
 }
 
 struct Painter<'a> {
@@ -162,6 +340,7 @@ struct Painter<'a> {
 
 impl<'a> Painter<'a> {
     fn new(scene: &'a Scene<'a>, volume: &'a Volume<'a>, width: usize, height: usize) -> Self {
+        let ground = scene.look.ground.filter(|height| height.is_finite() && scene.look.lighting == Lighting::Studio);
         Self {
             scene,
             studio: Studio::new(volume, &scene.camera),
@@ -169,62 +348,149 @@ impl<'a> Painter<'a> {
             volume,
             width,
             height,
-            draws: draws(),
-            ground: scene.look.ground.filter(|height| height.is_finite() && scene.look.lighting == Lighting::Studio),
+            draws: draws(WINDOW * WINDOW, scene.look.quality.draws()),
+            ground: ground.map(|height| height / volume.voxel_size()),
             background: scene.look.background.map(decode_srgb),
         }
     }
 
     /// All pixels, sampled.
-    fn pixels(&self) -> Vec<Pixel> {
-        let mut pixels = vec![Pixel::default(); self.width * self.height];
-        pixels.par_chunks_mut(self.width.max(1)).enumerate().for_each(|(row, pixels)| {
-            for (column, pixel) in pixels.iter_mut().enumerate() {
-                *pixel = self.pixel(column, row);
-            }
-        });
-        pixels
+    fn pixels(&self) -> Vec<Row> {
+        let is_draft = self.scene.look.quality == Quality::Draft && self.pixel_width() <= FINE_PIXEL;
+        let mut rows = if is_draft { self.drafted() } else { self.sampled() };
+        if self.scene.look.lighting == Lighting::Studio {
+            let step = self.scene.look.quality.lit_step();
+            rows.par_iter_mut().enumerate().step_by(step).for_each(|(row, line)| {
+                for column in (0..self.width).step_by(step) {
+                    if let Some(object) = line.objects.get_mut(line.pixels[column].object as usize) {
+                        object.seen = Some(self.seen(object, column / step, row / step));
+                    }
+                }
+            });
+        }
+        rows
     }
 
-    fn pixel(&self, column: usize, row: usize) -> Pixel {
-        let phase = row % WINDOW * WINDOW + column % WINDOW;
-        let draws = &self.draws[phase * PIXEL_DRAWS..][..PIXEL_DRAWS];
-        let may_show = self.screen.may_show(column, row);
-        let mut pixel = Pixel::default();
-        let mut colours = [[0.0; 3]; 4];
-        for (order, (across, down)) in SAMPLE_PLACES.into_iter().enumerate() {
-            if order == 4 && (!may_show || pixel.is_plain(&colours)) {
-                break;
+    fn new_row(&self) -> Row {
+        Row { pixels: vec![Pixel::default(); self.width], objects: Vec::new() }
+    }
+
+    /// All pixels with as many samples as each needs by itself.
+    fn sampled(&self) -> Vec<Row> {
+        let of_row = |row: usize| {
+            let mut line = self.new_row();
+            for column in 0..self.width {
+                self.sample(&mut line, column, row, 0..SAMPLES * SAMPLES);
             }
+            line
+        };
+        (0..self.height).into_par_iter().map(of_row).collect()
+    }
+
+    /// One sample of every other pixel each way; of those between them where they differ; and more where neighbours do.
+    fn drafted(&self) -> Vec<Row> {
+        let even = |row: usize| {
+            let mut line = self.new_row();
+            for column in (0..self.width).step_by(2) {
+                self.sample(&mut line, column, row, 0..1);
+            }
+            for column in (1..self.width).step_by(2) {
+                let between = between(line.view(column - 1), line.view(column + 1));
+                self.fill(&mut line, column, row, between);
+            }
+            line
+        };
+        let even: Vec<Row> = (0..self.height).into_par_iter().step_by(2).map(even).collect();
+        let odd = |place: usize| {
+            let mut line = self.new_row();
+            for column in 0..self.width {
+                let below = even.get(place + 1).and_then(|below| below.view(column));
+                let between = between(even[place].view(column), below);
+                self.fill(&mut line, column, 2 * place + 1, between);
+            }
+            line
+        };
+        let odd: Vec<Row> = (0..self.height / 2).into_par_iter().map(odd).collect();
+        let mut rows = Vec::with_capacity(self.height);
+        let mut odd = odd.into_iter();
+        for line in even {
+            rows.push(line);
+            rows.extend(odd.next());
+        }
+        let borders = self.borders(&rows);
+        rows.par_iter_mut().zip(&borders).enumerate().for_each(|(row, (line, borders))| {
+            for &column in borders {
+                self.sample(line, column, row, 1..SAMPLES * SAMPLES);
+            }
+        });
+        rows
+    }
+
+    /// Sets a pixel to what its neighbours show alike, or looks for itself.
+    fn fill(&self, line: &mut Row, column: usize, row: usize, between: Option<Met>) {
+        match between {
+            Some(met) => line.add(column, &met),
+            None => self.sample(line, column, row, 0..1),
+        }
+    }
+
+    /// A pixel's width in the middle of the object, in voxels.
+    fn pixel_width(&self) -> f64 {
+        let (least, greatest) = self.volume.extent();
+        let camera = &self.scene.camera;
+        let middle = 0.5 * (least + greatest) - camera.eye / self.volume.voxel_size();
+        2.0 * camera.half_extent.y * middle.dot(camera.forward).abs() / self.height as f64
+    }
+
+    /// Which pixels of each row, of one sample each, differ from one of those around them.
+    fn borders(&self, rows: &[Row]) -> Vec<Vec<usize>> {
+        let around = |centre: usize, end: usize| centre.saturating_sub(1)..(centre + 2).min(end);
+        let of_row = |row: usize| {
+            let differs = |column: &usize| {
+                let view = rows[row].view(*column);
+                let mut others = around(row, self.height)
+                    .flat_map(|line| around(*column, self.width).map(move |place| rows[line].view(place)));
+                others.any(|other| !is_like(view, other))
+            };
+            (0..self.width).filter(differs).collect()
+        };
+        (0..self.height).into_par_iter().map(of_row).collect()
+    }
+
+    /// Takes samples of a pixel, as many of these as tell something new.
+    fn sample(&self, line: &mut Row, column: usize, row: usize, order: Range<usize>) {
+        const ENOUGH: usize = 5;
+        let may_show = self.screen.may_show(column, row);
+        let mut colours = [[0.0; 3]; ENOUGH];
+        for place in order.clone() {
+            if order.start == 0 && place == ENOUGH {
+                let samples = line.pixels[column].samples;
+                if !may_show || line.object(column).is_some_and(|object| object.is_all_of(samples, &colours)) {
+                    break;
+                }
+            }
+            let (across, down) = SAMPLE_PLACES[place];
             let within = |index: usize| (index as f64 + 0.5) / SAMPLES as f64;
-            let place = DVec2::new(
+            let on_screen = DVec2::new(
                 (column as f64 + within(across)) / self.width as f64 * 2.0 - 1.0,
                 1.0 - (row as f64 + within(down)) / self.height as f64 * 2.0,
             );
-            let colour = self.add_sample(&mut pixel, place, order, draws, may_show);
-            if let Some(place) = colours.get_mut(order) {
-                *place = colour;
+            let met = self.look_at(on_screen, may_show);
+            line.add(column, &met);
+            if let (Some(kept), Met::Object(object)) = (colours.get_mut(place), &met) {
+                *kept = object.colour;
             }
         }
-        pixel
     }
 
-    /// Adds a sample to the sums; returns the object's own colour there.
-    fn add_sample(&self, pixel: &mut Pixel, place: DVec2, order: usize, draws: &[DVec2], may_show: bool) -> [f32; 3] {
+    /// What there is to see at a place of the picture.
+    fn look_at(&self, place: DVec2, may_show: bool) -> Met {
         let camera = &self.scene.camera;
         let ray = Ray::new(camera.eye / self.volume.voxel_size(), camera.direction(place));
-        let ground = self.ground_distance(&ray);
-        pixel.samples += 1.0;
+        let ground = self.ground.and_then(|plane| ray.meets_level(plane));
         let end = if may_show { ground.unwrap_or(f64::INFINITY) } else { 0.0 };
         let Some(t) = first_hit(self.volume, &ray, 0.0, end) else {
-            if let Some(t) = ground {
-                // The ground's light is smooth: one sample of a pixel tells enough.
-                if pixel.ground == 0.0 {
-                    pixel.ground_light = self.studio.ground(ray.at(t), &draws[..GROUND_DRAWS]);
-                }
-                pixel.ground += 1.0;
-            }
-            return [0.0; 3];
+            return if ground.is_some() { Met::Ground } else { Met::Nothing };
         };
         let position = ray.at(t);
         let normal = (-self.volume.gradient(position)).try_normalize().unwrap_or(-ray.direction);
@@ -232,55 +498,60 @@ impl<'a> Painter<'a> {
         // What is not a number, or negative, is black; values above 1 are kept until the picture is exposed.
         let albedo = albedo.map(|value| if value > 0.0 { value.min(16.0) } else { 0.0 });
         let shade = match self.scene.look.lighting {
-            Lighting::Studio => self.studio.object(position, normal, albedo, &draws[order * DRAWS..][..DRAWS]),
+            Lighting::Studio => self.studio.object(normal, albedo),
             Lighting::Flat => Shade { ambient: albedo, ..Shade::default() },
         };
-        let depth = (t * self.volume.voxel_size() * ray.direction.dot(camera.forward)) as f32;
-        pixel.nearest = if pixel.object == 0.0 { depth } else { pixel.nearest.min(depth) };
-        pixel.object += 1.0;
-        for (sum, value) in pixel.colour.iter_mut().zip(albedo) {
-            *sum += value;
-        }
-        pixel.normal += normal.as_vec3();
-        pixel.depth += t as f32;
-        pixel.shade.add(&shade);
-        albedo
+        Met::Object(Object {
+            samples: 1.0,
+            shade,
+            colour: albedo,
+            normal: normal.as_vec3(),
+            depth: t as f32,
+            nearest: (t * self.volume.voxel_size() * ray.direction.dot(camera.forward)) as f32,
+            first: position,
+            seen: None,
+        })
     }
 
-    /// How far along the ray the ground is, in voxels, if the ray comes down on it from above.
-    fn ground_distance(&self, ray: &Ray) -> Option<f64> {
-        let height = self.ground? / self.volume.voxel_size();
-        let t = (height - ray.origin.z) / ray.direction.z;
-        (ray.direction.z < 0.0 && t > 0.0).then_some(t)
+    /// What a point of the surface sees, in the directions of a place in the window.
+    fn seen(&self, object: &Object, column: usize, row: usize) -> Seen {
+        let count = self.scene.look.quality.draws();
+        let phase = row % WINDOW * WINDOW + column % WINDOW;
+        let draws = &self.draws[phase * count..][..count];
+        let [sky, key] = self.studio.seen_from(object.first, object.normal.as_dvec3().normalize_or_zero(), draws);
+        Seen { sky, key }
     }
 
     /// A pixel's linear light, or `None` for plain background.
-    fn light(&self, pixels: &[Pixel], column: usize, row: usize) -> Option<[f32; 3]> {
-        let pixel = &pixels[row * self.width + column];
-        if pixel.object + pixel.ground == 0.0 {
+    fn light(&self, rows: &[Row], ground: Option<&Ground>, column: usize, row: usize) -> Option<[f32; 3]> {
+        let Pixel { samples, on_ground, .. } = rows[row].pixels[column];
+        let object = rows[row].object(column);
+        if object.is_none() && on_ground == 0 {
             return None;
         }
-        let count = pixel.samples;
-        let object = self.object_light(pixels, column, row, expose);
-        let ground = match pixel.ground {
-            0.0 => 0.0,
-            _ => 1.0 - (1.0 - self.smoothed(pixels, column, row).ground) * self.fade(column, row),
-        };
-        let plain = count - pixel.object - pixel.ground + pixel.ground * ground;
-        Some(std::array::from_fn(|channel| (object[channel] + self.background[channel] * plain) / count))
+        let light = object.map_or([0.0; 3], |object| self.object_light(rows, object, column, row, expose));
+        let [samples, on_ground] = [samples, on_ground].map(f32::from);
+        let ground = ground.map_or(1.0, |ground| 1.0 - (1.0 - ground.light(column, row)) * self.fade(column, row));
+        let plain = samples - object.map_or(0.0, |object| object.samples) - on_ground + on_ground * ground;
+        Some(std::array::from_fn(|channel| (light[channel] + self.background[channel] * plain) / samples))
     }
 
     /// The object's linear light, summed over a pixel's samples on it.
-    fn object_light(&self, pixels: &[Pixel], column: usize, row: usize, expose: impl Fn(f32) -> f32) -> [f32; 3] {
-        let pixel = &pixels[row * self.width + column];
+    fn object_light(
+        &self,
+        rows: &[Row],
+        object: &Object,
+        column: usize,
+        row: usize,
+        expose: impl Fn(f32) -> f32,
+    ) -> [f32; 3] {
         match self.scene.look.lighting {
-            _ if pixel.object == 0.0 => [0.0; 3],
-            Lighting::Flat => pixel.shade.ambient,
+            Lighting::Flat => object.shade.ambient,
             Lighting::Studio => {
-                let seen = self.smoothed(pixels, column, row);
-                let per_sample = |sum: [f32; 3]| sum.map(|value| value / pixel.object.max(1.0));
-                combine(per_sample(pixel.shade.ambient), per_sample(pixel.shade.key), seen.sky, seen.key)
-                    .map(|value| expose(value) * pixel.object)
+                let seen = self.smoothed(rows, object, column, row);
+                let per_sample = |sum: [f32; 3]| sum.map(|value| value / object.samples);
+                combine(per_sample(object.shade.ambient), per_sample(object.shade.key), seen.sky, seen.key)
+                    .map(|value| expose(value) * object.samples)
             }
         }
     }
@@ -292,57 +563,46 @@ impl<'a> Painter<'a> {
         ramp(from_border(column, self.width)) * ramp(from_border(row, self.height))
     }
 
-    /// What a pixel sees of sky, key and ground light: means over the pixels around it that lie on the same piece
-    /// of surface.
-    fn smoothed(&self, pixels: &[Pixel], column: usize, row: usize) -> Seen {
-        let pixel = &pixels[row * self.width + column];
-        let normal = pixel.normal.normalize_or_zero();
-        let depth = pixel.depth / pixel.object.max(1.0);
+    /// What a pixel sees of sky and key: means over the lit pixels around it that lie on the same piece of surface.
+    fn smoothed(&self, rows: &[Row], object: &Object, column: usize, row: usize) -> Seen {
+        let step = self.scene.look.quality.lit_step();
+        let normal = object.normal.normalize_or_zero();
+        let depth = object.depth / object.samples;
         // Across a window, a surface seen at a slant recedes by some pixels' width; more is another surface.
         let pixel_width = 2.0 * self.scene.camera.half_extent.y as f32 * depth / self.height as f32;
-        let (mut sums, mut weights, mut ground_weight) = (Seen::default(), 0.0_f32, 0.0_f32);
-        let window = |centre: usize, end: usize| centre.saturating_sub(WINDOW / 2)..(centre + WINDOW / 2).min(end);
+        let near = 8.0 * pixel_width * step as f32;
+        let (mut sum, mut weight) = (Seen::default(), 0.0_f32);
+        let half = WINDOW * step / 2;
+        let window = |centre: usize, end: usize| {
+            (centre.saturating_sub(half).next_multiple_of(step)..(centre + half).min(end)).step_by(step)
+        };
         for line in window(row, self.height) {
-            for other in &pixels[line * self.width..][window(column, self.width)] {
-                if other.ground > 0.0 {
-                    sums.ground += other.ground_light;
-                    ground_weight += 1.0;
-                }
-                if other.object > 0.0 {
-                    let apart = (other.depth / other.object - depth).abs();
-                    let alike = other.normal.dot(normal) / other.object;
-                    if apart < 8.0 * pixel_width && alike > 0.8 {
-                        sums.sky += other.shade.sky_seen;
-                        sums.key += other.shade.key_seen;
-                        weights += other.object;
-                    }
+            for place in window(column, self.width) {
+                let Some(other) = rows[line].object(place) else { continue };
+                let Some(seen) = other.seen else { continue };
+                let apart = (other.depth / other.samples - depth).abs();
+                if apart < near && other.normal.dot(normal) > 0.8 * other.samples {
+                    sum.sky += seen.sky;
+                    sum.key += seen.key;
+                    weight += 1.0;
                 }
             }
         }
-        if weights == 0.0 {
-            (sums.sky, sums.key, weights) = (pixel.shade.sky_seen, pixel.shade.key_seen, pixel.object.max(1.0));
+        match weight {
+            0.0 => self.seen(object, column, row),
+            _ => Seen { sky: sum.sky / weight, key: sum.key / weight },
         }
-        Seen { sky: sums.sky / weights, key: sums.key / weights, ground: sums.ground / ground_weight.max(1.0) }
     }
 }
 
-#[derive(Clone, Copy, Default)]
-struct Seen {
-    sky: f32,
-    key: f32,
-    ground: f32,
-}
-
-/// Places in the unit square for every phase of the window, sample and draw: the additive sequence of the plastic
-/// number (its powers −1 and −2), even over the square and over each phase alone.
-fn draws() -> Vec<DVec2> {
+/// Places in the unit square for every phase of a window: the additive sequence of the plastic number (its powers −1
+/// and −2), even over the square and over each phase alone.
+pub(super) fn draws(phases: usize, of_phase: usize) -> Vec<DVec2> {
     const PLASTIC: f64 = 1.324_717_957_244_746;
     let step = DVec2::new(1.0 / PLASTIC, 1.0 / (PLASTIC * PLASTIC));
-    let phases = WINDOW * WINDOW;
-    let count = phases * PIXEL_DRAWS;
-    (0..count)
+    (0..phases * of_phase)
         .map(|index| {
-            let (phase, draw) = (index / PIXEL_DRAWS, index % PIXEL_DRAWS);
+            let (phase, draw) = (index / of_phase, index % of_phase);
             (DVec2::splat(0.5) + step * (draw * phases + phase) as f64).fract()
         })
         .collect()

@@ -36,21 +36,20 @@ pub(super) struct Shade {
     pub ambient: [f32; 3],
     /// What the key gives where all of it is seen.
     pub key: [f32; 3],
-    /// The part of the sky that is seen.
-    pub sky_seen: f32,
-    /// The part of the key that is seen.
-    pub key_seen: f32,
 }
 
 impl Shade {
+    /// The light by a factor.
+    pub(super) fn scaled(&self, by: f32) -> Self {
+        Self { ambient: self.ambient.map(|value| by * value), key: self.key.map(|value| by * value) }
+    }
+
     /// Adds another point's light, part by part.
     pub(super) fn add(&mut self, other: &Self) {
         for channel in 0..3 {
             self.ambient[channel] += other.ambient[channel];
             self.key[channel] += other.key[channel];
         }
-        self.sky_seen += other.sky_seen;
-        self.key_seen += other.key_seen;
     }
 }
 
@@ -67,24 +66,33 @@ impl<'a> Studio<'a> {
         Self { volume, key: key.normalize(), forward: camera.forward }
     }
 
-    /// Light on a point of the object (index position) with an outward unit normal. `draws` are places in the unit
-    /// square that choose the directions looked into; more of them give less noise.
-    pub(super) fn object(&self, position: DVec3, normal: DVec3, albedo: [f32; 3], draws: &[DVec2]) -> Shade {
+    /// A voxel's edge in world units.
+    pub(super) fn voxel_size(&self) -> f64 {
+        self.volume.voxel_size()
+    }
+
+    /// Light on a point of the object with an outward unit normal.
+    pub(super) fn object(&self, normal: DVec3, albedo: [f32; 3]) -> Shade {
         let upward = (0.5 + 0.5 * normal.z) as f32;
         let facing = (-normal.dot(self.forward)).max(0.0) as f32;
         let towards_key = normal.dot(self.key).max(0.0) as f32;
         let half = (self.key - self.forward).normalize();
         let shine = SHINE * (normal.dot(half).max(0.0) as f32).powi(SHINE_POWER) * towards_key.sqrt();
-        let from = position + normal * LIFT;
         let mut shade = Shade::default();
         for channel in 0..3 {
             let sky = GROUND[channel] + (SKY[channel] - GROUND[channel]) * upward;
             shade.ambient[channel] = albedo[channel] * (sky + FILL * facing);
             shade.key[channel] = KEY[channel] * (albedo[channel] * towards_key + shine);
         }
-        shade.sky_seen = self.sky_seen(from, normal, draws);
-        shade.key_seen = if towards_key > 0.0 { self.key_seen(from, &draws[..draws.len().min(1)]) } else { 0.0 };
         shade
+    }
+
+    /// The parts of sky and key that a point of the object (index position) sees. `draws` are places in the unit square
+    /// that choose the directions looked into, the first of them for the key; more of them give less noise.
+    pub(super) fn seen_from(&self, position: DVec3, normal: DVec3, draws: &[DVec2]) -> [f32; 2] {
+        let from = position + normal * LIFT;
+        let key = if normal.dot(self.key) > 0.0 { self.key_seen(from, &draws[..draws.len().min(1)]) } else { 0.0 };
+        [self.sky_seen(from, normal, draws), key]
     }
 
     /// How bright the ground is at a point of it, as a share of the open ground.

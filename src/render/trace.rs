@@ -2,7 +2,7 @@
 //!
 //! In a cell of eight voxels the trilinearly interpolated distance along a straight line is a cubic; its first
 //! root is found by parting the cubic at its extrema. So no piece of the interpolated solid is stepped over,
-//! however thin. Between cells the distances themselves say how far the surface is at least.
+//! however thin. Parts of blocks without a voxel inside are left in one step.
 
 use glam::{DVec3, IVec3};
 
@@ -12,10 +12,6 @@ use crate::grid::BLOCK_EDGE;
 /// How far past a border a ray is set, in voxels, so that it stands in the next cell and not on the border. Much
 /// smaller would drown in rounding a million voxels from the origin; what lies in the gap is met at its far side.
 const NUDGE: f64 = 1e-5;
-/// Interpolated distances of a true distance field are off by less than this, in voxels: half of a cell's
-/// diagonal, at most. A smaller value could step over a crease; a larger one takes more steps.
-const SLACK: f64 = 0.87;
-
 /// A ray in index space; the direction has unit length, so that `t` counts voxels.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Ray {
@@ -35,6 +31,12 @@ impl Ray {
 
     pub(super) fn at(&self, t: f64) -> DVec3 {
         self.origin + self.direction * t
+    }
+
+    /// Where the ray comes down on a level plane from above, if it does.
+    pub(super) fn meets_level(&self, z: f64) -> Option<f64> {
+        let t = (z - self.origin.z) / self.direction.z;
+        (self.direction.z < 0.0 && t > 0.0).then_some(t)
     }
 
     /// Where the ray enters and leaves a box; nowhere if it enters after it leaves.
@@ -62,7 +64,7 @@ pub(super) fn first_hit(volume: &Volume<'_>, ray: &Ray, from: f64, to: f64) -> O
             Content::Outside => ray.leaves(cell.origin, cell.edge),
             Content::Block(block) => {
                 let exit = ray.leaves(cell.origin, BLOCK_EDGE);
-                if volume.peak(block) >= 0.0
+                if !volume.is_hollow(block)
                     && let Some(hit) = hit_in_block(volume, ray, block, cell.origin, t, exit.min(end))
                 {
                     return Some(hit);
@@ -89,21 +91,21 @@ fn hit_in_block(volume: &Volume<'_>, ray: &Ray, block: usize, origin: IVec3, fro
     let mut t = from;
     while t < to {
         let cell = voxel_below(local.at(t)).clamp(IVec3::ZERO, IVec3::splat(BLOCK_EDGE - 1));
+        if !volume.may_be_solid(block, cell) {
+            t = local.leaves(cell & !1, 2).max(t) + NUDGE;
+            continue;
+        }
         let corners = volume.corner_values(block, cell);
         let exit = local.leaves(cell, 1).max(t);
-        let base = cell.as_dvec3();
-        let value = |t: f64| interpolate(&corners, local.at(t) - base);
-        let mut next = exit;
         if corners.iter().any(|&corner| corner >= 0.0) {
+            let base = cell.as_dvec3();
             let length = exit.min(to) - t;
-            let samples = [0.0, 1.0 / 3.0, 2.0 / 3.0, 1.0].map(|part| value(t + length * part));
-            if let Some(part) = first_root(samples) {
+            let value = |part: f64| interpolate(&corners, local.at(t + length * part) - base);
+            if let Some(part) = first_root([0.0, 1.0 / 3.0, 2.0 / 3.0, 1.0].map(value)) {
                 return Some(t + length * part);
             }
-        } else {
-            next = next.max(t - value(t) / volume.voxel_size() - SLACK);
         }
-        t = next + NUDGE;
+        t = exit + NUDGE;
     }
     None
 }

@@ -41,6 +41,22 @@ pub(super) struct Cell {
     pub edge: i32,
 }
 
+/// What stands in two by two by two blocks (bit 2: +x, bit 1: +y, bit 0: +z).
+struct Around {
+    /// The origin of the last of them.
+    border: IVec3,
+    contents: [Content; 8],
+}
+
+impl Around {
+    /// What stands at a voxel in one of them.
+    fn content(&self, voxel: IVec3) -> Content {
+        let bits = voxel.cmpge(self.border).bitmask() as usize;
+        // A mask has x in its lowest bit.
+        self.contents[(bits & 1) << 2 | bits & 2 | bits >> 2]
+    }
+}
+
 /// A band with the tables to find its blocks by position.
 pub(super) struct Volume<'a> {
     band: &'a Band,
@@ -54,8 +70,8 @@ pub(super) struct Volume<'a> {
     /// For each block, the codes at its origin plus 0 or 8 voxels on each axis (bit 2: x, bit 1: y, bit 0: z): the
     /// blocks that interpolation in it reads.
     corners: Vec<[u32; 8]>,
-    /// For each block, the greatest value that interpolation in it may give.
-    peaks: Vec<f32>,
+    /// For each block, which of its 4³ parts of 2³ cells may hold solid: part (x, y, z) is bit 16x + 4y + z.
+    solid: Vec<u64>,
     /// The index box of everything: least corner, and one past the greatest.
     extent: (IVec3, IVec3),
 }
@@ -71,22 +87,12 @@ impl<'a> Volume<'a> {
             middles: Vec::new(),
             lowers: Vec::new(),
             corners: Vec::new(),
-            peaks: Vec::new(),
+            solid: Vec::new(),
             extent: (IVec3::MAX, IVec3::MIN),
         };
         volume.insert_all();
         volume.corners = band.origins.par_iter().map(|&origin| volume.corner_codes(origin)).collect();
-        let own: Vec<f32> = band
-            .distances
-            .par_iter()
-            .map(|block| block.iter().fold(f32::MIN, |peak, &value| peak.max(value)))
-            .collect();
-        let peak = |code: &u32| match *code {
-            OUTSIDE => -volume.background,
-            INSIDE => volume.background,
-            block => own[block as usize],
-        };
-        volume.peaks = volume.corners.par_iter().map(|codes| codes.iter().map(peak).fold(f32::MIN, f32::max)).collect();
+        volume.solid = (0..band.origins.len()).into_par_iter().map(|block| volume.solid_parts(block)).collect();
         volume
     }
 
@@ -172,13 +178,36 @@ impl<'a> Volume<'a> {
 
     /// The distance at a voxel, world units, positive inside; ± the background away from all blocks.
     pub(super) fn value(&self, voxel: IVec3) -> f32 {
-        match self.cell(voxel).content {
+        self.value_of(self.cell(voxel).content, voxel)
+    }
+
+    fn value_of(&self, content: Content, voxel: IVec3) -> f32 {
+        match content {
             Content::Outside => -self.background,
             Content::Inside => self.background,
             Content::Block(index) => self.band.distances[index][voxel_offset(voxel)],
         }
     }
 
+    /// What stands in the blocks that the 4³ voxels from `least − 1` on lie in.
+    fn around(&self, least: IVec3) -> Around {
+        let (low, high) = (least.saturating_sub(IVec3::ONE), least.saturating_add(IVec3::splat(2)));
+        let border = block_origin(high);
+        // An axis along which all lie in one block needs no second look.
+        let over = border.cmpgt(block_origin(low));
+        let mut contents = [Content::Outside; 8];
+        for corner in 0..8 {
+            let step = corner_step(corner);
+            let repeated = step.cmpgt(IVec3::ZERO) & !over;
+            contents[corner] = if repeated.any() {
+                let other = IVec3::select(repeated, IVec3::ZERO, step);
+                contents[(other.x * 4 + other.y * 2 + other.z) as usize]
+            } else {
+                self.cell(IVec3::select(step.cmpgt(IVec3::ZERO), high, low)).content
+            };
+        }
+        Around { border, contents }
+    }
     /// The interpolated distance at an index position, world units, positive inside.
     pub(super) fn distance(&self, position: DVec3) -> f64 {
         let least = voxel_below(position);
@@ -188,14 +217,53 @@ impl<'a> Volume<'a> {
 
     /// The cells that may hold solid: least corner and edge.
     pub(super) fn solid_cells(&self) -> impl Iterator<Item = (DVec3, f64)> {
-        let blocks = self.band.origins.iter().zip(&self.peaks).filter(|(_, peak)| **peak >= 0.0);
+        let blocks = self.band.origins.iter().zip(&self.solid).filter(|(_, parts)| **parts != 0);
         let blocks = blocks.map(|(origin, _)| (origin.as_dvec3(), f64::from(BLOCK_EDGE)));
         blocks.chain(self.band.inside_tiles.iter().map(|tile| (tile.origin.as_dvec3(), f64::from(tile.edge))))
     }
 
-    /// The greatest value that interpolation in a block may give.
-    pub(super) fn peak(&self, block: usize) -> f32 {
-        self.peaks[block]
+    /// Whether interpolation in a part of a block, 2³ cells around this one, may give solid.
+    pub(super) fn may_be_solid(&self, block: usize, cell: IVec3) -> bool {
+        let part = cell / 2;
+        self.solid[block] >> (part.x * 16 + part.y * 4 + part.z) & 1 == 1
+    }
+
+    /// Whether a block holds no solid at all.
+    pub(super) fn is_hollow(&self, block: usize) -> bool {
+        self.solid[block] == 0
+    }
+
+    /// The parts of a block that may hold solid: those with a voxel of it at one of their 3³ corners.
+    fn solid_parts(&self, block: usize) -> u64 {
+        let mut parts = 0;
+        for x in 0..=BLOCK_EDGE {
+            for y in 0..=BLOCK_EDGE {
+                let inside = |z: i32| u64::from(self.near_value(block, IVec3::new(x, y, z)) >= 0.0) << z;
+                let row = (0..=BLOCK_EDGE).fold(0, |row, z| row | inside(z));
+                let of_row = (0..4).fold(0, |of_row, z| of_row | u64::from(row >> (2 * z) & 7 != 0) << z);
+                // A plane of corners between two parts is of both.
+                let parts_at = |place: i32| (place - 1).max(0) / 2..=(place / 2).min(3);
+                for part_x in parts_at(x) {
+                    for part_y in parts_at(y) {
+                        parts |= of_row << (part_x * 16 + part_y * 4);
+                    }
+                }
+            }
+        }
+        parts
+    }
+
+    /// The value at a voxel of a block or next to it; `local` is its place in the block, 0 to 8 on each axis.
+    fn near_value(&self, block: usize, local: IVec3) -> f32 {
+        if local.max_element() < BLOCK_EDGE {
+            return self.band.distances[block][voxel_offset(local)];
+        }
+        let over = local / BLOCK_EDGE;
+        match self.corners[block][(over.x * 4 + over.y * 2 + over.z) as usize] {
+            OUTSIDE => -self.background,
+            INSIDE => self.background,
+            index => self.band.distances[index as usize][voxel_offset(local)],
+        }
     }
 
     /// The distances at the eight corners of a cell of a block (bit 2: +x, bit 1: +y, bit 0: +z); `local` is the
@@ -206,16 +274,7 @@ impl<'a> Volume<'a> {
             let values: &[f32; BLOCK_VOXELS] = &self.band.distances[block];
             return std::array::from_fn(|corner| values[offset + CORNER_OFFSETS[corner]]);
         }
-        let codes = &self.corners[block];
-        std::array::from_fn(|corner| {
-            let voxel = local + corner_step(corner);
-            let over = voxel / BLOCK_EDGE;
-            match codes[(over.x * 4 + over.y * 2 + over.z) as usize] {
-                OUTSIDE => -self.background,
-                INSIDE => self.background,
-                index => self.band.distances[index as usize][voxel_offset(voxel)],
-            }
-        })
+        std::array::from_fn(|corner| self.near_value(block, local + corner_step(corner)))
     }
 
     /// The gradient at an index position, in voxel steps: central differences at the eight voxels around it,
@@ -223,6 +282,7 @@ impl<'a> Volume<'a> {
     pub(super) fn gradient(&self, position: DVec3) -> DVec3 {
         let least = voxel_below(position);
         let base = least.as_dvec3();
+        let around = self.around(least);
         // The 4³ voxels around the cell; its corners are entries 1 and 2 on each axis.
         let mut values = [[[0.0_f32; 4]; 4]; 4];
         for (x, plane) in values.iter_mut().enumerate() {
@@ -231,7 +291,8 @@ impl<'a> Volume<'a> {
                     // The stencil's own corners and edges are never read.
                     let rim = [x, y, z].into_iter().filter(|&place| place == 0 || place == 3).count();
                     if rim < 2 {
-                        *value = self.value(least.saturating_add(IVec3::new(x as i32, y as i32, z as i32) - 1));
+                        let voxel = least.saturating_add(IVec3::new(x as i32, y as i32, z as i32) - 1);
+                        *value = self.value_of(around.content(voxel), voxel);
                     }
                 }
             }
@@ -256,11 +317,12 @@ impl<'a> Volume<'a> {
     pub(super) fn colour(&self, channel: &Channel<[f32; 3]>, position: DVec3) -> [f32; 3] {
         let least = voxel_below(position);
         let base = least.as_dvec3();
+        let around = self.around(least);
         let mut sum = [0.0_f64; 3];
         let mut total = 0.0;
         for (corner, weight) in corner_weights(position - base).into_iter().enumerate() {
             let voxel = least.saturating_add(corner_step(corner));
-            let Content::Block(index) = self.cell(voxel).content else { continue };
+            let Content::Block(index) = around.content(voxel) else { continue };
             let offset = voxel_offset(voxel);
             let active = self.band.active.get(index).filter(|active| is_active(active, offset));
             let Some(active) = active.filter(|_| index < channel.values.len()) else { continue };

@@ -21,7 +21,7 @@ fn painted(band: &Band, colour: impl Fn(DVec3) -> [f32; 3]) -> Channel<[f32; 3]>
 }
 
 fn flat<'a>(band: &'a Band, colour: Option<&'a Channel<[f32; 3]>>, camera: Camera) -> Scene<'a> {
-    Scene { band, colour, camera, look: Look { lighting: Lighting::Flat, background: [0; 3], ground: None } }
+    Scene { band, colour, camera, look: Look { lighting: Lighting::Flat, background: [0; 3], ..Look::default() } }
 }
 
 fn cube(edge: f64) -> Aabb {
