@@ -49,6 +49,7 @@ fn prepare(scene: &str) -> Prepared {
         resolution: Some(RESOLUTION),
         half_width: None,
         memory_limit: None,
+        cache: None,
         cancel: Arc::default(),
         progress: &|_| (),
     };

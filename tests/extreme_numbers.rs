@@ -86,6 +86,7 @@ fn prepare(model: Model) -> Option<String> {
         resolution: Some(12),
         half_width: None,
         memory_limit: Some(1 << 30),
+        cache: None,
         cancel,
         progress: &|_| {},
     };

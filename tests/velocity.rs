@@ -28,6 +28,7 @@ fn prepared_as_it_is(text: String) -> Prepared {
         resolution: None,
         half_width: None,
         memory_limit: None,
+        cache: None,
         cancel: Arc::default(),
         progress: &|_| (),
     };

@@ -46,6 +46,7 @@ pub fn prepare(name: &str, sampling: Sampling) -> Prepared {
         resolution,
         half_width: Some(HALF_WIDTH),
         memory_limit: None,
+        cache: None,
         cancel: Arc::default(),
         progress: &|_| {},
     };

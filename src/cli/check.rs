@@ -25,7 +25,9 @@ use crate::vdb::{self, Client, Finding, Lint, Severity};
 #[command(after_help = "\
 Examples:
   hfvdb check cubism                              a scene: errors with their line, voxels, memory
-  hfvdb check cubism -v                           each value, and whether the scene gave it
+  hfvdb check cubism -v                           each value, and whether the scene gave it; a morph is measured,
+                                                  and each of its frames told of
+  hfvdb check cubism --no-estimate                errors alone
   hfvdb check any.0001.vdb                        a file: what all programs would show wrong
   hfvdb check any.0001.vdb --for blender,houdini  and what these two ask for
   hfvdb check out                                 all .vdb files of a folder, with one summary
@@ -42,6 +44,10 @@ pub struct Arguments {
     /// Programs that a .vdb file has to serve: blender, houdini, unreal, usd
     #[arg(long = "for", value_name = "PROGRAMS", value_delimiter = ',')]
     clients: Vec<Client>,
+
+    /// Only say whether a scene is right, without voxels, memory and size of files
+    #[arg(long, conflicts_with = "verbose")]
+    no_estimate: bool,
 
     #[command(flatten)]
     changes: SceneChanges,
@@ -152,9 +158,24 @@ fn of_scene(arguments: &Arguments, global: &Global) -> Result<(), Failure> {
     let model = job::load(&scene, global)?;
     let interrupt = job::interrupt()?;
     let progress = Progress::new(1, global);
-    let prepared = job::prepare(&model, &arguments.sampling, None, &interrupt, &progress, global)?;
     let shot = model.shot.range;
     let count = shot.last - shot.first + 1;
+    if arguments.no_estimate {
+        job::examine(&model, &arguments.sampling, &interrupt, global)?;
+        drop(progress);
+        if global.json {
+            let document = json!({ "scene": scene.scene, "frames": [shot.first, shot.last], "unit": model.unit });
+            return super::print_json(&document);
+        }
+        return super::print(&format!("frames {}-{} ({count})\n", shot.first, shot.last));
+    }
+    // A morph's own numbers need all of it; the rest can be told from a rough look.
+    let prepared = if global.verbose {
+        job::prepare(&model, &arguments.sampling, None, &interrupt, &progress, global)?
+    } else {
+        job::outlook(&model, &arguments.sampling, &interrupt, global)?
+    };
+    let about = if prepared.is_rough() { "about " } else { "" };
     // A shot's middle is where a morph is largest, its ends are where shapes are most intricate.
     let mut frames = vec![shot.first, shot.first + (shot.last - shot.first) / 2, shot.last];
     frames.dedup();
@@ -184,6 +205,7 @@ fn of_scene(arguments: &Arguments, global: &Global) -> Result<(), Failure> {
             "voxel_size": voxel_size,
             "box": [prepared.extent.min.to_array(), prepared.extent.max.to_array()],
             "unit": model.unit,
+            "exact": !prepared.is_rough(),
             "estimate": {
                 "active_voxels": estimate.voxels,
                 "blocks": estimate.blocks,
@@ -203,7 +225,7 @@ fn of_scene(arguments: &Arguments, global: &Global) -> Result<(), Failure> {
         // Writing to a string cannot fail.
         let _ = write!(
             text,
-            "frames {}-{} ({count})\nbox {:.4} x {:.4} x {:.4} {}\nvoxel size {voxel_size}\n\
+            "frames {}-{} ({count})\nbox {about}{:.4} x {:.4} x {:.4} {}\nvoxel size {about}{voxel_size}\n\
              about {:.2e} voxels, {} of memory (limit {limit}), at most {} a file before compression\n",
             shot.first, shot.last, size.x, size.y, size.z, model.unit, estimate.voxels, estimate.memory, estimate.file
         );

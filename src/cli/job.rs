@@ -55,20 +55,54 @@ pub fn prepare(
     global: &Global,
 ) -> Result<Prepared, Failure> {
     progress.stage(PREPARING);
-    let options = PrepareOptions {
+    let told = |share| progress.of_preparing(share);
+    let cache = sampling.caching.open();
+    let options =
+        PrepareOptions { progress: &told, cache: cache.as_ref(), ..options(sampling, default_resolution, interrupt) };
+    let prepared = model.prepare(&options).map_err(|error| not_ready(error, model, interrupt))?;
+    if let Some(problem) = cache.and_then(|cache| cache.problem()) {
+        global.warn(&problem);
+    }
+    warn(&prepared.warnings, global);
+    Ok(prepared)
+}
+
+/// Makes a scene ready for estimates.
+pub fn outlook(
+    model: &Arc<Model>,
+    sampling: &Sampling,
+    interrupt: &Interrupt,
+    global: &Global,
+) -> Result<Prepared, Failure> {
+    let prepared = model.outlook(&options(sampling, None, interrupt));
+    let prepared = prepared.map_err(|error| not_ready(error, model, interrupt))?;
+    warn(&prepared.warnings, global);
+    Ok(prepared)
+}
+
+/// Whether a scene can be made ready, as far as that is known before anything is measured.
+pub fn examine(model: &Arc<Model>, sampling: &Sampling, interrupt: &Interrupt, global: &Global) -> Result<(), Failure> {
+    let warnings = model.examine(&options(sampling, None, interrupt));
+    warn(&warnings.map_err(|error| not_ready(error, model, interrupt))?, global);
+    Ok(())
+}
+
+fn options(sampling: &Sampling, default_resolution: Option<u32>, interrupt: &Interrupt) -> PrepareOptions<'static> {
+    PrepareOptions {
         voxel_size: sampling.voxel_size,
         resolution: sampling.resolution.or(default_resolution),
         half_width: sampling.half_width,
         memory_limit: usize::try_from(limit(sampling).0).ok(),
+        cache: None,
         cancel: Arc::clone(interrupt.flag()),
-        progress: &|share| progress.of_preparing(share),
-    };
-    let prepared = model.prepare(&options).map_err(|error| match error {
-        error @ shot::Error::Memory { .. } => failure_of(error, interrupt).about(&model.name),
-        error => failure_of(error, interrupt),
-    })?;
-    warn(&prepared.warnings, global);
-    Ok(prepared)
+        progress: &|_| (),
+    }
+}
+
+fn not_ready(error: shot::Error, model: &Model, interrupt: &Interrupt) -> Failure {
+    let takes_too_much = matches!(error, shot::Error::Memory { .. });
+    let failure = failure_of(error, interrupt);
+    if takes_too_much { failure.about(&model.name) } else { failure }
 }
 
 /// A failure, or the interruption that caused it.

@@ -5,6 +5,7 @@
 //! go to stderr.
 
 mod bake;
+mod caching;
 mod check;
 mod dry_run;
 mod events;

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, ValueEnum};
 use serde_json::json;
 
+use super::caching::Caching;
 use super::{events, paths};
 use crate::bake::{Bytes, Existing, Frames};
 use crate::text::key::GREATEST;
@@ -93,6 +94,9 @@ pub struct Sampling {
     /// [default: 80 % of the least of free memory and what cgroups, ulimit -v and ulimit -d leave]
     #[arg(long, value_name = "BYTES")]
     pub max_memory: Option<Bytes>,
+
+    #[command(flatten)]
+    pub caching: Caching,
 }
 
 /// Where the files go and what they hold.

@@ -1,18 +1,73 @@
 //! What identifies a scene's content: for the files' metadata and for resuming.
 
+use std::path::PathBuf;
+
 use sha2::{Digest, Sha256};
 
 use crate::node::argument::Arguments;
-use crate::node::model::Model;
-use crate::text::files::FileReference;
+use crate::node::id::{ShapeId, Stage};
+use crate::node::model::{Model, Shape};
+use crate::text::files::{FilePlace, FileReference};
+use crate::text::value::Table;
 
 impl Model {
     /// SHA-256 of all that decides the voxels: the scene with its overrides, without spacing, comments, order of
     /// keys and unused variants, and the content of the files it names. Fails where such a file cannot be read.
     pub fn hash(&self) -> Result<[u8; 32], (FileReference, std::io::Error)> {
+        self.hash_of(&self.document, &self.shapes.iter().collect::<Vec<_>>())
+    }
+
+    /// SHA-256 of all in the scene that decides the field of a shape, made as far as a stage: what it is made from, and all
+    /// that these may name. Neither its colours nor what is done with it.
+    pub(crate) fn part_hash(&self, id: ShapeId, stage: Stage) -> Result<[u8; 32], (FileReference, std::io::Error)> {
+        let parts: Vec<&Shape> = self.with_parts(&[id]).into_iter().map(|part| self.shape(part)).collect();
+        let own = &self.shape(id).name;
+        let mut document = self.document.clone();
+        let stands =
+            document.get("shape").and_then(|entry| entry.value.table()).is_some_and(|all| all.get(own).is_some());
+        if !stands {
+            // Written in place, wherever that is.
+            return self.hash_of(&document, &parts).map(|hash| of_stage(hash, own, stage));
+        }
+        let apart = ["morph", "output", "variant", "palette", "color", "colour"];
+        document.0.retain(|entry| !apart.contains(&entry.key.as_str()));
+        let shapes = document.get_mut("shape").and_then(|entry| entry.value.table_mut());
+        if let Some(shapes) = shapes {
+            shapes.0.retain(|entry| parts.iter().any(|part| part.name == entry.key));
+            for entry in &mut shapes.0 {
+                // Those of its parts are inside of it.
+                let later: &[&str] = match stage {
+                    Stage::Own if entry.key == *own => &["scale", "rotate", "move"],
+                    Stage::Scaled if entry.key == *own => &["rotate", "move"],
+                    _ => &[],
+                };
+                if let Some(table) = entry.value.table_mut() {
+                    table.0.retain(|entry| {
+                        !["color", "colour"].contains(&entry.key.as_str()) && !later.contains(&entry.key.as_str())
+                    });
+                }
+            }
+        }
+        self.hash_of(&document, &parts).map(|hash| of_stage(hash, own, stage))
+    }
+
+    /// The files on a disk that it names.
+    pub fn files(&self) -> Vec<PathBuf> {
+        let arguments = self.shapes.iter().flat_map(|shape| shape.all_arguments().chain(shape.given_arguments()));
+        let places = arguments.flat_map(Arguments::files).map(|file| &file.place);
+        let on_disk = |place: &FilePlace| match place {
+            FilePlace::Disk(path) => Some(path.clone()),
+            FilePlace::BuiltIn(_) => None,
+        };
+        places.filter_map(on_disk).collect()
+    }
+
+    fn hash_of(&self, document: &Table, shapes: &[&Shape]) -> Result<[u8; 32], (FileReference, std::io::Error)> {
         let mut digest = Sha256::new();
-        digest.update(self.canonical.as_bytes());
-        for shape in &self.shapes {
+        let mut canonical = String::new();
+        document.canonical(&mut canonical);
+        digest.update(canonical.as_bytes());
+        for shape in shapes {
             let named = shape.all_arguments().flat_map(Arguments::files);
             let voxels = shape.given_arguments().flat_map(Arguments::files);
             for file in named.chain(voxels) {
@@ -24,4 +79,9 @@ impl Model {
         }
         Ok(digest.finalize().into())
     }
+}
+
+/// Two shapes may be made of the same text.
+fn of_stage(hash: [u8; 32], name: &str, stage: Stage) -> [u8; 32] {
+    Sha256::new().chain_update(hash).chain_update(name).chain_update(format!("{stage:?}")).finalize().into()
 }

@@ -16,6 +16,7 @@ use crate::text::moment::Moment;
 use crate::text::number::Number;
 use crate::text::reader::Setting;
 use crate::text::source::{Sources, Span};
+use crate::text::value::Table;
 
 pub use crate::node::argument::{Component, ScalarName};
 pub use crate::node::id::{CellsId, ShapeId};
@@ -47,7 +48,8 @@ pub struct Model {
     pub settings: Vec<Setting>,
     /// What is worth saying though the scene can be used.
     pub warnings: Diagnostics,
-    pub(crate) canonical: String,
+    /// The scene as it was given, with its overrides.
+    pub(crate) document: Table,
     pub(crate) sources: Arc<Sources>,
 }
 

@@ -29,6 +29,7 @@ pub(crate) fn options(resolution: Option<u32>, progress: &(dyn Fn(f64) + Sync)) 
         resolution,
         half_width: None,
         memory_limit: None,
+        cache: None,
         cancel: Arc::default(),
         progress,
     }

@@ -1,6 +1,7 @@
 //! Frames made from nodes: the shot's box and lattice, morphs planned over it, what is kept from frame to frame, and each
 //! frame's field, colours, scalars and motion. Knows no voxels and writes no files.
 
+mod cache;
 mod delay;
 mod error;
 mod level_sets;
@@ -34,6 +35,7 @@ mod scalar_tests;
 #[cfg(test)]
 mod volume_tests;
 
+pub use cache::Cache;
 pub use error::Error;
 pub use prepare::PrepareOptions;
 pub use prepared::{FrameContent, FrameInfo, MorphReport, Prepared};

@@ -20,6 +20,7 @@ use crate::node::model::{Content, Model, Morph, MorphMode, ShapeId};
 use crate::node::paint::surely_has;
 use crate::node::solid::Solids;
 use crate::node::variation::Variation;
+use crate::shot::cache::Cache;
 use crate::shot::error::Error;
 use crate::shot::level_sets::LevelSets;
 use crate::shot::morphing::{Measuring, Pair, alike, empty_frames, extent_over_shot, pair, plan};
@@ -35,6 +36,8 @@ use crate::text::problem::Problem;
 const LEAST_VOXEL: f64 = 1.45e-5;
 /// How many voxels away from the origin an object may reach: as far as bands go, see [`crate::distance::band`].
 const MOST_VOXELS: f64 = (1 << 30) as f64;
+/// What is measured to build a shape is measured no finer than this, voxels along the longest side, for an estimate.
+const ROUGH_RESOLUTION: f64 = 64.0;
 /// The least share of a morph that a cut is taken to leave, before it is known.
 const LEAST_LEFT: f64 = 1.0 / 16.0;
 
@@ -50,6 +53,8 @@ pub struct PrepareOptions<'a> {
     /// The most memory that a morph's frames, measuring one of its objects, and a volume of voxels, may take, in bytes;
     /// `None` for no limit of frames, and 4 GiB for an object or a volume.
     pub memory_limit: Option<usize>,
+    /// Where measured objects are kept, to be used again.
+    pub cache: Option<&'a Cache>,
     /// Set it to stop, now or while a frame is made: the result is [`Error::Cancelled`].
     pub cancel: Arc<AtomicBool>,
     /// Told the share done, 0 to 1, from any thread; only morphs take long.
@@ -63,6 +68,7 @@ impl Default for PrepareOptions<'_> {
             resolution: None,
             half_width: None,
             memory_limit: None,
+            cache: None,
             cancel: Arc::default(),
             progress: &|_| {},
         }
@@ -72,7 +78,22 @@ impl Default for PrepareOptions<'_> {
 impl Model {
     /// Makes ready for frames.
     pub fn prepare(self: &Arc<Self>, options: &PrepareOptions<'_>) -> Result<Prepared, Error> {
-        unless_cancelled(&options.cancel, prepare(self, options).map_err(|stop| self.stopped(stop)))
+        let prepared = prepare(self, options, Precision::Full);
+        unless_cancelled(&options.cancel, prepared.map_err(|stop| self.stopped(stop)))
+    }
+
+    /// Makes ready for estimates, in a fraction of the time: the objects of a morph are measured roughly, so that its box,
+    /// the voxel size that follows from it, and its frames are about what they will be.
+    pub fn outlook(self: &Arc<Self>, options: &PrepareOptions<'_>) -> Result<Prepared, Error> {
+        let prepared = prepare(self, options, Precision::Rough);
+        unless_cancelled(&options.cancel, prepared.map_err(|stop| self.stopped(stop)))
+    }
+
+    /// Whether it can be made ready, as far as that is known before anything is measured: files are read, shapes built and
+    /// their boxes found.
+    pub fn examine(self: &Arc<Self>, options: &PrepareOptions<'_>) -> Result<Diagnostics, Error> {
+        let found = examine(self, options).map_err(|stop| self.stopped(stop));
+        unless_cancelled(&options.cancel, found)
     }
 
     /// Why it stopped, with this scene's text.
@@ -85,7 +106,25 @@ impl Model {
     }
 }
 
-fn prepare(model: &Arc<Model>, options: &PrepareOptions<'_>) -> Result<Prepared, Stop> {
+/// How well objects are measured.
+#[derive(Clone, Copy, PartialEq)]
+enum Precision {
+    /// As frames need it.
+    Full,
+    /// As an estimate needs it.
+    Rough,
+}
+
+/// A model with its files read and its shapes built as they are at the shot's beginning.
+struct Built {
+    parts: Vec<ShapeId>,
+    assets: Arc<Assets>,
+    variation: Variation,
+    solids: Solids,
+    warnings: Vec<Diagnostic>,
+}
+
+fn build(model: &Arc<Model>, options: &PrepareOptions<'_>, precision: Precision) -> Result<Built, Stop> {
     let roots = match &model.content {
         Content::Shape(id) => vec![*id],
         Content::Morph(morphs) => {
@@ -102,14 +141,40 @@ fn prepare(model: &Arc<Model>, options: &PrepareOptions<'_>) -> Result<Prepared,
         model,
         &assets,
         model.moment(model.shot.range.first as f64),
-        resolution(model, options),
+        match precision {
+            Precision::Full => resolution(model, options),
+            Precision::Rough => resolution(model, options).min(ROUGH_RESOLUTION),
+        },
         &options.cancel,
     );
     let mut warnings = solids.cut_by_bounds(&parts)?;
     warnings.extend(assets.warnings.iter().cloned());
+    Ok(Built { parts, assets, variation, solids, warnings })
+}
+
+fn examine(model: &Arc<Model>, options: &PrepareOptions<'_>) -> Result<Diagnostics, Stop> {
+    let Built { mut solids, variation, warnings, .. } = build(model, options, Precision::Rough)?;
+    match &model.content {
+        Content::Shape(id) => {
+            let extent = shape_box(model, &mut solids, &variation, *id, options)?;
+            lattice(model, options, extent)?;
+        }
+        Content::Morph(morphs) => {
+            for morph in morphs {
+                let pair = pair(model, &mut solids, &variation, morph)?;
+                let about = lattice(model, options, pair.both)?;
+                admit(model, morph, &pair, numbers_of(model, morphs), &about, options)?;
+            }
+        }
+    }
+    Ok(Diagnostics::new(warnings, model.sources.clone()))
+}
+
+fn prepare(model: &Arc<Model>, options: &PrepareOptions<'_>, precision: Precision) -> Result<Prepared, Stop> {
+    let Built { parts, assets, variation, mut solids, mut warnings } = build(model, options, precision)?;
     let (content, extent, lattice) = match &model.content {
         Content::Shape(id) => ready_shape(model, &mut solids, &variation, *id, options)?,
-        Content::Morph(morphs) => ready_morphs(model, &mut solids, &variation, morphs, options)?,
+        Content::Morph(morphs) => ready_morphs(model, &mut solids, &variation, morphs, options, precision)?,
     };
     if let (Content::Morph(morphs), Ready::Morph(planned)) = (&model.content, &content) {
         warnings.extend(empty_frames(model, morphs, planned));
@@ -126,6 +191,7 @@ fn prepare(model: &Arc<Model>, options: &PrepareOptions<'_>) -> Result<Prepared,
         content,
         base: solids,
         level_sets: None,
+        roughly: precision == Precision::Rough && matches!(model.content, Content::Morph(_)),
         cancel: Arc::clone(&options.cancel),
     };
     let way = prepared.greatest_displacement()?;
@@ -135,6 +201,7 @@ fn prepare(model: &Arc<Model>, options: &PrepareOptions<'_>) -> Result<Prepared,
     }
     if let (Content::Morph(morphs), Ready::Morph(planned)) = (&model.content, &prepared.content)
         && let MorphMode::OpenVdb = morphs[0].mode
+        && precision == Precision::Full
     {
         let Prepared { lattice, half_width, .. } = prepared;
         let cancel = Arc::clone(&options.cancel);
@@ -144,6 +211,26 @@ fn prepare(model: &Arc<Model>, options: &PrepareOptions<'_>) -> Result<Prepared,
     Ok(prepared)
 }
 
+/// Whether a shape is built for each frame.
+fn changes(variation: &Variation, id: ShapeId) -> bool {
+    variation.placed(id) || variation.painted(id)
+}
+
+/// The box of a shape over the whole shot.
+fn shape_box(
+    model: &Model,
+    solids: &mut Solids,
+    variation: &Variation,
+    id: ShapeId,
+    options: &PrepareOptions<'_>,
+) -> Result<Aabb, Stop> {
+    if changes(variation, id) {
+        solids.build_still(&model.with_parts(&[id]), variation);
+        return box_over_shot(model, solids, variation, id, options);
+    }
+    Ok(solid_box(model, id, solids.field(id, Stage::Placed)?.as_ref())?)
+}
+
 fn ready_shape(
     model: &Model,
     solids: &mut Solids,
@@ -151,18 +238,15 @@ fn ready_shape(
     id: ShapeId,
     options: &PrepareOptions<'_>,
 ) -> Result<(Ready, Aabb, Lattice), Stop> {
-    if variation.placed(id) || variation.painted(id) {
-        solids.build_still(&model.with_parts(&[id]), variation);
-        let extent = box_over_shot(model, solids, variation, id, options)?;
-        let lattice = lattice(model, options, extent)?;
+    let extent = shape_box(model, solids, variation, id, options)?;
+    let lattice = lattice(model, options, extent)?;
+    if changes(variation, id) {
         if model.with_parts(&[id]).into_iter().any(|part| model.shape(part).has_seam()) {
             // What parts that stand still are measured for is kept; what cannot be is said when a frame needs it.
             let _ = scenery(solids, id, &lattice);
         }
         return Ok((Ready::Changing(id), extent, lattice));
     }
-    let extent = solid_box(model, id, solids.field(id, Stage::Placed)?.as_ref())?;
-    let lattice = lattice(model, options, extent)?;
     Ok((Ready::Still(scenery(solids, id, &lattice)?), extent, lattice))
 }
 
@@ -175,6 +259,7 @@ fn ready_morphs(
     variation: &Variation,
     morphs: &[Morph],
     options: &PrepareOptions<'_>,
+    precision: Precision,
 ) -> Result<(Ready, Aabb, Lattice), Stop> {
     let pairs = morphs.iter().map(|morph| pair(model, solids, variation, morph)).collect::<Result<Vec<_>, _>>()?;
     let both = pairs.iter().map(|pair| pair.both).reduce(Aabb::union).expect("a chain has a morph");
@@ -185,6 +270,9 @@ fn ready_morphs(
         admit(model, morph, pair, numbers, &about, options)?;
     }
     let mut measuring = Measuring {
+        roughly: precision == Precision::Rough,
+        cache: options.cache,
+        resolution: resolution(model, options),
         voxel: about.voxel_size.get(),
         memory_limit: options.memory_limit,
         watch: Watch { cancel: &options.cancel, progress: &|share| (options.progress)(MEASURING * share) },
@@ -196,7 +284,11 @@ fn ready_morphs(
         planned.push(plan(model, solids, morph, pair, &mut measuring)?);
     }
     alike(&mut planned);
-    let extent = extent_over_shot(model, morphs, &planned)?;
+    let extent = match precision {
+        Precision::Full => extent_over_shot(model, morphs, &planned)?,
+        // Nearer to the truth than the box of what rough distances make of it.
+        Precision::Rough => both,
+    };
     (options.progress)(1.0);
     Ok((Ready::Morph(planned), extent, lattice(model, options, extent)?))
 }

@@ -6,6 +6,9 @@ use std::sync::atomic::AtomicBool;
 use serde::{Deserialize, Serialize};
 
 use crate::attribute::{Colour, Scalar};
+use crate::distance::method::{Method, Request, Rough};
+use crate::distance::nearest::Watch;
+use crate::distance::octree::Settings;
 use crate::distance::without::Keep;
 use crate::field::{Aabb, Field, Interval};
 use crate::grid::Lattice;
@@ -52,6 +55,8 @@ pub struct Prepared {
     pub(crate) base: Solids,
     /// The in-betweens where OpenVDB makes them.
     pub(crate) level_sets: Option<LevelSets>,
+    /// Whether what it is made of was measured for estimates only.
+    pub(crate) roughly: bool,
     /// Set to stop.
     pub(crate) cancel: Arc<AtomicBool>,
 }
@@ -111,6 +116,11 @@ impl Prepared {
     /// The model.
     pub fn model(&self) -> &Arc<Model> {
         &self.model
+    }
+
+    /// Whether box, lattice and frames are only about what they will be, see [`Model::outlook`].
+    pub fn is_rough(&self) -> bool {
+        self.roughly
     }
 
     /// All that one frame is computed from, whatever other frames are asked for.
@@ -228,6 +238,7 @@ impl Prepared {
         let Some(displacement) = self.displacement(solid, by, planned, frame)? else { return Ok(whole) };
         let time = self.model.shot.range.share(frame);
         let end = match planned.morph.stage(time) {
+            _ if self.roughly => None,
             _ if self.by_openvdb(frame as i64).is_some() => None,
             Stage::From => Some(&planned.from),
             Stage::To => Some(&planned.to),
@@ -241,8 +252,16 @@ impl Prepared {
         }
         let voxel = self.lattice.voxel_size.get();
         let problem = |error: String| Problem::new(by.span, format!("frame {}: {error}", plain(frame)));
-        let distance = measured(whole.as_ref(), solid, Interval::ZERO, voxel, &self.cancel)
-            .map_err(|error| Stop::of_measuring(&error, problem))?;
+        let distance = if self.roughly {
+            let settings = Settings::new(solid, voxel);
+            let request = Request { field: whole.as_ref(), solid, detail: voxel, settings };
+            Rough
+                .measure(&request, &Watch { cancel: &self.cancel, progress: &|_| {} })
+                .map(|measured| measured.distance)
+        } else {
+            measured(whole.as_ref(), solid, Interval::ZERO, voxel, &self.cancel)
+        };
+        let distance = distance.map_err(|error| Stop::of_measuring(&error, problem))?;
         Ok(displacement.of_field(distance))
     }
 

@@ -73,3 +73,28 @@ fn a_morph_without_room_for_its_colours_is_refused_before_it_is_measured() {
     let (with_room, _) = prepare("", plain + 1);
     assert!(!matches!(with_room, Err(Error::Memory { .. })), "{with_room:?}");
 }
+
+/// A rough look tells of a morph's box and its voxels what making it ready finds; where nothing is measured, all of it.
+#[test]
+fn an_outlook_is_about_what_becomes() {
+    for (name, is_rough) in [("cube-to-heart", true), ("heart", false)] {
+        let model = Arc::new(load(&Source::Builtin(name.into()), &Overrides::default()).unwrap());
+        let options = options(Some(64), &|_| ());
+        let exact = model.prepare(&options).unwrap_or_else(|error| panic!("{error}"));
+        let outlook = model.outlook(&options).unwrap_or_else(|error| panic!("{error}"));
+        assert_eq!((outlook.is_rough(), exact.is_rough()), (is_rough, false));
+        let apart = (outlook.extent.size() / exact.extent.size() - 1.0).abs().max_element();
+        assert!(apart <= if is_rough { 0.05 } else { 0.0 }, "{name}: {apart}");
+        for frame in [1, 12, 24] {
+            let of = |prepared: &Prepared| {
+                let content = prepared.frame(frame).unwrap_or_else(|error| panic!("{error}"));
+                crate::bake::estimate(prepared, &content, 1).voxels
+            };
+            let ratio = of(&outlook) / of(&exact);
+            // Rather too much than too little.
+            let right = if is_rough { 0.8..1.3 } else { 1.0..1.0 + f64::EPSILON };
+            assert!(right.contains(&ratio), "{name}, frame {frame}: {ratio}");
+        }
+        model.examine(&options).unwrap_or_else(|error| panic!("{error}"));
+    }
+}

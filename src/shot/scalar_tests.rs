@@ -45,8 +45,15 @@ pub(crate) fn prepared_at(sampling: Sampling, cancel: Arc<AtomicBool>, text: &st
         Sampling::Resolution(resolution) => (None, Some(resolution)),
         Sampling::VoxelSize(edge) => (Some(edge), None),
     };
-    let options =
-        PrepareOptions { voxel_size, resolution, half_width: None, memory_limit: None, cancel, progress: &|_| () };
+    let options = PrepareOptions {
+        voxel_size,
+        resolution,
+        half_width: None,
+        memory_limit: None,
+        cache: None,
+        cancel,
+        progress: &|_| (),
+    };
     Arc::new(model).prepare(&options)
 }
 

@@ -64,6 +64,7 @@ fn prepared(folder: &Path, text: &str, memory_limit: Option<usize>) -> Result<Pr
         resolution: Some(64),
         half_width: None,
         memory_limit,
+        cache: None,
         cancel: Arc::default(),
         progress: &|_| (),
     };

@@ -74,6 +74,22 @@ impl Table {
     pub fn get_mut(&mut self, key: &str) -> Option<&mut Entry> {
         self.0.iter_mut().find(|entry| entry.key == key)
     }
+
+    /// Appends the table in a form that spacing, comments, the order of keys and the spelling of numbers do not change.
+    /// What the scene's hash is made from.
+    pub fn canonical(&self, out: &mut String) {
+        use std::fmt::Write;
+        let mut entries: Vec<&Entry> = self.0.iter().collect();
+        entries.sort_by(|a, b| a.key.cmp(&b.key));
+        out.push('{');
+        for entry in entries {
+            // Writing to a string cannot fail.
+            let _ = write!(out, "{:?}:", entry.key);
+            entry.value.canonical(out);
+            out.push(',');
+        }
+        out.push('}');
+    }
 }
 
 impl Value {
@@ -108,6 +124,11 @@ impl Value {
         if let Data::Table(table) = &self.data { Some(table) } else { None }
     }
 
+    /// The table, to be changed.
+    pub fn table_mut(&mut self) -> Option<&mut Table> {
+        if let Data::Table(table) = &mut self.data { Some(table) } else { None }
+    }
+
     /// The list.
     pub fn list(&self) -> Option<&[Value]> {
         if let Data::List(list) = &self.data { Some(list) } else { None }
@@ -123,9 +144,7 @@ impl Value {
         }
     }
 
-    /// Appends the value in a form that spacing, comments, the order of keys and the spelling of numbers do not
-    /// change. What the scene's hash is made from.
-    pub fn canonical(&self, out: &mut String) {
+    fn canonical(&self, out: &mut String) {
         use std::fmt::Write;
         let written = match &self.data {
             Data::Text(text) => write!(out, "{text:?}"),
@@ -141,15 +160,8 @@ impl Value {
                 write!(out, "]")
             }
             Data::Table(table) => {
-                let mut entries: Vec<&Entry> = table.0.iter().collect();
-                entries.sort_by(|a, b| a.key.cmp(&b.key));
-                out.push('{');
-                for entry in entries {
-                    let _ = write!(out, "{:?}:", entry.key);
-                    entry.value.canonical(out);
-                    out.push(',');
-                }
-                write!(out, "}}")
+                table.canonical(out);
+                Ok(())
             }
         };
         written.expect("a string takes everything");

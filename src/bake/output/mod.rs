@@ -88,6 +88,7 @@ mod tests {
             resolution: Some(16),
             half_width: None,
             memory_limit: None,
+            cache: None,
             cancel: Arc::default(),
             progress: &|_| {},
         };

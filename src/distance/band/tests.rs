@@ -193,6 +193,7 @@ fn prepared(scene: &str) -> Prepared {
         resolution: Some(48),
         half_width: None,
         memory_limit: None,
+        cache: None,
         cancel: Arc::default(),
         progress: &|_| {},
     };

@@ -2,8 +2,6 @@
 //! them answers everywhere. What holds of both is told in [`nearest`](crate::distance::nearest) and
 //! [`octree`](crate::distance::octree).
 
-use std::sync::Arc;
-
 use super::{Measured, Method, Request};
 use crate::distance::nearest::{FieldFeet, Watch};
 use crate::distance::octree::{BuildError, DistanceObject};
@@ -26,7 +24,6 @@ impl Method for ClosestPoint {
         let feet = FieldFeet::new(*field, solid, *detail, &Watch { cancel, progress: &seeding })?;
         let building = |part: f64| progress(SEEDING + (1.0 - SEEDING) * part);
         let object = DistanceObject::build(&feet, settings, &Watch { cancel, progress: &building })?;
-        let bytes = object.report().bytes as u64;
-        Ok(Measured { distance: Arc::new(object), bytes })
+        Ok(Measured::of(object))
     }
 }

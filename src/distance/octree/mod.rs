@@ -17,6 +17,7 @@ mod bricks;
 mod corners;
 mod evaluate;
 mod hanging;
+mod kept;
 mod kernel;
 mod patch;
 mod refine;
@@ -288,19 +289,25 @@ impl DistanceObject {
         object.measure(&samples);
         // What is kept takes the most memory: that of the samples is given back before.
         drop(samples);
-        let places = object.leaf_places();
-        object.polynomials = places.par_iter().map(|&place| Polynomial::of(&object.patch(place))).collect();
-        object.bricks = Bricks::new(&object.nodes, object.root_size());
-        object.bound(&places);
-        object.report.bytes = object.bytes();
-        if !settings.levels.contains(0.0) {
-            // Nothing is known of the surface itself: cells there are large.
-            object.bounding_box = None;
-        } else if object.bounds[0].value().lo > 0.0 || object.bounds[0].value().hi < 0.0 {
+        object.finish(settings.levels.contains(0.0));
+        if settings.levels.contains(0.0) && (object.bounds[0].value().lo > 0.0 || object.bounds[0].value().hi < 0.0) {
             return Err(BuildError::NoSurface);
         }
         (watch.progress)(1.0);
         Ok(object)
+    }
+
+    /// Works out all that follows from nodes, leaves and numbers. `has_surface`: whether the surface itself was measured;
+    /// else cells there are large, and nothing is known of it.
+    fn finish(&mut self, has_surface: bool) {
+        let places = self.leaf_places();
+        self.polynomials = places.par_iter().map(|&place| Polynomial::of(&self.patch(place))).collect();
+        self.bricks = Bricks::new(&self.nodes, self.root_size());
+        self.bound(&places);
+        self.report.bytes = self.bytes();
+        if !has_surface {
+            self.bounding_box = None;
+        }
     }
 
     /// What was built.

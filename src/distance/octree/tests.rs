@@ -487,3 +487,35 @@ fn what_cannot_be_built_says_why() {
     let nothing = Sphere(DVec3::ZERO, -0.5);
     assert_eq!(go(&nothing, good, false), Some(BuildError::NoSurface));
 }
+
+/// Kept as bytes and read back, an object answers with the same bits; bytes that are none of it are no object.
+#[test]
+fn bytes_give_the_object_back() {
+    let object = build(&Torus(0.6, 0.25), 1.0, 0.05);
+    let bytes = object.to_bytes();
+    let again = DistanceObject::from_bytes(&bytes).expect("its own bytes");
+    assert_eq!(again.report(), object.report());
+    assert_eq!(again.bounding_box(), object.bounding_box());
+    let answers = |object: &DistanceObject| {
+        let mut points = Points::new(DVec3::new(0.1, 0.2, 0.0));
+        for i in 0..BATCH {
+            points.push(DVec3::from([1, 8, 64].map(|step| (i / step % 8) as f64 * 0.4 - 1.5)).as_vec3());
+        }
+        let mut found = Gradients::default();
+        let mut evaluator = object.evaluator();
+        evaluator.enter(&Aabb::new(DVec3::splat(-0.3), DVec3::splat(0.9)));
+        let bounds = evaluator.bounds();
+        evaluator.leave();
+        evaluator.gradients(&points, &mut found);
+        let numbers = |i: usize| [found.value[i], found.dx[i], found.dy[i], found.dz[i]].map(f32::to_bits);
+        ((0..BATCH).map(numbers).collect::<Vec<_>>(), bounds)
+    };
+    assert_eq!(answers(&again), answers(&object));
+    // Whatever is changed or cut off, it is an object or none, and never a panic.
+    for place in (0..bytes.len()).step_by(bytes.len() / 200) {
+        let mut damaged = bytes.clone();
+        damaged[place] ^= 0x41;
+        let _ = DistanceObject::from_bytes(&damaged);
+        assert!(DistanceObject::from_bytes(&bytes[..place]).is_none());
+    }
+}

@@ -27,7 +27,7 @@ use crate::text::key::{Key, Limit};
 use crate::text::number::{NumberValue, plain_number};
 use crate::text::reader::{Fields, NO_OWNER, Reader};
 use crate::text::source::{Sources, Span};
-use crate::text::value::{Data, Entry, Origin, Table, Value};
+use crate::text::value::{Data, Entry, Table, Value};
 
 use links::{Link, Node};
 
@@ -80,8 +80,6 @@ pub fn read(
         diagnostics.drop_notes();
         return Err(diagnostics);
     };
-    let mut canonical = String::new();
-    Value { data: Data::Table(root.clone()), span: Span::default(), origin: Origin::Scene }.canonical(&mut canonical);
     Ok(Model {
         name: name.into(),
         shot: parts.shot,
@@ -95,7 +93,7 @@ pub fn read(
         output: parts.output,
         settings,
         warnings: diagnostics,
-        canonical,
+        document: root.clone(),
         sources,
     })
 }
