@@ -3,11 +3,11 @@
 mod support;
 
 use std::fs::File;
-use std::io::BufReader;
-use std::process::Command;
+use std::io::{BufRead, BufReader};
+use std::process::{Command, Stdio};
 
 use exr::prelude::{FlatSamples, ReadChannels, ReadLayers, read};
-use support::{Workplace, json, workplace};
+use support::{BALL, Workplace, json, workplace};
 
 /// The frames of a PNG: pixels of four bytes, the edge, and for how many seconds each is shown.
 fn pictures(place: &Workplace, name: &str) -> (Vec<Vec<u8>>, usize, Vec<f64>) {
@@ -203,4 +203,66 @@ fn what_cannot_be_a_picture_is_refused() {
     place.hfvdb("preview ball.toml egg.toml -o ball.png").fails(2, &["one scene"]);
     place.hfvdb("preview m.vdb --frames 3 -o ball.png").fails(2, &["--frames"]);
     place.hfvdb("preview ball.toml --resolution 16 --frames 1 -o no/such/ball.exr").fails(1, &["no/such/ball.exr"]);
+}
+
+/// A scene that is saved: wrong, then right, and each time the picture is that of what was saved last.
+#[test]
+fn a_watched_scene_is_followed() {
+    let place = workplace();
+    let mut command = Command::new(env!("CARGO_BIN_EXE_hfvdb"));
+    command.args(["preview", "ball.toml", "-o", "ball.png", "--watch", "--open"]);
+    command.args(["--frames", "24", "--size", "48", "--resolution", "16"]).current_dir(place.root());
+    // No browser is to be opened by a test.
+    command.env("PATH", "/nonexistent").stdout(Stdio::null()).stderr(Stdio::piped());
+    let mut child = command.spawn().expect("the program starts");
+    let mut said = BufReader::new(child.stderr.take().expect("its messages"));
+    let mut wait_for = |text: &str| {
+        let mut line = String::new();
+        while !line.contains(text) {
+            line.clear();
+            assert!(said.read_line(&mut line).expect("a line") > 0, "it ended before it said {text:?}");
+        }
+    };
+    wait_for("ball.html");
+    wait_for("waiting for changes");
+    let first = pictures(&place, "ball.png").0;
+    place.write("ball.toml", BALL.replace("sphere", "sphare"));
+    wait_for("sphare");
+    assert_eq!(pictures(&place, "ball.png").0, first, "the last good picture stays");
+    place.write("ball.toml", BALL.replace("0.5, \"t\", 0", "0, 0, \"t\""));
+    wait_for("waiting for changes");
+    assert_ne!(pictures(&place, "ball.png").0, first);
+    let page = std::fs::read_to_string(place.path("ball.html")).expect("a page");
+    assert!(page.contains("src=\"ball.png\""), "{page}");
+    let killed = Command::new("/bin/kill").args(["-INT", &child.id().to_string()]).status().expect("a signal");
+    assert!(killed.success());
+    assert_eq!(child.wait().expect("its end").code(), Some(130));
+    place.hfvdb("preview sphere -o ball.png --watch").fails(2, &["hfvdb scenes sphere > sphere.toml"]);
+}
+
+/// Through a pipe there are no pixels to be shown: half blocks, in colours.
+#[test]
+fn a_terminal_shows_blocks() {
+    let place = workplace();
+    let run = place.hfvdb("preview ball.toml --terminal --frames 24 --size 48 --resolution 16").ok();
+    assert!(run.stdout.matches('\u{2584}').count() > 200, "{}", run.stdout);
+    assert!(run.stdout.contains("\u{1b}["), "in colours");
+    place.hfvdb("preview ball.toml").fails(2, &["--output"]);
+    place.hfvdb("preview ball.toml --terminal -o ball.apng").fails(2, &["what a .png holds"]);
+}
+
+/// A draft and a final picture show the same: few pixels differ by more than a little.
+#[test]
+fn a_draft_is_like_the_final_picture() {
+    let place = workplace();
+    for quality in ["draft", "final"] {
+        let of_all = "--frames 24 --size 200 --resolution 90";
+        place.hfvdb(&format!("preview ball.toml {of_all} --quality {quality} -o {quality}.png")).ok();
+    }
+    let (draft, fin) = (pictures(&place, "draft.png").0, pictures(&place, "final.png").0);
+    let apart = |(a, b): (&[u8], &[u8])| a.iter().zip(b).map(|(a, b)| a.abs_diff(*b)).max().unwrap_or(0);
+    let all = || draft[0].chunks_exact(4).zip(fin[0].chunks_exact(4)).map(apart);
+    let (count, far) = (all().count(), all().filter(|&apart| apart > 12).count());
+    assert!(far * 100 < count, "{far} of {count} pixels");
+    assert!(all().any(|apart| apart > 0), "both are the same picture");
 }

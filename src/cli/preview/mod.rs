@@ -3,10 +3,12 @@
 mod picture;
 mod source;
 mod target;
+mod terminal;
+mod watch;
 
 use std::path::PathBuf;
 
-use clap::Args;
+use clap::{Args, ValueEnum};
 use serde_json::json;
 
 use super::failure::Failure;
@@ -15,7 +17,7 @@ use super::progress::Progress;
 use super::{files, job, paths, signals};
 use crate::bake::{Frames, Interrupt};
 use crate::grid::{Band, measure};
-use crate::render::{ContactSheet, Plane, SheetFrame, View};
+use crate::render::{self, ContactSheet, Plane, SheetFrame, View};
 use picture::Painter;
 use source::Source;
 use target::{Kind, Target, Writer};
@@ -35,6 +37,8 @@ The camera is the same over all frames.
 Examples:
   hfvdb preview cubism -o cubism.png --pictures 12   a contact sheet; curves of all 48 frames
   hfvdb preview cubism -o cubism.apng                the morph, moving
+  hfvdb preview my.toml -o my.png --watch --open     follow what is saved, in a browser
+  hfvdb preview my.toml --terminal --frames 12       without any file
   hfvdb preview cubism -o inside.png --slice z=0     colours inside, lines of equal distance
   hfvdb preview 'out/cubism.####.vdb' -o cubism.apng files that are there, of any maker
   hfvdb preview a.vdb b.vdb -o both.png              files of several names, side by side")]
@@ -44,8 +48,20 @@ pub struct Arguments {
     inputs: Vec<String>,
 
     /// The .png, .apng or .exr to write; it is replaced if it exists
-    #[arg(short, long, value_name = "FILE", value_parser = paths::path())]
-    output: PathBuf,
+    #[arg(short, long, value_name = "FILE", value_parser = paths::path(), required_unless_present = "terminal")]
+    output: Option<PathBuf>,
+
+    /// Show the picture in the terminal: in its pixels where it can (kitty, iTerm, sixel), else in half blocks
+    #[arg(long, conflicts_with = "json")]
+    terminal: bool,
+
+    /// Make the picture again whenever the scene, or a file that it names, is saved; until Ctrl-C
+    #[arg(long)]
+    watch: bool,
+
+    /// Write a page beside the picture that shows each new one, and open it in the browser
+    #[arg(long, requires = "watch", requires = "output")]
+    open: bool,
 
     /// Frames of a scene or a frame pattern [default: the whole shot, or all that are there]
     #[arg(long, value_name = "FRAMES", allow_hyphen_values = true)]
@@ -68,6 +84,10 @@ pub struct Arguments {
     #[arg(long, value_name = "PIXELS", value_parser = clap::value_parser!(u32).range(16..=8192))]
     size: Option<u32>,
 
+    /// How much work goes into a picture [default: draft; final of an .exr]
+    #[arg(long, value_enum, value_name = "QUALITY")]
+    quality: Option<Quality>,
+
     /// Pictures in a row of a contact sheet
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100))]
     columns: Option<u32>,
@@ -86,15 +106,37 @@ pub struct Arguments {
     sampling: Sampling,
 }
 
+/// How much work goes into a picture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Quality {
+    /// In a fraction of a second: soft shadows at every other pixel, edges smoothed where pixels differ, voxels no finer
+    /// than a picture of its size shows
+    Draft,
+    /// All of it at every pixel
+    Final,
+}
+
+impl From<Quality> for render::Quality {
+    fn from(quality: Quality) -> Self {
+        match quality {
+            Quality::Draft => Self::Draft,
+            Quality::Final => Self::Final,
+        }
+    }
+}
+
 /// Runs the command.
 pub fn run(arguments: &Arguments, global: &Global) -> Result<(), Failure> {
-    let target = Target::new(&arguments.output)?;
+    let target = Target::new(arguments.output.as_deref(), arguments.terminal)?;
     if arguments.slice.is_some() && target.kind == Kind::Exr {
         return Err(Failure::usage("a slice is a .png or an .apng: the layers of an .exr are those of a camera"));
     }
     let files = arguments.inputs.iter().filter(|input| files::is_vdb(input)).count();
     let interrupt = job::interrupt()?;
     if files == arguments.inputs.len() {
+        if arguments.watch {
+            return Err(Failure::usage("--watch follows a scene, not .vdb files"));
+        }
         return source::of_files(arguments, global, |source, progress| {
             show(arguments, &target, source, &interrupt, progress, global)
         });
@@ -102,9 +144,32 @@ pub fn run(arguments: &Arguments, global: &Global) -> Result<(), Failure> {
     if files > 0 || arguments.inputs.len() > 1 {
         return Err(Failure::usage("preview takes one scene, or any number of .vdb files, not both"));
     }
-    source::of_scene(arguments, &interrupt, global, |source, progress| {
-        show(arguments, &target, source, &interrupt, progress, global)
-    })
+    let once = || {
+        source::of_scene(arguments, &target, &interrupt, global, |source, progress| {
+            show(arguments, &target, source, &interrupt, progress, global)
+        })
+    };
+    if !arguments.watch {
+        return once();
+    }
+    if arguments.open {
+        let file = target.file().ok_or_else(|| Failure::usage("--open shows one file: leave the frame token out"))?;
+        watch::open(&file)?;
+    }
+    watch::follow(arguments, &interrupt, global, once)
+}
+
+impl Arguments {
+    /// How much work goes into a picture.
+    fn quality(&self, target: &Target) -> Quality {
+        let usual = if target.kind == Kind::Exr { Quality::Final } else { Quality::Draft };
+        self.quality.unwrap_or(usual)
+    }
+
+    /// The edge of a picture, of so many frames, in pixels.
+    fn size(&self, target: &Target, count: usize) -> usize {
+        self.size.unwrap_or_else(|| target.size(count)) as usize
+    }
 }
 
 /// Makes pictures of the frames, and writes what is made of them.
@@ -119,8 +184,9 @@ fn show(
     let count = source.numbers.len();
     let pictured: Vec<usize> = (0..count).filter(|&place| is_pictured(place, count, arguments.pictures)).collect();
     let numbers: Vec<i64> = pictured.iter().map(|&place| source.numbers[place]).collect();
-    let mut writer = Writer::new(target, &numbers, count, arguments.size)?;
-    let mut painter = Painter::new(arguments, source, writer.size())?;
+    let size = arguments.size(target, count);
+    let mut writer = Writer::new(target, &numbers, count, size)?;
+    let mut painter = Painter::new(arguments, source, size, arguments.quality(target))?;
     let mut sheet = ContactSheet {
         title: source.name.clone(),
         frames: Vec::with_capacity(count),
@@ -194,5 +260,5 @@ fn report(paths: &[PathBuf], sheet: &ContactSheet, global: &Global) -> Result<()
         .iter()
         .map(|frame| json!({ "frame": frame.frame, "volume": frame.volume, "change": frame.change, "pieces": frame.pieces }))
         .collect();
-    super::print_json(&json!({ "path": paths[0], "paths": paths, "frames": frames }))
+    super::print_json(&json!({ "path": paths.first(), "paths": paths, "frames": frames }))
 }

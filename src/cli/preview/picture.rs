@@ -1,7 +1,7 @@
 //! A picture of one frame: from the camera, or a slice.
 
-use super::Arguments;
 use super::source::{Inside, Shown, Source};
+use super::{Arguments, Quality};
 use crate::cli::failure::Failure;
 use crate::render::{Camera, Fill, Image, Layers, Look, Scene, Slice, render, render_layers};
 
@@ -10,19 +10,25 @@ pub struct Painter<'a> {
     arguments: &'a Arguments,
     source: &'a Source<'a>,
     size: usize,
+    quality: Quality,
     slice: Option<Slice>,
 }
 
 impl<'a> Painter<'a> {
     /// For pictures of so many pixels each way.
-    pub fn new(arguments: &'a Arguments, source: &'a Source<'a>, size: usize) -> Result<Self, Failure> {
+    pub fn new(
+        arguments: &'a Arguments,
+        source: &'a Source<'a>,
+        size: usize,
+        quality: Quality,
+    ) -> Result<Self, Failure> {
         if let Some(plane) = arguments.slice.filter(|plane| !plane.meets(&source.bounds)) {
             let ([least, greatest], axis) = (plane.span(&source.bounds), plane.axis());
             return Err(Failure::work(format!(
                 "the slice {plane} misses the object, which reaches from {axis} = {least:.4} to {greatest:.4}"
             )));
         }
-        Ok(Self { arguments, source, size, slice: None })
+        Ok(Self { arguments, source, size, quality, slice: None })
     }
 
     /// A picture of a frame.
@@ -54,7 +60,7 @@ impl<'a> Painter<'a> {
     fn scene<'s>(&self, shown: &'s Shown) -> Scene<'s> {
         let bounds = &self.source.bounds;
         let camera = Camera::framing(bounds, self.arguments.view, self.arguments.turn, 1.0);
-        let look = Look { ground: Some(bounds.min.z), ..Look::default() };
+        let look = Look { ground: Some(bounds.min.z), quality: self.quality.into(), ..Look::default() };
         Scene { band: &shown.band, colour: shown.colour.as_ref(), camera, look }
     }
 }

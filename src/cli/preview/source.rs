@@ -6,7 +6,8 @@ use std::sync::Arc;
 
 use glam::{DVec3, IVec3};
 
-use super::Arguments;
+use super::target::Target;
+use super::{Arguments, Quality};
 use crate::attribute::{Colour, LinearRgb};
 use crate::bake::{self, Interrupt};
 use crate::cli::failure::Failure;
@@ -20,6 +21,8 @@ use crate::vdb::{self, MetadataValue, SparseBlocks, Voxels};
 
 /// Voxels along the longest side where nobody says otherwise: enough for a picture, in a fraction of a bake's time.
 const RESOLUTION: u32 = 128;
+/// The fewest voxels of a small draft.
+const LEAST_RESOLUTION: u32 = 48;
 /// Half the width, in voxels, of the band of a slice where nobody says otherwise: wide enough for lines of equal
 /// distance over most of an inside at [`RESOLUTION`].
 const SLICE_HALF_WIDTH: f64 = 16.0;
@@ -67,6 +70,7 @@ pub enum Inside {
 /// Calls `show` with the frames of a scene.
 pub fn of_scene(
     arguments: &Arguments,
+    target: &Target,
     interrupt: &Interrupt,
     global: &Global,
     show: impl FnOnce(&Source<'_>, &Progress) -> Result<(), Failure>,
@@ -76,7 +80,15 @@ pub fn of_scene(
     let frames = job::frames(arguments.frames.as_ref(), &model, global)?;
     let numbers = frames.numbers().to_vec();
     let progress = Progress::new(numbers.len(), global);
-    let default = arguments.sampling.voxel_size.is_none().then_some(RESOLUTION);
+    let enough = match arguments.quality(target) {
+        // Voxels smaller than two pixels show nothing more.
+        Quality::Draft if arguments.slice.is_none() => {
+            let shown = arguments.size(target, numbers.len()) as u32 * 9 / 20;
+            shown.clamp(LEAST_RESOLUTION, RESOLUTION)
+        }
+        _ => RESOLUTION,
+    };
+    let default = arguments.sampling.voxel_size.is_none().then_some(enough);
     let of_slice = arguments.slice.map(|_| SLICE_HALF_WIDTH);
     let half_width = arguments.sampling.half_width.or(of_slice);
     let sampling = Sampling { half_width, ..arguments.sampling.clone() };

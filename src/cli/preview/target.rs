@@ -20,12 +20,15 @@ pub enum Kind {
 /// Where pictures go.
 pub struct Target {
     pub kind: Kind,
-    pattern: FramePattern,
+    /// The files; none where the terminal is all.
+    pattern: Option<FramePattern>,
+    in_terminal: bool,
 }
 
 impl Target {
-    /// Reads the name of the output.
-    pub fn new(output: &Path) -> Result<Self, Failure> {
+    /// Reads the name of the output; none where the terminal is all.
+    pub fn new(output: Option<&Path>, in_terminal: bool) -> Result<Self, Failure> {
+        let Some(output) = output else { return Ok(Self { kind: Kind::Png, pattern: None, in_terminal }) };
         let end = output.extension().and_then(|end| end.to_str()).unwrap_or_default().to_ascii_lowercase();
         let (kind, end) = match end.as_str() {
             "png" => (Kind::Png, "png"),
@@ -41,7 +44,30 @@ impl Target {
             let problem = "an .apng holds all frames: leave the frame token out";
             return Err(Failure::usage(format!("{}: {problem}", terminal::path(output))));
         }
-        Ok(Self { kind, pattern })
+        if in_terminal && kind != Kind::Png {
+            return Err(Failure::usage("a terminal shows what a .png holds: name one, or leave --output out"));
+        }
+        Ok(Self { kind, pattern: Some(pattern), in_terminal })
+    }
+
+    /// Whether each of so many frames is a file of its own.
+    fn is_each(&self, count: usize) -> bool {
+        let has_token = self.pattern.as_ref().is_some_and(FramePattern::has_token);
+        self.kind == Kind::Exr || (self.kind == Kind::Png && (has_token || count == 1))
+    }
+
+    /// The edge of a picture of so many frames in pixels, if none was asked for.
+    pub fn size(&self, count: usize) -> u32 {
+        match self.kind {
+            Kind::Apng => 480,
+            _ if self.is_each(count) => 800,
+            _ => 220,
+        }
+    }
+
+    /// The one file that is written, if there is one.
+    pub fn file(&self) -> Option<PathBuf> {
+        self.pattern.as_ref().filter(|pattern| !pattern.has_token()).map(|pattern| pattern.file(0))
     }
 }
 
@@ -65,24 +91,19 @@ enum Form {
 }
 
 impl<'a> Writer<'a> {
-    /// For the pictures of some of `count` frames, those of these numbers. `size` is the edge of a picture, if it was
-    /// asked for.
-    pub fn new(target: &'a Target, numbers: &'a [i64], count: usize, size: Option<u32>) -> Result<Self, Failure> {
-        let (form, default) = match target.kind {
-            Kind::Apng => (Form::Animation { fps: 24.0, images: Vec::with_capacity(numbers.len()) }, 480),
-            Kind::Png if !target.pattern.has_token() && count > 1 => (Form::Sheet, 220),
-            Kind::Png | Kind::Exr => {
-                target.pattern.holds(numbers.len())?;
-                (Form::Files, 800)
+    /// For the pictures, `size` pixels each way, of some of `count` frames, those of these numbers.
+    pub fn new(target: &'a Target, numbers: &'a [i64], count: usize, size: usize) -> Result<Self, Failure> {
+        let form = match target.kind {
+            Kind::Apng => Form::Animation { fps: 24.0, images: Vec::with_capacity(numbers.len()) },
+            _ if !target.is_each(count) => Form::Sheet,
+            _ => {
+                if let Some(pattern) = &target.pattern {
+                    pattern.holds(numbers.len())?;
+                }
+                Form::Files
             }
         };
-        let size = size.map_or(default, |size| size as usize);
         Ok(Self { target, numbers, size, form, written: Vec::new() })
-    }
-
-    /// The edge of a picture in pixels.
-    pub fn size(&self) -> usize {
-        self.size
     }
 
     /// Whether a contact sheet is made, which tells of all frames.
@@ -100,7 +121,7 @@ impl<'a> Writer<'a> {
         let image = painter.image(shown);
         match &mut self.form {
             Form::Sheet => return Ok(Some(image)),
-            Form::Files => self.write(number, &image.encode_png().map_err(failed)?)?,
+            Form::Files => self.picture(number, &image)?,
             Form::Animation { fps, images } => {
                 *fps = shown.fps;
                 images.push((image, number));
@@ -109,8 +130,19 @@ impl<'a> Writer<'a> {
         Ok(None)
     }
 
+    fn picture(&mut self, number: i64, image: &Image) -> Result<(), Failure> {
+        if self.target.in_terminal {
+            super::terminal::show(image)?;
+        }
+        if self.target.pattern.is_some() {
+            self.write(number, &image.encode_png().map_err(failed)?)?;
+        }
+        Ok(())
+    }
+
     fn write(&mut self, number: i64, bytes: &[u8]) -> Result<(), Failure> {
-        let path = self.target.pattern.file(number);
+        let Some(pattern) = &self.target.pattern else { return Ok(()) };
+        let path = pattern.file(number);
         save(&path, bytes).map_err(failed)?;
         self.written.push(path);
         Ok(())
@@ -120,7 +152,7 @@ impl<'a> Writer<'a> {
     pub fn finish(mut self, sheet: &ContactSheet) -> Result<Vec<PathBuf>, Failure> {
         match std::mem::replace(&mut self.form, Form::Files) {
             Form::Files => {}
-            Form::Sheet => self.write(0, &sheet.compose().encode_png().map_err(failed)?)?,
+            Form::Sheet => self.picture(0, &sheet.compose())?,
             Form::Animation { fps, images } => {
                 let mut bytes = Vec::new();
                 let mut animation =
