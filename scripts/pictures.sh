@@ -12,33 +12,34 @@ cargo build --release --locked
 rm -rf "$folder"
 mkdir -p "$folder"/{cubism,hsv,rgb}
 hfvdb() { target/release/hfvdb "$@" </dev/null; }
+picture() { hfvdb preview --quality final "$@"; }
 hfvdb bake cubism --output "$folder/cubism/cubism.####.vdb"
 hfvdb bake cube-to-heart --resolution 160 --output "$folder/hsv/cube-to-heart.####.vdb"
 hfvdb bake cube-to-heart --variant rgb --resolution 160 --output "$folder/rgb/cube-to-heart.####.vdb"
 
-hfvdb preview cubism --pictures 12 --output "$images/cubism.png"
-hfvdb preview cubism --slice z=0.1 --frames 24 --size 400 --output "$images/cubism-inside.png"
-hfvdb preview cube-to-heart --pictures 12 --size 170 --output "$images/cube-to-heart.png"
-hfvdb preview cube-to-heart --variant rgb --pictures 12 --size 170 --output "$images/cube-to-heart-rgb.png"
-hfvdb preview cube-to-heart --variant linear --pictures 12 --size 170 --output "$images/cube-to-heart-linear.png"
-hfvdb preview cube-to-heart --variant paper --pictures 12 --size 170 --output "$images/cube-to-heart-paper.png"
-hfvdb preview cube-to-heart --variant openvdb --pictures 12 --size 170 --output "$images/cube-to-heart-openvdb.png"
-hfvdb preview three-ways --pictures 12 --size 170 --output "$images/three-ways.png"
-hfvdb preview displacement --pictures 8 --output "$images/displacement.png"
-hfvdb preview microstructure --pictures 8 --output "$images/microstructure.png"
-hfvdb preview partitions --pictures 8 --output "$images/partitions.png"
-hfvdb preview octopus --pictures 8 --output "$images/octopus.png"
+picture cubism --pictures 12 --output "$images/cubism.png"
+picture cubism --slice z=0.1 --frames 24 --size 400 --output "$images/cubism-inside.png"
+picture cube-to-heart --pictures 12 --size 170 --output "$images/cube-to-heart.png"
+picture cube-to-heart --variant rgb --pictures 12 --size 170 --output "$images/cube-to-heart-rgb.png"
+picture cube-to-heart --variant linear --pictures 12 --size 170 --output "$images/cube-to-heart-linear.png"
+picture cube-to-heart --variant paper --pictures 12 --size 170 --output "$images/cube-to-heart-paper.png"
+picture cube-to-heart --variant openvdb --pictures 12 --size 170 --output "$images/cube-to-heart-openvdb.png"
+picture three-ways --pictures 12 --size 170 --output "$images/three-ways.png"
+picture displacement --pictures 8 --output "$images/displacement.png"
+picture microstructure --pictures 8 --output "$images/microstructure.png"
+picture partitions --pictures 8 --output "$images/partitions.png"
+picture octopus --pictures 8 --output "$images/octopus.png"
 for alpha in 0.05 0.3 3; do
     for beta in 0.15 0.5 0.85; do
         hfvdb bake red-blue --set "alpha=$alpha" --set "beta=$beta" --frames 7 --resolution 128 --quiet \
             --output "$folder/alpha=$alpha, beta=$beta.vdb"
     done
 done
-hfvdb preview "$folder"/alpha*.vdb --columns 3 --output "$images/red-blue.png"
+picture "$folder"/alpha*.vdb --columns 3 --output "$images/red-blue.png"
 mkdir -p "$images/nodes"
 for node in $(hfvdb scenes | sed -n 's/^Nodes, each as a scene of its own: //p'); do
     hfvdb scenes "$node" >"$folder/$node.toml"
-    hfvdb preview "$folder/$node.toml" --size 240 --output "$images/nodes/$node.png"
+    picture "$folder/$node.toml" --size 240 --output "$images/nodes/$node.png"
 done
 "$blender_python" scripts/render_blender.py "$folder/cubism" --output "$images/blender-cubism.png"
 "$blender_python" scripts/render_blender.py "$folder/hsv" "$folder/rgb" --pictures 6 \

@@ -1,5 +1,8 @@
 # Sourced by scripts that compare this checkout with a commit.
 
+# Both measure for themselves in every run.
+export HFVDB_CACHE=
+
 # program_of COMMIT: builds the program as it is at a commit, unless that was done before, and prints its path.
 program_of() {
     local commit tree=$PWD/target/guard/tree program
