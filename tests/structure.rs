@@ -8,7 +8,7 @@ const ARROWS: &[(&str, &[&str])] = &[
     ("cli", &["bake", "render", "shot", "node", "text", "attribute", "field", "grid", "vdb", "disk"]),
     ("bake", &["shot", "node", "text", "morph", "attribute", "distance", "field", "grid", "vdb", "disk"]),
     ("render", &["field", "grid"]),
-    ("shot", &["node", "text", "morph", "attribute", "distance", "field", "grid", "vdb"]),
+    ("shot", &["node", "text", "morph", "attribute", "distance", "field", "grid", "vdb", "disk"]),
     ("node", &["text", "morph", "attribute", "distance", "mesh", "field", "grid", "vdb", "disk"]),
     ("text", &["attribute", "field", "disk"]),
     ("morph", &["attribute", "distance", "field", "grid"]),

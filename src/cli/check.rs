@@ -158,6 +158,7 @@ fn of_scene(arguments: &Arguments, global: &Global) -> Result<(), Failure> {
     let model = job::load(&scene, global)?;
     let interrupt = job::interrupt()?;
     let progress = Progress::new(1, global);
+    progress.stage("looking at the scene");
     let shot = model.shot.range;
     let count = shot.last - shot.first + 1;
     if arguments.no_estimate {

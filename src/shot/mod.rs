@@ -1,5 +1,6 @@
 //! Frames made from nodes: the shot's box and lattice, morphs planned over it, what is kept from frame to frame, and each
-//! frame's field, colours, scalars and motion. Knows no voxels and writes no files.
+//! frame's field, colours, scalars and motion. Knows no voxels, and
+//! writes no files but those of its cache.
 
 mod cache;
 mod delay;
