@@ -26,7 +26,7 @@ const SAMPLE_PLACES: [(usize, usize); SAMPLES * SAMPLES] =
 /// that a window of this edge holds each of them once, and no grain is left.
 const WINDOW: usize = 4;
 /// A pixel of at most so many voxels shows all there is by one sample, where its neighbours show the same.
-const FINE_PIXEL: f64 = 0.6;
+const FINE_PIXEL: f64 = 0.75;
 /// The part of a picture's width and height, at each border, over which the ground's shadow fades.
 const FADE: f32 = 0.16;
 /// The albedo where nothing gives a colour: that of sRGB `#cccccc`.

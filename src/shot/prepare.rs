@@ -284,11 +284,11 @@ fn ready_morphs(
         planned.push(plan(model, solids, morph, pair, &mut measuring)?);
     }
     alike(&mut planned);
-    let extent = match precision {
-        Precision::Full => extent_over_shot(model, morphs, &planned)?,
-        // Nearer to the truth than the box of what rough distances make of it.
-        Precision::Rough => both,
-    };
+    let mut extent = extent_over_shot(model, morphs, &planned)?;
+    if precision == Precision::Rough {
+        // What rough distances bulge by is no object.
+        extent = extent.intersection(both).unwrap_or(extent);
+    }
     (options.progress)(1.0);
     Ok((Ready::Morph(planned), extent, lattice(model, options, extent)?))
 }

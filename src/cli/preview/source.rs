@@ -81,9 +81,9 @@ pub fn of_scene(
     let numbers = frames.numbers().to_vec();
     let progress = Progress::new(numbers.len(), global);
     let enough = match arguments.quality(target) {
-        // Voxels smaller than two pixels show nothing more.
+        // Voxels smaller than two pixels show nothing more, and the object fills some 0.7 of the picture.
         Quality::Draft if arguments.slice.is_none() => {
-            let shown = arguments.size(target, numbers.len()) as u32 * 9 / 20;
+            let shown = arguments.size(target, numbers.len()) as u32 * 7 / 20;
             shown.clamp(LEAST_RESOLUTION, RESOLUTION)
         }
         _ => RESOLUTION,
