@@ -36,11 +36,12 @@ for alpha in 0.05 0.3 3; do
     done
 done
 picture "$folder"/alpha*.vdb --columns 3 --output "$images/red-blue.png"
-mkdir -p "$images/nodes"
+mkdir -p "$images/nodes" "$folder/nodes"
 for node in $(hfvdb scenes | sed -n 's/^Nodes, each as a scene of its own: //p'); do
-    hfvdb scenes "$node" >"$folder/$node.toml"
-    picture "$folder/$node.toml" --size 240 --output "$images/nodes/$node.png"
+    picture "$node" --size 240 --output "$images/nodes/$node.png"
+    hfvdb bake "$node" --resolution 80 --quiet --overwrite --output "$folder/nodes/$node.vdb"
 done
+picture "$folder"/nodes/*.vdb --columns 12 --size 144 --output "$images/nodes.png"
 "$blender_python" scripts/render_blender.py "$folder/cubism" --output "$images/blender-cubism.png"
 "$blender_python" scripts/render_blender.py "$folder/hsv" "$folder/rgb" --pictures 6 \
     --output "$images/blender-cube-to-heart.png"
