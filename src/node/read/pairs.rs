@@ -3,10 +3,11 @@
 use super::Building;
 use super::chain::Link;
 use crate::attribute::Overlap;
+use crate::node::argument::Argument;
 use crate::node::model::{Correspondence, Modifier, ShapeId};
 use crate::node::spec::Carries;
 use crate::text::diagnostic::{Diagnostic, clip, listed};
-use crate::text::number::{Number, NumberValue};
+use crate::text::number::NumberValue;
 use crate::text::reader::Fields;
 use crate::text::source::Span;
 use crate::text::value::Value;
@@ -84,8 +85,12 @@ impl<'r, 'a> Building<'r, 'a> {
         }
         // A cut leaves the parts as they are.
         let changes = |modifier: &&Modifier| {
-            let still = |offset: &Number| matches!(offset.value, NumberValue::Constant(0.0));
-            modifier.arguments.bounds("bounds").is_none() && !modifier.arguments.numbers().any(still)
+            // By its main value: that of another key may be 0 and change nothing of what is done.
+            match modifier.arguments.get(modifier.spec.key.name) {
+                Some(Argument::Box(_)) => false,
+                Some(Argument::Number(by)) => !matches!(by.value, NumberValue::Constant(0.0)),
+                _ => true,
+            }
         };
         for modifier in shape.modifiers.iter().filter(changes).map(|modifier| modifier.spec.key.name) {
             let problem = format!("`{name}` has a `{modifier}`, so its parts cannot be told apart for `pairs`");
