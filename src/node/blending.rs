@@ -1,10 +1,10 @@
 //! Set operations that join two surfaces by a shape of their own: each is a function of the two distances.
 
-use crate::field::{Graph, Interval, Node};
+use crate::field::{Graph, Interval, Kernel, Node};
 use crate::node::id::ShapeId;
 use crate::node::spec::Build;
-use crate::text::key::Absent::Number;
-use crate::text::key::Key;
+use crate::text::key::Absent::{Number, Text};
+use crate::text::key::{Key, Kind};
 use crate::text::problem::Problem;
 
 /// How far from where two surfaces meet the join reaches.
@@ -149,4 +149,23 @@ pub(crate) fn columned(graph: &mut Graph, a: Node, b: Node, radius: f64, columns
         node = graph.max(node, tube);
     }
     around_both(graph, node, [a, b], radius + own)
+}
+
+/// The key of what a smooth join is smooth by.
+pub const KERNEL: Key = Key::new(
+    "kernel",
+    Kind::Choice(&["quadratic", "cubic", "circular", "exponential"]),
+    Text("quadratic"),
+    "What it is smooth by: polynomials of second and third degree, a piece of a circle, or exponentials, which are felt \
+     everywhere.",
+);
+
+/// The kernel of a smooth join.
+pub fn kernel(build: &dyn Build) -> Kernel {
+    match build.arguments().choice("kernel") {
+        Some(&"cubic") => Kernel::Cubic,
+        Some(&"circular") => Kernel::Circular,
+        Some(&"exponential") => Kernel::Exponential,
+        _ => Kernel::Quadratic,
+    }
 }

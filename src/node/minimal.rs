@@ -5,6 +5,8 @@
 
 use super::spec::Build;
 use crate::field::{Graph, Node, Slope};
+use crate::text::key::Absent::Nothing;
+use crate::text::key::{Key, Kind, Limit};
 use crate::text::problem::Problem;
 
 use Wave::{Cos, Sin};
@@ -98,6 +100,25 @@ fn sum(graph: &mut Graph, terms: &[Term], angles: [Node; 3], by: Option<usize>) 
     let zero = graph.constant(0.0);
     parts.into_iter().fold(zero, |sum, part| graph.add(sum, part))
 }
+
+/// The keys beside the edge of a cell, of all of these surfaces.
+pub const SHEET_OR_SOLID: &[Key] = &[
+    Key::new(
+        "thickness",
+        Kind::Number,
+        Nothing,
+        "The thickness of a sheet along it, units, by the slope at its middle. Either this or `fraction`.",
+    )
+    .limit(Limit::Positive)
+    .unit("units"),
+    Key::new(
+        "fraction",
+        Kind::Number,
+        Nothing,
+        "The share of space that is filled on one side of it. Either this or `thickness`.",
+    )
+    .limit(Limit::Within(0.01, 0.99)),
+];
 
 /// The row's node: a sheet of `thickness`, or the side that `fraction` fills.
 pub fn surface(build: &mut dyn Build, key: &'static str, terms: &[Term]) -> Result<Node, Problem> {

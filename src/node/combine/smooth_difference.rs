@@ -1,9 +1,8 @@
 //! A difference whose surfaces are smooth where they meet.
 
-use crate::field::Kernel;
-use crate::node::blending::{BLEND_RADIUS, Joined, joined};
+use crate::node::blending::{BLEND_RADIUS, Joined, KERNEL, joined, kernel};
 use crate::node::spec::{Carries, Spec};
-use crate::text::key::Absent::{Required, Text};
+use crate::text::key::Absent::Required;
 use crate::text::key::{Key, Kind};
 
 /// A difference whose surfaces are smooth where they meet.
@@ -14,28 +13,14 @@ pub const NODE: Spec = Spec {
         Required,
         "The first without all others, smooth where their surfaces meet. Of three and more the order counts, except with `kernel = \"exponential\"`.",
     ),
-    parameters: &[
-        BLEND_RADIUS,
-        Key::new(
-            "kernel",
-            Kind::Choice(&["quadratic", "cubic", "circular", "exponential"]),
-            Text("quadratic"),
-            "What it is smooth by: polynomials of second and third degree, a piece of a circle, or exponentials, which are felt \
-             everywhere.",
-        ),
-    ],
+    parameters: &[BLEND_RADIUS, KERNEL],
     formula: "min(a, −b) − w·k(|a + b|/w)",
     source: "Quilez, Smooth minimum",
     example: "smooth_difference = [\"a\", \"b\"]",
     carries: Carries::First,
     measures: |_| true,
     build: |build| {
-        let kernel = match build.arguments().choice("kernel") {
-            Some(&"cubic") => Kernel::Cubic,
-            Some(&"circular") => Kernel::Circular,
-            Some(&"exponential") => Kernel::Exponential,
-            _ => Kernel::Quadratic,
-        };
+        let kernel = kernel(build);
         joined(build, "smooth_difference", Joined::Difference, |graph, a, b, radius| {
             graph.smooth_max(kernel, radius, a, b)
         })

@@ -1,9 +1,9 @@
 //! Schoen's F-RD surface.
 
-use crate::node::minimal::{Term, Wave::Cos, surface};
+use crate::node::minimal::{SHEET_OR_SOLID, Term, Wave::Cos, surface};
 use crate::node::spec::Spec;
-use crate::text::key::Absent::{Nothing, Required};
-use crate::text::key::{Key, Kind, Limit};
+use crate::text::key::Absent::Required;
+use crate::text::key::Key;
 
 /// Schoen's F-RD surface.
 pub const NODE: Spec = Spec {
@@ -13,23 +13,7 @@ pub const NODE: Spec = Spec {
         "Schoen's F-RD surface: the edge of a cell. Unbounded: cut it with `bounds` or `intersection`.",
     )
     .also(&["frd"]),
-    parameters: &[
-        Key::new(
-            "thickness",
-            Kind::Number,
-            Nothing,
-            "The thickness of a sheet along it, units, by the slope at its middle. Either this or `fraction`.",
-        )
-        .limit(Limit::Positive)
-        .unit("units"),
-        Key::new(
-            "fraction",
-            Kind::Number,
-            Nothing,
-            "The share of space that is filled on one side of it. Either this or `thickness`.",
-        )
-        .limit(Limit::Within(0.01, 0.99)),
-    ],
+    parameters: SHEET_OR_SOLID,
     formula: "(t/2·|∇g| − |g|)/m for a sheet, (c − g)/m for a solid, m the mean of |∇g|, g = 4 cos x cos y cos z − cos 2x cos 2y − cos 2y cos 2z − cos 2z cos 2x, x, y, z in cells times 2π",
     source: "Schoen, Infinite Periodic Minimal Surfaces without Self-Intersections, 1970; its usual approximation by waves",
     example: "f_rd = 1\nthickness = 0.15\nbounds = { box = 2, cut = true }",

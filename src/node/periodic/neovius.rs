@@ -1,9 +1,9 @@
 //! Neovius' surface.
 
-use crate::node::minimal::{Term, Wave::Cos, surface};
+use crate::node::minimal::{SHEET_OR_SOLID, Term, Wave::Cos, surface};
 use crate::node::spec::Spec;
-use crate::text::key::Absent::{Nothing, Required};
-use crate::text::key::{Key, Kind, Limit};
+use crate::text::key::Absent::Required;
+use crate::text::key::Key;
 
 /// Neovius' surface.
 pub const NODE: Spec = Spec {
@@ -12,23 +12,7 @@ pub const NODE: Spec = Spec {
         Required,
         "Neovius' surface: the edge of a cell. Unbounded: cut it with `bounds` or `intersection`.",
     ),
-    parameters: &[
-        Key::new(
-            "thickness",
-            Kind::Number,
-            Nothing,
-            "The thickness of a sheet along it, units, by the slope at its middle. Either this or `fraction`.",
-        )
-        .limit(Limit::Positive)
-        .unit("units"),
-        Key::new(
-            "fraction",
-            Kind::Number,
-            Nothing,
-            "The share of space that is filled on one side of it. Either this or `thickness`.",
-        )
-        .limit(Limit::Within(0.01, 0.99)),
-    ],
+    parameters: SHEET_OR_SOLID,
     formula: "(t/2·|∇g| − |g|)/m for a sheet, (c − g)/m for a solid, m the mean of |∇g|, g = 3(cos x + cos y + cos z) + 4 cos x cos y cos z, x, y, z in cells times 2π",
     source: "Neovius, 1883; its usual approximation by waves",
     example: "neovius = 1\nthickness = 0.15\nbounds = { box = 2, cut = true }",

@@ -1,9 +1,9 @@
 //! Schwarz' D surface.
 
-use crate::node::minimal::{Term, Wave::Cos, Wave::Sin, surface};
+use crate::node::minimal::{SHEET_OR_SOLID, Term, Wave::Cos, Wave::Sin, surface};
 use crate::node::spec::Spec;
-use crate::text::key::Absent::{Nothing, Required};
-use crate::text::key::{Key, Kind, Limit};
+use crate::text::key::Absent::Required;
+use crate::text::key::Key;
 
 /// Schwarz' D surface.
 pub const NODE: Spec = Spec {
@@ -13,23 +13,7 @@ pub const NODE: Spec = Spec {
         "Schwarz' D surface: the edge of a cell. Unbounded: cut it with `bounds` or `intersection`.",
     )
     .also(&["schwarz_diamond"]),
-    parameters: &[
-        Key::new(
-            "thickness",
-            Kind::Number,
-            Nothing,
-            "The thickness of a sheet along it, units, by the slope at its middle. Either this or `fraction`.",
-        )
-        .limit(Limit::Positive)
-        .unit("units"),
-        Key::new(
-            "fraction",
-            Kind::Number,
-            Nothing,
-            "The share of space that is filled on one side of it. Either this or `thickness`.",
-        )
-        .limit(Limit::Within(0.01, 0.99)),
-    ],
+    parameters: SHEET_OR_SOLID,
     formula: "(t/2·|∇g| − |g|)/m for a sheet, (c − g)/m for a solid, m the mean of |∇g|, g = sin x sin y sin z + sin x cos y cos z + cos x sin y cos z + cos x cos y sin z, x, y, z in cells times 2π",
     source: "Schwarz, 1865; its usual approximation by waves",
     example: "schwarz_d = 1\nthickness = 0.15\nbounds = { box = 2, cut = true }",

@@ -1,9 +1,9 @@
 //! The split P surface.
 
-use crate::node::minimal::{Term, Wave::Cos, Wave::Sin, surface};
+use crate::node::minimal::{SHEET_OR_SOLID, Term, Wave::Cos, Wave::Sin, surface};
 use crate::node::spec::Spec;
-use crate::text::key::Absent::{Nothing, Required};
-use crate::text::key::{Key, Kind, Limit};
+use crate::text::key::Absent::Required;
+use crate::text::key::Key;
 
 /// The split P surface.
 pub const NODE: Spec = Spec {
@@ -12,23 +12,7 @@ pub const NODE: Spec = Spec {
         Required,
         "Split P surface: the edge of a cell. Unbounded: cut it with `bounds` or `intersection`.",
     ),
-    parameters: &[
-        Key::new(
-            "thickness",
-            Kind::Number,
-            Nothing,
-            "The thickness of a sheet along it, units, by the slope at its middle. Either this or `fraction`.",
-        )
-        .limit(Limit::Positive)
-        .unit("units"),
-        Key::new(
-            "fraction",
-            Kind::Number,
-            Nothing,
-            "The share of space that is filled on one side of it. Either this or `thickness`.",
-        )
-        .limit(Limit::Within(0.01, 0.99)),
-    ],
+    parameters: SHEET_OR_SOLID,
     formula: "(t/2·|∇g| − |g|)/m for a sheet, (c − g)/m for a solid, m the mean of |∇g|, g = 1.1(sin 2x cos y sin z + sin 2y cos z sin x + sin 2z cos x sin y) − 0.2(cos 2x cos 2y + cos 2y cos 2z + cos 2z cos 2x) − 0.4(cos 2x + cos 2y + cos 2z), x, y, z in cells times 2π",
     source: "Fogden and Hyde; its usual approximation by waves",
     example: "split_p = 1\nthickness = 0.15\nbounds = { box = 2, cut = true }",
