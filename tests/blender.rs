@@ -51,7 +51,7 @@ fn prepare(scene: &str) -> Prepared {
         memory_limit: None,
         cache: None,
         cancel: Arc::default(),
-        progress: &|_| (),
+        progress: &|_, _| (),
     };
     Arc::new(model).prepare(&options).unwrap_or_else(|error| panic!("{error}"))
 }

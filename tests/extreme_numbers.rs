@@ -88,7 +88,7 @@ fn prepare(model: Model) -> Option<String> {
         memory_limit: Some(1 << 30),
         cache: None,
         cancel,
-        progress: &|_| {},
+        progress: &|_, _| {},
     };
     let result = Arc::new(model).prepare(&options);
     done.store(true, Ordering::Relaxed);

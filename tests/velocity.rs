@@ -30,7 +30,7 @@ fn prepared_as_it_is(text: String) -> Prepared {
         memory_limit: None,
         cache: None,
         cancel: Arc::default(),
-        progress: &|_| (),
+        progress: &|_, _| (),
     };
     Arc::new(model).prepare(&options).unwrap_or_else(|error| panic!("{error}"))
 }

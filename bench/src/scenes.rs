@@ -48,7 +48,7 @@ pub fn prepare(name: &str, sampling: Sampling) -> Prepared {
         memory_limit: None,
         cache: None,
         cancel: Arc::default(),
-        progress: &|_| {},
+        progress: &|_, _| {},
     };
     Arc::new(model).prepare(&options).unwrap_or_else(|error| panic!("{error}"))
 }

@@ -55,7 +55,7 @@ pub fn prepare(
     global: &Global,
 ) -> Result<Prepared, Failure> {
     progress.stage(PREPARING);
-    let told = |share| progress.of_preparing(share);
+    let told = |share: f64, what: &str| progress.of_preparing(share, what);
     let cache = sampling.caching.open();
     let options =
         PrepareOptions { progress: &told, cache: cache.as_ref(), ..options(sampling, default_resolution, interrupt) };
@@ -95,7 +95,7 @@ fn options(sampling: &Sampling, default_resolution: Option<u32>, interrupt: &Int
         memory_limit: usize::try_from(limit(sampling).0).ok(),
         cache: None,
         cancel: Arc::clone(interrupt.flag()),
-        progress: &|_| (),
+        progress: &|_, _| (),
     }
 }
 

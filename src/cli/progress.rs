@@ -104,13 +104,17 @@ impl Progress {
         self.bar.set_message(text.to_owned());
     }
 
-    /// What comes before the first frame is done by this share.
-    pub fn of_preparing(&self, share: f64) {
+    /// What comes before the first frame is done by this share; `what` is being done.
+    pub fn of_preparing(&self, share: f64, what: &str) {
         let mut told = self.preparing.lock().unwrap_or_else(PoisonError::into_inner);
         told.reach(share);
+        if self.bar.message() != what {
+            self.stage(what);
+        }
         self.show(&told, 1, " of measuring");
         if events::on() && told.is_due() {
-            let fields = json!({ "share": rounded(told.share, 1e4), "seconds_left": seconds(told.left()) });
+            let fields =
+                json!({ "doing": what, "share": rounded(told.share, 1e4), "seconds_left": seconds(told.left()) });
             events::tell("preparing", &fields);
         }
     }
@@ -204,12 +208,13 @@ mod tests {
             of_frames: Mutex::new(None),
         };
         let share = || bar.position() as f64 / bar.length().unwrap_or(1) as f64;
-        progress.of_preparing(0.14);
+        progress.of_preparing(0.14, "measuring a and b");
+        assert_eq!(bar.message(), "measuring a and b");
         assert_eq!(share(), 0.14);
         // Told out of order.
-        progress.of_preparing(0.1);
+        progress.of_preparing(0.1, "measuring a and b");
         assert_eq!(share(), 0.14);
-        progress.of_preparing(1.0);
+        progress.of_preparing(1.0, "");
         assert_eq!(share(), 1.0);
         progress.at(0, 0.0);
         assert_eq!(share(), 0.0);

@@ -63,7 +63,8 @@ impl Cache {
 
     /// The object of a key where it is known; else the task to measure it, once nobody else does. Who claims several
     /// claims them in the order of their keys, and measures none before it has all: else two would wait for each other.
-    pub(crate) fn claim(&self, key: [u8; 32], cancel: &AtomicBool) -> Result<Claim<'_>, Stop> {
+    /// `waiting` is called once where it has to wait.
+    pub(crate) fn claim(&self, key: [u8; 32], cancel: &AtomicBool, waiting: &dyn Fn()) -> Result<Claim<'_>, Stop> {
         let name: String = key.iter().map(|byte| format!("{byte:02x}")).collect();
         let path = self.folder.join(&name).with_extension(EXTENSION);
         let open = |path, lock| Claim::Open(Task { cache: self, path, _lock: lock });
@@ -75,6 +76,7 @@ impl Cache {
             return Ok(open(path, None));
         }
         let start = Instant::now();
+        let mut waits = false;
         loop {
             match FileLock::try_take(&path.with_extension("lock")) {
                 Ok(Some(lock)) => {
@@ -91,6 +93,9 @@ impl Cache {
                 return Ok(open(path, None));
             }
             stop_if(cancel)?;
+            if !std::mem::replace(&mut waits, true) {
+                waiting();
+            }
             std::thread::sleep(PAUSE);
         }
     }

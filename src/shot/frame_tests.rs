@@ -20,10 +20,10 @@ pub(crate) fn prepared_with(text: &str, resolution: Option<u32>) -> Result<Prepa
 }
 
 fn prepare(model: Model, resolution: Option<u32>) -> Result<Prepared, Error> {
-    Arc::new(model).prepare(&options(resolution, &|_| ()))
+    Arc::new(model).prepare(&options(resolution, &|_, _| ()))
 }
 
-pub(crate) fn options(resolution: Option<u32>, progress: &(dyn Fn(f64) + Sync)) -> PrepareOptions<'_> {
+pub(crate) fn options(resolution: Option<u32>, progress: &(dyn Fn(f64, &str) + Sync)) -> PrepareOptions<'_> {
     PrepareOptions {
         voxel_size: None,
         resolution,

@@ -1,6 +1,7 @@
 //! The morph of a scene: two objects with their motion, measured once, planned once.
 
 use std::collections::BTreeSet;
+use std::sync::atomic::AtomicBool;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use glam::DVec3;
@@ -241,8 +242,10 @@ pub(crate) struct Measuring<'w> {
     pub voxel: f64,
     /// The most memory that one may take, in bytes.
     pub memory_limit: Option<usize>,
-    /// Told how far it is, and asked whether to stop.
-    pub watch: Watch<'w>,
+    /// Set it to stop.
+    pub cancel: &'w AtomicBool,
+    /// Told how far it is, and what is being done.
+    pub progress: &'w (dyn Fn(f64, &str) + Sync),
     /// How many objects there are to measure.
     pub count: usize,
     /// Those measured so far: a chain shows all but its first and last twice.
@@ -379,7 +382,11 @@ fn measured(
             open.push((side, solids.paint(TheColour, side.id, side.stage, side.voxel(measuring.voxel))?));
         }
     }
-    let (before, count, watch) = (measuring.done.len() as f64, measuring.count as f64, measuring.watch);
+    let (before, count) = (measuring.done.len() as f64, measuring.count as f64);
+    let mut claims = claims(model, &open, measuring)?;
+    let unknown = open.iter().zip(&claims).filter(|(_, claim)| !matches!(claim, Some(Claim::Known(_))));
+    let names: Vec<&str> = unknown.map(|((side, _), _)| model.shape(side.id).name.as_str()).collect();
+    let doing = format!("measuring {}", names.join(" and "));
     let shares = Mutex::new([0.0; 2]);
     let measure = |(which, side): (usize, &Object)| {
         let told = |share: f64| {
@@ -387,10 +394,10 @@ fn measured(
             shares[which] = share;
             shares[0] + shares[1]
         };
-        let progress = |share: f64| (watch.progress)((before + told(share)) / count);
-        distance(model, side, measuring, &Watch { cancel: watch.cancel, progress: &progress })
+        let progress = |share: f64| (measuring.progress)((before + told(share)) / count, &doing);
+        progress(0.0);
+        distance(model, side, measuring, &Watch { cancel: measuring.cancel, progress: &progress })
     };
-    let mut claims = claims(model, &open, measuring)?;
     let measure = |(which, (side, claim)): (usize, (&Object, &mut Option<Claim>))| match claim.take() {
         Some(Claim::Known(known)) => Ok(known),
         Some(Claim::Open(task)) => {
@@ -434,7 +441,12 @@ fn claims<'c, P>(
     let mut keys: Vec<([u8; 32], usize)> = open.iter().enumerate().filter_map(key).collect();
     keys.sort_unstable();
     for (key, place) in keys {
-        claims[place] = Some(cache.claim(key, measuring.watch.cancel)?);
+        let waiting = || {
+            let name = &model.shape(open[place].0.id).name;
+            let share = measuring.done.len() as f64 / measuring.count as f64;
+            (measuring.progress)(share, &format!("{name} is being measured by another process"));
+        };
+        claims[place] = Some(cache.claim(key, measuring.cancel, &waiting)?);
     }
     Ok(claims)
 }

@@ -7,7 +7,6 @@ use std::sync::atomic::AtomicBool;
 use rayon::prelude::*;
 
 use crate::distance::extent;
-use crate::distance::nearest::Watch;
 use crate::field::Aabb;
 use crate::grid::{Lattice, VoxelSize};
 
@@ -57,8 +56,8 @@ pub struct PrepareOptions<'a> {
     pub cache: Option<&'a Cache>,
     /// Set it to stop, now or while a frame is made: the result is [`Error::Cancelled`].
     pub cancel: Arc<AtomicBool>,
-    /// Told the share done, 0 to 1, from any thread; only morphs take long.
-    pub progress: &'a (dyn Fn(f64) + Sync),
+    /// Told the share done, 0 to 1, and what is being done, from any thread; only morphs take long.
+    pub progress: &'a (dyn Fn(f64, &str) + Sync),
 }
 
 impl Default for PrepareOptions<'_> {
@@ -70,7 +69,7 @@ impl Default for PrepareOptions<'_> {
             memory_limit: None,
             cache: None,
             cancel: Arc::default(),
-            progress: &|_| {},
+            progress: &|_, _| {},
         }
     }
 }
@@ -252,6 +251,8 @@ fn ready_shape(
 
 /// The share that measuring its objects has in the time that making a morph ready takes.
 const MEASURING: f64 = 0.9;
+/// What comes after it.
+const PLANNING: &str = "finding the shot's box";
 
 fn ready_morphs(
     model: &Arc<Model>,
@@ -275,7 +276,8 @@ fn ready_morphs(
         resolution: resolution(model, options),
         voxel: about.voxel_size.get(),
         memory_limit: options.memory_limit,
-        watch: Watch { cancel: &options.cancel, progress: &|share| (options.progress)(MEASURING * share) },
+        cancel: &options.cancel,
+        progress: &|share, what| (options.progress)(MEASURING * share, what),
         count: pairs.iter().flat_map(Pair::shapes).collect::<HashSet<_>>().len(),
         done: Vec::new(),
     };
@@ -284,12 +286,13 @@ fn ready_morphs(
         planned.push(plan(model, solids, morph, pair, &mut measuring)?);
     }
     alike(&mut planned);
+    (options.progress)(MEASURING, PLANNING);
     let mut extent = extent_over_shot(model, morphs, &planned)?;
     if precision == Precision::Rough {
         // What rough distances bulge by is no object.
         extent = extent.intersection(both).unwrap_or(extent);
     }
-    (options.progress)(1.0);
+    (options.progress)(1.0, PLANNING);
     Ok((Ready::Morph(planned), extent, lattice(model, options, extent)?))
 }
 

@@ -19,7 +19,7 @@ fn a_morph_tells_how_far_it_is_made_ready() {
     let model = Arc::new(load(&source, &Overrides::default()).unwrap_or_else(|problems| panic!("{problems}")));
     let told = |threads: usize| {
         let told = Mutex::new(Vec::new());
-        let progress = |share| told.lock().unwrap().push(share);
+        let progress = |share, _: &str| told.lock().unwrap().push(share);
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool of a few threads");
         pool.install(|| model.prepare(&options(Some(128), &progress))).unwrap_or_else(|error| panic!("{error}"));
         told.into_inner().unwrap()
@@ -56,7 +56,7 @@ fn a_morph_without_room_for_its_colours_is_refused_before_it_is_measured() {
         let source = Source::Text { name: "scene.toml".into(), text: scene(colour), folder: ".".into() };
         let model = load(&source, &Overrides::default()).unwrap_or_else(|problems| panic!("{problems}"));
         let began = AtomicBool::new(false);
-        let progress = |_| began.store(true, Ordering::Relaxed);
+        let progress = |_: f64, _: &str| began.store(true, Ordering::Relaxed);
         let limited = PrepareOptions { memory_limit: Some(limit as usize), ..options(Some(64), &progress) };
         let result = Arc::new(model).prepare(&limited).map(|_| ());
         (result, began.into_inner())
@@ -79,7 +79,7 @@ fn a_morph_without_room_for_its_colours_is_refused_before_it_is_measured() {
 fn an_outlook_is_about_what_becomes() {
     for (name, is_rough) in [("cube-to-heart", true), ("heart", false)] {
         let model = Arc::new(load(&Source::Builtin(name.into()), &Overrides::default()).unwrap());
-        let options = options(Some(64), &|_| ());
+        let options = options(Some(64), &|_, _| ());
         let exact = model.prepare(&options).unwrap_or_else(|error| panic!("{error}"));
         let outlook = model.outlook(&options).unwrap_or_else(|error| panic!("{error}"));
         assert_eq!((outlook.is_rough(), exact.is_rough()), (is_rough, false));

@@ -52,7 +52,7 @@ pub(crate) fn prepared_at(sampling: Sampling, cancel: Arc<AtomicBool>, text: &st
         memory_limit: None,
         cache: None,
         cancel,
-        progress: &|_| (),
+        progress: &|_, _| (),
     };
     Arc::new(model).prepare(&options)
 }

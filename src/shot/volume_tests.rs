@@ -66,7 +66,7 @@ fn prepared(folder: &Path, text: &str, memory_limit: Option<usize>) -> Result<Pr
         memory_limit,
         cache: None,
         cancel: Arc::default(),
-        progress: &|_| (),
+        progress: &|_, _| (),
     };
     Arc::new(model).prepare(&options)
 }

@@ -90,7 +90,7 @@ mod tests {
             memory_limit: None,
             cache: None,
             cancel: Arc::default(),
-            progress: &|_| {},
+            progress: &|_, _| {},
         };
         let prepared = model.prepare(&options).unwrap();
         let folder = tempfile::tempdir().unwrap();

@@ -195,7 +195,7 @@ fn prepared(scene: &str) -> Prepared {
         memory_limit: None,
         cache: None,
         cancel: Arc::default(),
-        progress: &|_| {},
+        progress: &|_, _| {},
     };
     Arc::new(model).prepare(&options).unwrap()
 }
