@@ -55,9 +55,9 @@ private:
 };
 
 // The nodes, leaves without values and tiles of a grid.
-std::shared_ptr<Grid> float_grid(const Head& head, const Blocks& blocks, float background, float tile_value);
+std::shared_ptr<Grid> float_grid(const Head& head, const Blocks& blocks, float background, rust::Slice<const float> tile_values);
 std::shared_ptr<Grid> vector_grid(
-    const Head& head, const Blocks& blocks, std::array<float, 3> background, std::array<float, 3> tile_value);
+    const Head& head, const Blocks& blocks, std::array<float, 3> background, rust::Slice<const float> tile_values);
 
 // What a grid's head says of all but its values; what it holds is in encode.cpp.
 class Nodes {

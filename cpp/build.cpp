@@ -89,19 +89,32 @@ void link_leaves(Tree& tree, const Blocks& blocks)
     }
 }
 
-template <typename Tree>
-void add_tiles(Tree& tree, const Blocks& blocks, const typename Tree::ValueType& value)
+float value_at(rust::Slice<const float> values, std::size_t tile, float)
 {
+    return values[tile];
+}
+
+Vec3s value_at(rust::Slice<const float> values, std::size_t tile, const Vec3s&)
+{
+    return Vec3s(values.data() + 3 * tile);
+}
+
+template <typename Tree>
+void add_tiles(Tree& tree, const Blocks& blocks, rust::Slice<const float> values)
+{
+    const std::size_t components = sizeof(typename Tree::ValueType) / sizeof(float);
+    if (values.size() * 4 != blocks.tiles.size() * components) throw std::runtime_error("tiles without values");
     for (std::size_t at = 0; at < blocks.tiles.size(); at += 4) {
         const std::int32_t edge = blocks.tiles[at + 3];
         const Index level = edge == 8 ? 1 : edge == 128 ? 2 : 3;
+        const auto value = value_at(values, at / 4, tree.background());
         tree.addTile(level, coordinate(blocks.tiles, at), value, blocks.tiles_active);
     }
 }
 
 template <typename GridType>
 std::shared_ptr<Grid> make_grid(const Head& head, const Blocks& blocks, const typename GridType::ValueType& background,
-    const typename GridType::ValueType& tile_value)
+    rust::Slice<const float> tile_values)
 {
     start_library();
     auto grid = GridType::create(background);
@@ -114,7 +127,7 @@ std::shared_ptr<Grid> make_grid(const Head& head, const Blocks& blocks, const ty
     grid->setSaveFloatAsHalf(head.half);
     grid->setTransform(openvdb::math::Transform::createLinearTransform(head.voxel_size));
     link_leaves(grid->tree(), blocks);
-    add_tiles(grid->tree(), blocks, tile_value);
+    add_tiles(grid->tree(), blocks, tile_values);
     if (grid->tree().leafCount() != blocks.origins.size() / 3) {
         throw std::runtime_error("grid '" + std::string(head.name) + "' has tiles where it has blocks");
     }
@@ -176,15 +189,15 @@ void insert_metadata(openvdb::MetaMap& map, rust::Slice<const Meta> items)
     }
 }
 
-std::shared_ptr<Grid> float_grid(const Head& head, const Blocks& blocks, float background, float tile_value)
+std::shared_ptr<Grid> float_grid(const Head& head, const Blocks& blocks, float background, rust::Slice<const float> tile_values)
 {
-    return make_grid<openvdb::FloatGrid>(head, blocks, background, tile_value);
+    return make_grid<openvdb::FloatGrid>(head, blocks, background, tile_values);
 }
 
 std::shared_ptr<Grid> vector_grid(
-    const Head& head, const Blocks& blocks, std::array<float, 3> background, std::array<float, 3> tile_value)
+    const Head& head, const Blocks& blocks, std::array<float, 3> background, rust::Slice<const float> tile_values)
 {
-    return make_grid<openvdb::Vec3SGrid>(head, blocks, Vec3s(background.data()), Vec3s(tile_value.data()));
+    return make_grid<openvdb::Vec3SGrid>(head, blocks, Vec3s(background.data()), tile_values);
 }
 
 } // namespace hfvdb

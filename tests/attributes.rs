@@ -98,3 +98,96 @@ fn a_scalar_that_is_no_number_is_an_error_that_shows_its_formula() {
     run.fails(1, &["`wear` at (", "bad.toml:3:19", "finite"]);
     assert!(!place.path("bad.vdb").exists());
 }
+
+/// A ball whose colour and wear follow its radius from a point, in all of it.
+const CORED: &str = "[shape.a]
+sphere = 1
+color = { linear = ['0.2 + 0.1*x', '0.5', '0.3 + 0.2*z'] }
+attribute.wear = 'x*y'
+attribute.plain = 2
+[output]
+inside = true
+grids = ['surface', 'density', 'Cd', 'wear', 'plain']
+";
+
+/// The value of a grid at a voxel: of its block, else of the active tile there.
+fn value_at<T: Copy>(blocks: &vdb::SparseBlocks<T>, voxel: glam::IVec3) -> Option<T> {
+    use hfvdb::grid::{block_origin, node_origin, voxel_offset};
+    if let Ok(at) = hfvdb::grid::place_of(&blocks.origins, block_origin(voxel)) {
+        let offset = voxel_offset(voxel);
+        return is_active(&blocks.active[at], offset).then(|| blocks.values[at][offset]);
+    }
+    let is_around = |tile: &&vdb::Tile<T>| tile.active && node_origin(voxel, tile.edge) == tile.origin;
+    blocks.tiles.iter().find(is_around).map(|tile| tile.value)
+}
+
+#[test]
+fn the_inside_has_colours_attributes_and_density() {
+    let place = Workplace::new();
+    place.write("cored.toml", CORED);
+    place.hfvdb("bake cored.toml --voxel-size 0.04 -o cored.vdb").ok();
+    let file = place.path("cored.vdb");
+    let contents = vdb::read(&file).expect("a file of ours");
+    let Voxels::Floats(density) = &grid(&contents, "density").voxels else { panic!("density is of numbers") };
+    assert_eq!(grid(&contents, "density").class, vdb::StoredClass::FogVolume);
+    let Voxels::Floats(wear) = &grid(&contents, "wear").voxels else { panic!("wear is of numbers") };
+    let Voxels::Floats(plain) = &grid(&contents, "plain").voxels else { panic!("plain is of numbers") };
+    let Voxels::Vectors(colour) = &grid(&contents, "Cd").voxels else { panic!("Cd is of colours") };
+    let mut inside = 0;
+    for number in 0..60_i32.pow(3) {
+        let voxel = glam::IVec3::new(number / 3600, number / 60 % 60, number % 60) - 30;
+        let position = voxel.as_dvec3() * 0.04;
+        let depth = 1.0 - position.length();
+        let ramp = (depth / 0.12).clamp(0.0, 1.0);
+        let found = value_at(density, voxel);
+        assert!((f64::from(found.unwrap_or(0.0)) - ramp).abs() < 1e-4, "density {found:?} {ramp} at {position}");
+        if depth < 0.0 {
+            assert_eq!(found, None, "{position}");
+            continue;
+        }
+        inside += u64::from(depth > 1e-6);
+        let found = value_at(colour, voxel).expect("a colour wherever it is inside");
+        // Near the surface it is that of the closest point, at the band's inner end the voxel's own.
+        let reach = if depth >= 0.1201 { 1e-6 } else { 0.1 * depth.min(0.08) + 1e-4 };
+        let own = [0.2 + 0.1 * position.x, 0.5, 0.3 + 0.2 * position.z];
+        for (found, own) in found.into_iter().zip(own) {
+            assert!((f64::from(found) - own).abs() <= 2.0 * reach, "{found} {own} at {position}");
+        }
+        assert_eq!(value_at(plain, voxel), Some(2.0), "{position}");
+        if depth >= 0.1201 {
+            let found = value_at(wear, voxel).expect("wear wherever it is inside");
+            assert!((f64::from(found) - position.x * position.y).abs() < 1e-6, "{found} at {position}");
+        }
+    }
+    assert!(inside > 60_000, "{inside}");
+    // What is constant inside takes no blocks there.
+    assert!(plain.tiles.iter().any(|tile| tile.active) && plain.origins.len() < wear.origins.len());
+
+    let manifest = std::fs::read_to_string(place.path("cored.manifest.json")).expect("a manifest");
+    let records = &json(&manifest)["frames"][0]["grids"];
+    assert_eq!((&records[1]["name"], &records[1]["greatest"][0]), (&"density".into(), &1.0.into()));
+    assert!(records[1]["active_voxels"].as_u64().is_some_and(|voxels| voxels == inside));
+}
+
+#[test]
+fn an_attribute_stands_for_the_density() {
+    let place = Workplace::new();
+    place.write("fog.toml", "[shape.a]\nsphere = 1\nattribute.density = '2 + x'\n");
+    place.hfvdb("bake fog.toml --voxel-size 0.05 -o fog.vdb").ok();
+    let contents = vdb::read(place.path("fog.vdb")).expect("a file of ours");
+    assert_eq!(contents.grids.iter().map(|grid| grid.name.as_str()).collect::<Vec<_>>(), ["surface", "density"]);
+    let Voxels::Floats(density) = &grid(&contents, "density").voxels else { panic!("density is of numbers") };
+    for (x, expected) in [(-8, 1.6), (0, 2.0), (12, 2.6)] {
+        assert_eq!(
+            value_at(density, glam::IVec3::new(x, 0, 0)).map(|value| (value * 1e4).round() / 1e4),
+            Some(expected)
+        );
+    }
+    place.write("thin.toml", "[shape.a]\nsphere = 1\nattribute.density = 'x'\n");
+    let run = place.hfvdb("bake thin.toml --voxel-size 0.05 -o thin.vdb");
+    run.fails(1, &["`density` at (-", "cannot be negative", "thin.toml:3:"]);
+    // A thousand units of fog in voxels of a thousandth.
+    place.write("vast.toml", "[shape.a]\nbox = 20\nattribute.density = '20 + x'\n");
+    let run = place.hfvdb("bake vast.toml --voxel-size 0.01 --max-memory 4G -o vast.vdb");
+    run.fails(3, &["of memory", "4.0 GiB"]);
+}

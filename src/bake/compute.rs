@@ -2,16 +2,19 @@
 
 use std::fmt;
 use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 
+use super::Bytes;
+use super::inside::{self, Inside, Insides};
 use super::range::Range;
 use super::velocity::{self, BlockVelocities, Velocities};
 use crate::attribute::{Attribute, Colour, LinearRgb, Sampler, Scalar};
 use crate::distance::band::{self, MeasuredBlock, Report, Settings};
 use crate::distance::without::{Keep, measure_kept};
 use crate::field::{Aabb, BATCH, Field, Points};
-use crate::grid::{Band, Channel};
+use crate::grid::{Band, Channel, mask};
 use crate::morph::Movement;
 
 /// A frame's grids, and what to tell about them.
@@ -25,6 +28,8 @@ pub struct Computed {
     pub scalars: Vec<Channel<f32>>,
     /// The velocities, where the scene asks for them.
     pub velocities: Option<Velocities>,
+    /// Attributes and density through the inside, where the scene asks for them.
+    pub insides: Option<Insides>,
     /// Counts and warnings of the measurement.
     pub report: Report,
     /// Active voxels with a colour channel above 1.
@@ -63,6 +68,20 @@ pub enum ComputeError {
         /// The colour.
         value: LinearRgb,
     },
+    /// The inside takes more memory than is allowed: about so much, in bytes, of so many voxels.
+    Memory {
+        /// Bytes.
+        needed: u64,
+        /// Voxels inside.
+        voxels: u64,
+    },
+    /// A density is negative at a world position.
+    Density {
+        /// World units.
+        position: [f64; 3],
+        /// The number.
+        value: f32,
+    },
     /// A scalar is infinite or not a number at a world position.
     Scalar {
         /// The name of its grid.
@@ -82,6 +101,12 @@ impl fmt::Display for ComputeError {
                 f,
                 "the colour at ({x:.6}, {y:.6}, {z:.6}) is ({r}, {g}, {b}): a channel is negative, infinite or not a number"
             ),
+            Self::Memory { needed, voxels } => {
+                write!(f, "{voxels} voxels inside would take about {} of memory", Bytes(*needed))
+            }
+            Self::Density { position: [x, y, z], value } => {
+                write!(f, "`density` at ({x:.6}, {y:.6}, {z:.6}) is {value}: it cannot be negative")
+            }
             Self::Scalar { name, position: [x, y, z], value } => {
                 write!(f, "`{name}` at ({x:.6}, {y:.6}, {z:.6}) is {value}: it must be a finite number")
             }
@@ -100,6 +125,17 @@ pub struct Attributes<'a> {
     pub scalars: &'a [(String, Arc<Scalar>)],
     /// How the surface moves, where velocities are asked for.
     pub movement: Option<&'a Movement>,
+    /// What of the inside is asked for.
+    pub interior: Option<Interior>,
+}
+
+/// What of the inside is asked for.
+#[derive(Clone, Copy, Debug)]
+pub struct Interior {
+    /// Whether it has a density.
+    pub density: bool,
+    /// The most memory that one of its grids may take.
+    pub limit: Bytes,
 }
 
 /// What one block has of all attributes.
@@ -144,12 +180,16 @@ pub fn compute(
             // An attribute taken at the feet is constant along the surface's normals, so that a mesh of the level set which
             // samples it trilinearly meets the surface's own.
             block.feet_into(&mut feet);
+            let velocities = velocity.as_mut().map(|velocity| velocity.visit(block, &feet));
+            if attributes.interior.is_some() {
+                sink(&mut feet, block, settings.half_width);
+            }
             let region = around(&feet, block);
             BlockAttributes {
                 distances,
                 colour: colour.as_mut().map(|colour| colour.sample(&feet, &region, block)),
                 scalars: scalars.iter_mut().map(|scalar| scalar.sample(&feet, &region, block)).collect(),
-                velocities: velocity.as_mut().map(|velocity| velocity.visit(block, &feet)),
+                velocities,
             }
         }
     };
@@ -185,7 +225,74 @@ pub fn compute(
         channels.push(Channel { name, values, background });
     }
     let velocities = attributes.movement.map(|movement| velocity::grid(&band, velocities, movement));
-    Ok(Computed { band, colour, scalars: channels, velocities, report: measured.report, bright_voxels, ranges })
+    let mut insides = None;
+    if let Some(interior) = attributes.interior {
+        insides = Some(filled(&band, colour.as_ref(), &channels, attributes, interior, settings.cancel)?);
+    }
+    Ok(Computed {
+        band,
+        colour,
+        scalars: channels,
+        velocities,
+        insides,
+        report: measured.report,
+        bright_voxels,
+        ranges,
+    })
+}
+
+/// Moves the places where a block's attributes are taken from the surface, where the band's outer half has them, to the
+/// voxels themselves as they lie deeper: at the band's inner end they are what the inside behind it has.
+fn sink(feet: &mut Points, block: &MeasuredBlock, half_width: f32) {
+    let voxel = block.lattice.voxel_size.get() as f32;
+    let offsets = Points::offsets_in_block(&block.lattice);
+    for (i, at) in mask::places(block.active).enumerate() {
+        let depth = ((block.distances[at] / voxel - 1.0) / (half_width - 1.0)).clamp(0.0, 1.0);
+        if depth > 0.0 {
+            let place = Vec3::new(offsets[at >> 6], offsets[at >> 3 & 7], offsets[at & 7]);
+            let between = feet.offset(i) + depth * depth * (3.0 - 2.0 * depth) * (place - feet.offset(i));
+            [feet.x[i], feet.y[i], feet.z[i]] = between.to_array();
+        }
+    }
+}
+
+/// The inside of a band whose attributes are known.
+fn filled(
+    band: &Band,
+    colour: Option<&Channel<LinearRgb>>,
+    scalars: &[Channel<f32>],
+    attributes: Attributes<'_>,
+    interior: Interior,
+    cancel: &AtomicBool,
+) -> Result<Insides, ComputeError> {
+    let bounds = inside::Bounds { bytes: interior.limit.0, cancel };
+    let mut all = Insides { colour: None, scalars: Vec::new(), density: None };
+    if let (Some((_, attribute)), Some(channel)) = (attributes.colour, colour) {
+        let found = inside::through(band, channel, attribute, 0.0, bounds);
+        all.colour =
+            Some(found.map_err(|trouble| trouble.told(|position, value| ComputeError::Colour { position, value }))?);
+    }
+    let mut of_density = None;
+    for ((name, attribute), Channel { values, background, .. }) in attributes.scalars.iter().zip(scalars) {
+        let values = values.iter().map(|block| block.iter().map(|value| [*value]).collect()).collect();
+        let channel = Channel { name: name.clone(), values, background: [*background] };
+        let is_density = interior.density && name == inside::DENSITY;
+        let found = inside::through(band, &channel, attribute.as_ref(), f32::MIN, bounds);
+        let found: Inside<f32> = found
+            .map_err(|trouble| {
+                trouble.told(|position, [value]| ComputeError::Scalar { name: name.clone(), position, value })
+            })?
+            .into();
+        if is_density {
+            of_density = Some(found);
+        } else {
+            all.scalars.push(found);
+        }
+    }
+    if interior.density {
+        all.density = Some(inside::density(band, of_density.as_ref())?);
+    }
+    Ok(all)
 }
 
 fn joined<const N: usize>(blocks: &[Sampled<N>]) -> Range<N> {
@@ -243,11 +350,8 @@ impl<'a, const N: usize> Visitor<'a, N> {
         if survey.is_bright() {
             sampled.bright_voxels = active.iter().filter(|value| value.iter().any(|&part| part > 1.0)).count() as u64;
         }
-        if survey.is_wrong(self.least) {
-            let is_wrong = |value: &[f32; N]| value.iter().any(|&part| is_wrong(part, self.least));
-            let at = active.iter().position(is_wrong);
-            sampled.wrong = at.map(|at| (feet.position(at).to_array(), active[at]));
-        }
+        let wrong = survey.first_wrong(active, self.least);
+        sampled.wrong = wrong.map(|at| (feet.position(at).to_array(), active[at]));
         sampled
     }
 }
@@ -259,7 +363,7 @@ fn is_wrong(number: f32, least: f32) -> bool {
 }
 
 /// What there is to know about a block's values.
-struct Survey<const N: usize> {
+pub(super) struct Survey<const N: usize> {
     sum: [f64; N],
     range: Range<N>,
 }
@@ -275,10 +379,16 @@ impl<const N: usize> Survey<N> {
         let Range { least: lowest, greatest } = &self.range;
         (0..N).any(|part| self.sum[part].is_nan() || lowest[part] < least || greatest[part] == f32::INFINITY)
     }
+
+    /// The first of the values with such a number.
+    pub(super) fn first_wrong(&self, values: &[[f32; N]], least: f32) -> Option<usize> {
+        let is_wrong = |value: &[f32; N]| value.iter().any(|&part| is_wrong(part, least));
+        if self.is_wrong(least) { values.iter().position(is_wrong) } else { None }
+    }
 }
 
 /// Looks at values.
-fn survey<const N: usize>(values: &[[f32; N]]) -> Survey<N> {
+pub(super) fn survey<const N: usize>(values: &[[f32; N]]) -> Survey<N> {
     Survey { sum: sum(values), range: Range::of(values) }
 }
 

@@ -1,6 +1,7 @@
 //! What frames will take, estimated before anything is allocated.
 
-use super::{Bytes, Error, velocity};
+use super::compute::Attributes;
+use super::{Bytes, Error, inside, velocity};
 use crate::distance::descent::Scope;
 use crate::distance::extent::{BandBoxes, Effort};
 use crate::shot::{FrameContent, Prepared};
@@ -49,6 +50,14 @@ fn estimate_by(prepared: &Prepared, content: &FrameContent, in_flight: usize, ef
         let carried = faces * velocity::carried_a_face(&*content.field, movement, &scope, &boxes);
         memory += found.voxels * VELOCITY_BYTES + carried * CARRIED_BYTES;
         file += carried * 12.0;
+    }
+    let output = &prepared.model().output;
+    if output.fills_inside() {
+        let colour = content.colour.as_deref().map(|colour| (output.colour_name.as_str(), colour));
+        let attributes = Attributes { colour, scalars: &content.scalars, movement: None, interior: None };
+        let inside = inside::estimate(&*content.field, content.region, &attributes, &scope.lattice);
+        memory += inside * (1 + in_flight) as f64;
+        file += inside;
     }
     let bytes = |value: f64| Bytes(value.min(u64::MAX as f64) as u64);
     Estimate { voxels: found.voxels, blocks: found.blocks, memory: bytes(memory), file: bytes(file) }

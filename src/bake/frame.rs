@@ -2,11 +2,11 @@
 
 use std::time::{Duration, Instant};
 
-use super::compute::{Attributes, ComputeError, Computed, Ranges, compute};
+use super::compute::{Attributes, ComputeError, Computed, Interior, Ranges, compute};
 use super::estimate::check_memory;
 use super::record::{Record, RecordFile};
 use super::sealed::{self, hexadecimal};
-use super::{Bytes, Error, Interrupt, Output, Velocities, output};
+use super::{Bytes, Error, Interrupt, Output, Velocities, inside, output};
 use crate::disk;
 use crate::distance::band::{self, Settings, Thin};
 use crate::grid::Band;
@@ -31,11 +31,13 @@ pub fn compute_frame(
         cancel: interrupt.flag(),
         progress,
     };
-    let name = prepared.model().output.colour_name.as_str();
+    let output = &prepared.model().output;
+    let name = output.colour_name.as_str();
     let attributes = Attributes {
         colour: content.colour.as_deref().map(|colour| (name, colour)),
         scalars: &content.scalars,
         movement: content.movement.as_ref(),
+        interior: output.fills_inside().then(|| Interior { density: output.density, limit }),
     };
     let of_grid = |grid: &str, error: ComputeError| {
         let problem = format!("frame {frame}: {error}");
@@ -45,6 +47,10 @@ pub fn compute_frame(
         ComputeError::Distance(band::Error::Cancelled) => Error::Interrupted,
         // What measuring was stopped for is no number.
         _ if interrupt.is_raised() => Error::Interrupted,
+        ComputeError::Memory { needed, voxels } => {
+            Error::Memory { needed: Bytes(needed), limit, voxels: voxels as f64 }
+        }
+        ComputeError::Density { .. } => of_grid(inside::DENSITY, error),
         ComputeError::Colour { .. } => of_grid(name, error),
         ComputeError::Scalar { name: ref grid, .. } => of_grid(&grid.clone(), error),
         error => Error::Frame(frame, error),
@@ -70,7 +76,16 @@ pub fn empty(prepared: &Prepared) -> Computed {
     };
     let report = band::Report::default();
     let ranges = Ranges::none();
-    Computed { band, colour: None, scalars: Vec::new(), velocities: None, report, bright_voxels: 0, ranges }
+    Computed {
+        band,
+        colour: None,
+        scalars: Vec::new(),
+        velocities: None,
+        insides: None,
+        report,
+        bright_voxels: 0,
+        ranges,
+    }
 }
 
 /// One voxel in so many that are too fast is worth a warning: a few are wherever pieces meet or vanish.

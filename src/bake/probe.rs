@@ -43,7 +43,7 @@ impl Probe {
 }
 
 /// Bakes a frame in memory. `prepared` is the scene with voxels `coarser` times as large as asked for; time, voxels and
-/// bytes grow with the surface, its square.
+/// bytes grow with the surface, its square, and of an inside with its cube.
 ///
 /// # Errors
 /// Those of the frame.
@@ -62,14 +62,17 @@ pub fn probe(
     let pieces = output.format.encode(&Frame { prepared, number: frame, computed: &computed, output })?;
     let bytes: usize = pieces.iter().map(Vec::len).sum();
     let encode_seconds = start.elapsed().as_secs_f64();
-    let area = coarser * coarser;
+    // The surface grows with the square, what is behind it with the cube.
+    let band = computed.band.active_voxels() as f64;
+    let behind = computed.insides.as_ref().map_or(0, |insides| insides.behind(&computed.band)) as f64;
+    let growth = coarser * coarser * (band + behind * coarser) / (band + behind).max(1.0);
     Ok(Probe {
         frame,
         voxel_size: prepared.lattice.voxel_size.get(),
         coarser,
-        active_voxels: computed.band.active_voxels() as f64 * area,
-        compute_seconds: compute_seconds * area,
-        encode_seconds: encode_seconds * area,
-        file: Bytes((bytes as f64 * area) as u64),
+        active_voxels: band * coarser * coarser,
+        compute_seconds: compute_seconds * growth,
+        encode_seconds: encode_seconds * growth,
+        file: Bytes((bytes as f64 * growth) as u64),
     })
 }

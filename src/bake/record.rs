@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use super::compute::{Computed, Ranges};
 use super::identity::Identity;
+use super::inside::Insides;
 use super::range::Range;
 use super::velocity::Velocities;
 use crate::grid::measure;
@@ -105,11 +106,20 @@ fn grids(computed: &Computed) -> Vec<GridRecord> {
     let flipped =
         Range { least: distances.greatest.map(|value| -value), greatest: distances.least.map(|value| -value) };
     let mut grids = vec![GridRecord::new("surface", active_voxels, flipped)];
-    if let Some(colour) = &computed.colour {
-        grids.push(GridRecord::new(&colour.name, active_voxels, *colours));
-    }
-    for (scalar, range) in computed.scalars.iter().zip(scalars) {
-        grids.push(GridRecord::new(&scalar.name, active_voxels, *range));
+    if let Some(Insides { colour, scalars, density }) = &computed.insides {
+        grids.extend(density.iter().chain(scalars).map(|inside| {
+            let blocks: Vec<&[[f32; 1]]> = inside.channel.values.iter().map(|block| block.as_chunks().0).collect();
+            let range = Range::of_blocks(&blocks).joined(Range::of(inside.tile_values.as_chunks().0));
+            GridRecord::new(&inside.channel.name, inside.active_voxels(), range)
+        }));
+        grids.extend(colour.iter().map(|inside| {
+            let range = Range::of_blocks(&inside.channel.values).joined(Range::of(&inside.tile_values));
+            GridRecord::new(&inside.channel.name, inside.active_voxels(), range)
+        }));
+    } else {
+        grids.extend(computed.colour.iter().map(|colour| GridRecord::new(&colour.name, active_voxels, *colours)));
+        let all = computed.scalars.iter().zip(scalars);
+        grids.extend(all.map(|(scalar, range)| GridRecord::new(&scalar.name, active_voxels, *range)));
     }
     if let Some(Velocities { channel, held_voxels, .. }) = &computed.velocities {
         let active_voxels = channel.values.iter().map(|block| block.len() as u64).sum();

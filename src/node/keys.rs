@@ -44,6 +44,18 @@ pub const SCENE: &[Key] = &[
 /// Lengths that a scene's 1 can stand for.
 pub const UNITS: &[&str] = &["m", "cm", "mm", "km", "in", "ft"];
 
+/// A unit of length in metres.
+pub fn metres(unit: &str) -> f64 {
+    match unit {
+        "cm" => 0.01,
+        "mm" => 0.001,
+        "km" => 1000.0,
+        "in" => 0.0254,
+        "ft" => 0.3048,
+        _ => 1.0,
+    }
+}
+
 /// How large a shape is made.
 pub const SCALE: Key = Key::new("scale", Kind::Lengths, Number(1.0), "How many times as large.").limit(Limit::Positive);
 
@@ -121,7 +133,7 @@ pub const PARAMETER: &[Key] = &[
 /// Names of colour spaces that colours are mixed in.
 pub const COLOUR_SPACES: &[&str] = &["rgb", "hsv", "lab", "lch", "oklab"];
 
-/// Grids that a file can hold, scalars aside.
+/// Grids whose names no scalar can have.
 pub const GRIDS: &[&str] = &["surface", "Cd", "vel"];
 
 /// The output.
@@ -144,8 +156,14 @@ pub const OUTPUT: &[Key] = &[
     Key::new(
         "grids",
         Kind::Grids,
-        Words("all there are but `vel`"),
-        "Which grids are written: `surface`, `Cd`, `vel`, and the names of attributes.",
+        Words("all there are but `density` and `vel`"),
+        "Which grids are written: `surface`, `density`, `Cd`, `vel`, and the names of attributes. `density` is fog: 1 inside, from 0 at the surface up to that as deep as the band; an `attribute.density` stands for the 1, and is written wherever there is one.",
+    ),
+    Key::new(
+        "inside",
+        Kind::Flag,
+        Text("false"),
+        "Colour and attributes through all of the inside, instead of in the band alone: to be cut open, and for fog. `density` implies it.",
     ),
     Key::new("half", Kind::Grids, Words("none"), "Which grids keep their numbers in 16 bits."),
     Key::new("compression", Kind::Choice(&["blosc", "zip", "none"]), Text("blosc"), "How files are packed."),

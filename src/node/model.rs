@@ -435,9 +435,18 @@ pub struct Output {
     pub colour_name: String,
     /// The greatest speed of `vel`, units a second; `None` for the longest side of the shot's box in one frame.
     pub max_speed: Option<f64>,
+    /// Whether attributes go through the inside.
+    pub inside: bool,
+    /// Whether there is a fog volume.
+    pub density: bool,
 }
 
 impl Output {
+    /// Whether attributes go through the inside: fog without them has none there.
+    pub fn fills_inside(&self) -> bool {
+        self.inside || self.density
+    }
+
     /// Whether a grid is written where there is one of this name. `vel` has to be asked for.
     pub fn writes(&self, grid: &str) -> bool {
         self.grids.as_ref().map_or(grid != "vel", |grids| grids.iter().any(|name| name == grid))
@@ -452,7 +461,9 @@ impl Model {
 
     /// The names of the grids that its frames may have.
     pub fn grid_names(&self) -> Vec<&str> {
-        ["surface", &self.output.colour_name, "vel"].into_iter().chain(self.scalar_names()).collect()
+        let density = self.output.density.then_some("density");
+        let own = ["surface", &self.output.colour_name, "vel"].into_iter().chain(density);
+        own.chain(self.scalar_names().into_iter().filter(|name| Some(*name) != density)).collect()
     }
 
     /// The names that formulas know beside x, y, z, t, frame, time, with their values at a frame.

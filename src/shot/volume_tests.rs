@@ -9,7 +9,7 @@ use glam::{DVec3, IVec3, Vec3};
 
 use crate::field::{BATCH, Points};
 use crate::grid::{Band, Channel, InsideTile, Lattice, VoxelSize, block_order};
-use crate::vdb::{self, Class, Content, Frame, Grid, Values, VectorType, WriteOptions};
+use crate::vdb::{self, Class, Content, Frame, Grid, Tiles, Values, VectorType, WriteOptions};
 
 use super::*;
 use crate::node::*;
@@ -183,7 +183,7 @@ fn tiles_are_voxels_too() {
     let (band, channel) = cube();
     let tiles = [InsideTile { origin: IVec3::splat(128), edge: 128 }];
     let mut values = Values::over(&band, &channel);
-    values.tiles = Some((&tiles, [0.25, 0.5, 0.75]));
+    values.tiles = Tiles { places: &tiles, values: &[[0.25, 0.5, 0.75]] };
     let grid = Grid::new("Cd", Content::Vectors { values, vector_type: VectorType::Invariant });
     let frame = Frame { grids: vec![grid], metadata: [].into() };
     vdb::write(folder.path().join("a.vdb"), &frame, &WriteOptions::default()).unwrap();

@@ -124,13 +124,13 @@ pub(super) mod ffi {
 
         /// A grid: immutable once it is made.
         type Grid;
-        /// The nodes, leaves without values and tiles of a grid of numbers.
-        fn float_grid(head: &Head, blocks: &Blocks, background: f32, tile_value: f32) -> Result<SharedPtr<Grid>>;
+        /// The nodes, leaves without values and tiles of a grid of numbers: one value a tile, of vectors three numbers.
+        fn float_grid(head: &Head, blocks: &Blocks, background: f32, tile_values: &[f32]) -> Result<SharedPtr<Grid>>;
         fn vector_grid(
             head: &Head,
             blocks: &Blocks,
             background: [f32; 3],
-            tile_value: [f32; 3],
+            tile_values: &[f32],
         ) -> Result<SharedPtr<Grid>>;
 
         /// Makes the parts of a file.

@@ -65,8 +65,23 @@ pub struct Values<'a, T> {
     pub blocks: Blocks<'a>,
     /// The values.
     pub channel: &'a Channel<T>,
-    /// Active tiles and the one value in them, such as the 1 inside a fog volume.
-    pub tiles: Option<(&'a [InsideTile], T)>,
+    /// Active tiles, such as those inside a fog volume.
+    pub tiles: Tiles<'a, T>,
+}
+
+/// Cubes of voxels that have one value each.
+#[derive(Clone, Copy, Debug)]
+pub struct Tiles<'a, T> {
+    /// Where they stand: not where a block does.
+    pub places: &'a [InsideTile],
+    /// The value of each.
+    pub values: &'a [T],
+}
+
+impl<T> Default for Tiles<'_, T> {
+    fn default() -> Self {
+        Self { places: &[], values: &[] }
+    }
 }
 
 /// Blocks and their active voxels; a [`Band`]'s, or others.
@@ -89,7 +104,7 @@ impl<'a> From<&'a Band> for Blocks<'a> {
 impl<'a, T> Values<'a, T> {
     /// A channel over a band's blocks and active voxels.
     pub fn over(band: &'a Band, channel: &'a Channel<T>) -> Self {
-        Self { blocks: band.into(), channel, tiles: None }
+        Self { blocks: band.into(), channel, tiles: Tiles::default() }
     }
 }
 
@@ -147,8 +162,8 @@ impl<'a> Grid<'a> {
     fn tiles(&self) -> &'a [InsideTile] {
         match &self.content {
             Content::LevelSet(band) => &band.inside_tiles,
-            Content::Floats { values, .. } => values.tiles.map_or(&[], |(tiles, _)| tiles),
-            Content::Vectors { values, .. } => values.tiles.map_or(&[], |(tiles, _)| tiles),
+            Content::Floats { values, .. } => values.tiles.places,
+            Content::Vectors { values, .. } => values.tiles.places,
         }
     }
 
@@ -191,6 +206,10 @@ impl<'a> Grid<'a> {
                 return refuse(format!("block {origin} has {voxels} active voxels and {values} values"));
             }
         }
+        let tiles = self.tiles().len();
+        if let Some(values) = self.tile_values().filter(|values| *values != tiles) {
+            return refuse(format!("{tiles} tiles and {values} values of tiles do not fit together"));
+        }
         let size = blocks.lattice.voxel_size.get();
         if size < LEAST_VOXEL_SIZE {
             return refuse(format!("voxels of {size} units are too small for OpenVDB, which needs {LEAST_VOXEL_SIZE}"));
@@ -208,6 +227,15 @@ impl<'a> Grid<'a> {
         self.check_background().or_else(refuse)
     }
 
+    /// How many tiles have a value of their own; a level set's have the background.
+    fn tile_values(&self) -> Option<usize> {
+        match &self.content {
+            Content::LevelSet(_) => None,
+            Content::Floats { values, .. } => Some(values.tiles.values.len()),
+            Content::Vectors { values, .. } => Some(values.tiles.values.len()),
+        }
+    }
+
     fn check_background(&self) -> Result<(), String> {
         let numbers = match &self.content {
             Content::LevelSet(band) => {
@@ -218,10 +246,10 @@ impl<'a> Grid<'a> {
                 vec![background]
             }
             Content::Floats { values, .. } => {
-                [values.channel.background].into_iter().chain(values.tiles.map(|(_, value)| value)).collect()
+                [&values.channel.background].into_iter().chain(values.tiles.values).copied().collect()
             }
             Content::Vectors { values, .. } => {
-                [values.channel.background].into_iter().chain(values.tiles.map(|(_, value)| value)).flatten().collect()
+                [&values.channel.background].into_iter().chain(values.tiles.values).flatten().copied().collect()
             }
         };
         match numbers.iter().find(|number| !number.is_finite()) {
@@ -255,14 +283,16 @@ impl<'a> Grid<'a> {
         };
         let made = match &self.content {
             // Tiles lie inside, where the file's distances are negative.
-            Content::LevelSet(band) => ffi::float_grid(&head, &bridge_blocks, band.background(), -band.background()),
+            Content::LevelSet(band) => {
+                let inside = vec![-band.background(); band.inside_tiles.len()];
+                ffi::float_grid(&head, &bridge_blocks, band.background(), &inside)
+            }
             Content::Floats { values, .. } => {
-                let tile_value = values.tiles.map_or(0.0, |(_, value)| value);
-                ffi::float_grid(&head, &bridge_blocks, values.channel.background, tile_value)
+                ffi::float_grid(&head, &bridge_blocks, values.channel.background, values.tiles.values)
             }
             Content::Vectors { values, .. } => {
-                let tile_value = values.tiles.map_or([0.0; 3], |(_, value)| value);
-                ffi::vector_grid(&head, &bridge_blocks, values.channel.background, tile_value)
+                let tile_values = values.tiles.values.as_flattened();
+                ffi::vector_grid(&head, &bridge_blocks, values.channel.background, tile_values)
             }
         };
         made.map_err(|error| Error::grid(self.name, error.what()))

@@ -32,7 +32,7 @@ mod write;
 pub use clients::Client;
 pub use encode::encode;
 pub use error::Error;
-pub use frame::{Blocks, Class, Content, Frame, Grid, Values, VectorType};
+pub use frame::{Blocks, Class, Content, Frame, Grid, Tiles, Values, VectorType};
 pub use inspect::{FileInfo, GridInfo, Range, inspect, level_set_box};
 pub use level_set::LevelSet;
 pub use lint::{Finding, Lint, Severity, lint};

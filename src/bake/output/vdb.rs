@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use super::{Format, Frame};
-use crate::bake::{Error, Output, Velocities};
-use crate::grid::Band;
+use crate::bake::{Error, Inside, Output, Velocities};
+use crate::grid::{Band, Lattice};
 use crate::node::Model;
 use crate::vdb;
 
@@ -34,10 +34,21 @@ impl Format for Vdb {
 
 fn grids<'a>(Frame { computed, output, .. }: &Frame<'a>) -> Vec<vdb::Grid<'a>> {
     let mut grids = vec![vdb::Grid::level_set("surface", &computed.band)];
-    if let Some(colour) = &computed.colour {
-        grids.push(vdb::Grid::colour(&computed.band, colour));
+    if let Some(insides) = &computed.insides {
+        let lattice = computed.band.lattice;
+        let fog = insides.density.iter().map(|density| (density, vdb::Class::FogVolume));
+        let numbers = fog.chain(insides.scalars.iter().map(|scalar| (scalar, vdb::Class::Unknown)));
+        grids.extend(numbers.map(|(inside, class)| {
+            vdb::Grid::new(&inside.channel.name, vdb::Content::Floats { values: values(inside, lattice), class })
+        }));
+        grids.extend(insides.colour.iter().map(|inside| {
+            let vector_type = vdb::VectorType::Invariant;
+            vdb::Grid::new(&inside.channel.name, vdb::Content::Vectors { values: values(inside, lattice), vector_type })
+        }));
+    } else {
+        grids.extend(computed.colour.iter().map(|colour| vdb::Grid::colour(&computed.band, colour)));
+        grids.extend(computed.scalars.iter().map(|scalar| vdb::Grid::scalar(&computed.band, scalar)));
     }
-    grids.extend(computed.scalars.iter().map(|scalar| vdb::Grid::scalar(&computed.band, scalar)));
     if let Some(velocities) = &computed.velocities {
         grids.push(velocity_grid(&computed.band, velocities));
     }
@@ -47,11 +58,17 @@ fn grids<'a>(Frame { computed, output, .. }: &Frame<'a>) -> Vec<vdb::Grid<'a>> {
     grids
 }
 
+fn values<T>(inside: &Inside<T>, lattice: Lattice) -> vdb::Values<'_, T> {
+    let blocks = vdb::Blocks { lattice, origins: &inside.origins, active: &inside.active };
+    let tiles = vdb::Tiles { places: &inside.tiles, values: &inside.tile_values };
+    vdb::Values { blocks, channel: &inside.channel, tiles }
+}
+
 /// Velocities as OpenVDB has them: they turn and stretch with the object, and are not of its own space.
 fn velocity_grid<'a>(band: &Band, velocities: &'a Velocities) -> vdb::Grid<'a> {
     let Velocities { origins, active, channel, .. } = velocities;
     let blocks = vdb::Blocks { lattice: band.lattice, origins, active };
-    let values = vdb::Values { blocks, channel, tiles: None };
+    let values = vdb::Values { blocks, channel, tiles: vdb::Tiles::default() };
     let content = vdb::Content::Vectors { values, vector_type: vdb::VectorType::ContravariantRelative };
     let mut grid = vdb::Grid::new(&channel.name, content);
     grid.metadata.insert("is_local_space".into(), false.into());

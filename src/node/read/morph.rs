@@ -213,17 +213,22 @@ impl<'r, 'a> Building<'r, 'a> {
             self.reader.say(Diagnostic::error(size.key_span, problem));
         }
         let name = fields.text("color_name").unwrap_or_else(|| "Cd".into());
-        let taken = name == "surface" || name == "vel" || self.is_scalar(&name);
+        let taken = ["surface", "density", "vel"].contains(&name.as_str()) || self.is_scalar(&name);
         if name.is_empty() || taken || name.contains(char::is_whitespace) {
             let problem = format!("a grid cannot be called `{}`", clip(&name));
             self.reader
                 .say(Diagnostic::error(fields.entry("color_name").map_or(span, |entry| entry.value.span), problem));
         }
+        let grids = self.grids(&fields, "grids", &name);
         let output = Output {
+            inside: fields.flag("inside"),
+            density: grids
+                .as_ref()
+                .map_or_else(|| self.is_scalar("density"), |all| all.iter().any(|name| name == "density")),
             voxel_size: fields.constant("voxel_size"),
             resolution: fields.whole("resolution").unwrap_or(256).clamp(1, i64::from(u32::MAX)) as u32,
             half_width: fields.constant("half_width").unwrap_or(3.0),
-            grids: self.grids(&fields, "grids", &name),
+            grids,
             half: self.grids(&fields, "half", &name).unwrap_or_default(),
             compression: fields.choice("compression").unwrap_or("blosc"),
             colour_name: name,
@@ -252,7 +257,7 @@ impl<'r, 'a> Building<'r, 'a> {
         let value = fields.value(key)?;
         let path = fields.full(key);
         let scalars = self.shapes.iter().flatten().flat_map(|shape| shape.scalars.keys().map(String::as_str));
-        let mut known: Vec<&str> = ["surface", colour, "vel"].into_iter().chain(scalars).collect();
+        let mut known: Vec<&str> = ["surface", "density", colour, "vel"].into_iter().chain(scalars).collect();
         known.sort_unstable();
         known.dedup();
         let Some(list) = value.list().filter(|list| key != "grids" || !list.is_empty()) else {
@@ -340,5 +345,7 @@ fn default_output() -> Output {
         compression: "blosc",
         colour_name: "Cd".into(),
         max_speed: None,
+        inside: false,
+        density: false,
     }
 }

@@ -144,7 +144,8 @@ fn a_sound_file_serves_the_programs_that_show_surfaces() {
 
 /// A fog volume: the inside of the ball with its tiles, under a name.
 fn fog<'a>(band: &'a Band, channel: &'a Channel<f32>, tiles: &'a [InsideTile]) -> Grid<'a> {
-    let values = Values { tiles: Some((tiles, 1.0)), ..Values::over(band, channel) };
+    let tiles = Tiles { places: tiles, values: &[1.0; 8][..tiles.len()] };
+    let values = Values { tiles, ..Values::over(band, channel) };
     Grid::new(&channel.name, Content::Floats { values, class: Class::FogVolume })
 }
 

@@ -110,7 +110,8 @@ fn floats_and_velocities_with_active_tiles() {
     let channel = ball_colour(&band, "vel");
     let density = even(&band, "density", 0.5);
     let mut fog = Values::over(&band, &density);
-    fog.tiles = Some((&band.inside_tiles, 1.0));
+    let ones = vec![1.0; band.inside_tiles.len()];
+    fog.tiles = Tiles { places: &band.inside_tiles, values: &ones };
     let motion =
         Content::Vectors { values: Values::over(&band, &channel), vector_type: VectorType::ContravariantRelative };
     let frame = Frame {
