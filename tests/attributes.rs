@@ -166,7 +166,9 @@ fn the_inside_has_colours_attributes_and_density() {
     let manifest = std::fs::read_to_string(place.path("cored.manifest.json")).expect("a manifest");
     let records = &json(&manifest)["frames"][0]["grids"];
     assert_eq!((&records[1]["name"], &records[1]["greatest"][0]), (&"density".into(), &1.0.into()));
-    assert!(records[1]["active_voxels"].as_u64().is_some_and(|voxels| voxels == inside));
+    // Of voxels that are on the surface itself rounding decides.
+    let told = records[1]["active_voxels"].as_u64().expect("a number");
+    assert!(told.abs_diff(inside) <= 60, "{told} {inside}");
 }
 
 #[test]
@@ -190,4 +192,71 @@ fn an_attribute_stands_for_the_density() {
     place.write("vast.toml", "[shape.a]\nbox = 20\nattribute.density = '20 + x'\n");
     let run = place.hfvdb("bake vast.toml --voxel-size 0.01 --max-memory 4G -o vast.vdb");
     run.fails(3, &["of memory", "4.0 GiB"]);
+}
+
+/// The distances of a file's level set, on its active voxels, beside the exact ones.
+fn farthest_off(file: &Path, exact: impl Fn(DVec3) -> f64) -> f64 {
+    let contents = vdb::read(file).expect("a file of ours");
+    let band = grid(&contents, "surface").to_band().expect("a level set");
+    let mut farthest: f64 = 0.0;
+    for ((origin, values), mask) in band.origins.iter().zip(&band.distances).zip(&band.active) {
+        let centres = Points::of_block(*origin, &band.lattice);
+        for at in (0..values.len()).filter(|&at| is_active(mask, at)) {
+            farthest = farthest.max((f64::from(values[at]) - exact(centres.position(at))).abs());
+        }
+    }
+    farthest
+}
+
+#[test]
+fn files_of_voxels_are_shapes() {
+    let place = Workplace::new();
+    place.write("ball.toml", "hfvdb = 1\n[shape.a]\nsphere = 0.8\nmove = [0.1, 0.2, 0.3]\ncolor = 'red'\n[output]\ngrids = ['surface', 'density', 'Cd']\n");
+    place.hfvdb("bake ball.toml --voxel-size 0.04 -o ball.vdb").ok();
+    let middle = DVec3::new(0.1, 0.2, 0.3);
+    let scene = |keys: &str| {
+        place.write("again.toml", format!("hfvdb = 1\n[shape.a]\nvdb = 'ball.vdb'\n{keys}\n"));
+        place.hfvdb("bake again.toml --voxel-size 0.03 --overwrite -o again.vdb")
+    };
+    scene("").ok();
+    // Between voxels a ball's distance is off by h²/8 times its curvature, 1/r along two axes: 0.0005.
+    let off = farthest_off(&place.path("again.vdb"), |p| 0.8 - p.distance(middle));
+    assert!(off < 0.001, "{off}");
+    let contents = vdb::read(place.path("again.vdb")).expect("a file of ours");
+    let Voxels::Vectors(colour) = &grid(&contents, "Cd").voxels else { panic!("Cd is of colours") };
+    assert!(colour.background[0] == 1.0 && colour.background[1] == 0.0, "{:?}", colour.background);
+    // The fog rises from 0 to 1 over three voxels of the file.
+    let run = scene("grid = 'density'\nthreshold = 0.25").ok();
+    assert!(!run.stderr.contains("note"), "{}", run.stderr);
+    let off = farthest_off(&place.path("again.vdb"), |p| 0.8 - 0.25 * 0.12 - p.distance(middle));
+    assert!(off < 0.002, "{off}");
+    assert!(scene("grid = 'density'").ok().stderr.contains("fog 'density' is solid from 0.5 on"));
+    // It is a shape like any other.
+    scene("offset = 0.1\nmove = [1, 0, 0]").ok();
+    let off = farthest_off(&place.path("again.vdb"), |p| 0.9 - p.distance(middle + DVec3::X));
+    assert!(off < 0.003, "{off}");
+    scene("grid = 'dens'").fails(1, &["no grid 'dens'", "did you mean `density`?", "again.toml:4:"]);
+    scene("grid = 'Cd'").fails(1, &["no single number a voxel", "density (float)"]);
+    scene("threshold = 0.1").fails(1, &["is a level set, whose surface is at 0"]);
+    scene("grid = 'density'\nthreshold = 2").fails(1, &["has nothing inside", "`threshold`"]);
+    std::fs::write(place.path("ball.vdb"), b" BDVgarbage").expect("it can be written");
+    scene("").fails(1, &["ball.vdb"]);
+}
+
+/// Turned, and with voxels that are no cubes, as other programs write them.
+#[test]
+fn a_shape_of_voxels_stands_where_its_transform_puts_it() {
+    let place = Workplace::new();
+    let script = "import pyopenvdb as vdb\n\
+                  g = vdb.createLevelSetSphere(radius=1, voxelSize=0.05, halfWidth=3)\n\
+                  g.transform.scale((2, 1, 1))\n\
+                  g.transform.rotate(0.5)\n\
+                  g.name = 'surface'\n\
+                  vdb.write('long.vdb', grids=[g])\n";
+    place.run(Command::new("/usr/bin/python3").args(["-c", script])).ok();
+    place.write("long.toml", "hfvdb = 1\n[shape.a]\nvdb = 'long.vdb'\n");
+    let run = place.hfvdb("bake long.toml --voxel-size 0.05 -o out.vdb --json").ok();
+    let volume = json(&run.stdout)["frames"][0]["volume"].as_f64().expect("a number");
+    let exact = 8.0 / 3.0 * std::f64::consts::PI;
+    assert!((volume / exact - 1.0).abs() < 0.01, "{volume} {exact}");
 }

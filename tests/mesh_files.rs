@@ -188,7 +188,11 @@ fn colours_that_are_not_read_are_said() {
     let name = "material-colour-dropped.obj";
     says(
         &baked(name, 8.0),
-        &["warning: material-colour-dropped.obj, line 10: ", "materials (`usemtl red`)", "`color`"],
+        &[
+            "warning: material-colour-dropped.obj, line 10: ",
+            "no material of the mesh is known (`usemtl red`)",
+            "`color`",
+        ],
     );
     // Where it is not the mesh's colour that is shown there is nothing to say.
     for keys in ["color = 'red'", "[output]\ngrids = ['surface']"] {
@@ -326,4 +330,128 @@ fn text_of_other_encodings() {
     place.hfvdb("check s.json").ok();
     place.write("wide.toml", wide(true, true));
     place.hfvdb("check wide.toml").fails(1, &["wide.toml", "UTF-8"]);
+}
+
+/// A cube of edge 2 with a picture on its upper side, which is red along x and green along y in equal steps of light.
+fn pictured(folder: &Workplace) {
+    let encoded = |light: f64| {
+        let encoded = if light <= 0.003_130_8 { 12.92 * light } else { 1.055 * light.powf(1.0 / 2.4) - 0.055 };
+        (encoded * 255.0).round() as u8
+    };
+    let picture = image::RgbImage::from_fn(128, 128, |x, y| {
+        let along = |at: u32| encoded((f64::from(at) + 0.5) / 128.0);
+        image::Rgb([along(x), along(127 - y), 0])
+    });
+    picture.save(folder.path("skin.png")).expect("it can be written");
+    let cube = "mtllib a.mtl\nv -1 -1 -1\nv 1 -1 -1\nv 1 1 -1\nv -1 1 -1\nv -1 -1 1\nv 1 -1 1\nv 1 1 1\nv -1 1 1\n\
+                vt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nusemtl plain\nf 1 4 3 2\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n\
+                usemtl skin\nf 5/1 6/2 7/3 8/4\n";
+    folder.write("a.obj", cube);
+    folder.write("a.mtl", "newmtl plain\nKd 0.25 0.5 0.75\nnewmtl skin\nKd 0.1 0.1 0.1\nmap_Kd -clamp on skin.png\n");
+}
+
+#[test]
+fn pictures_and_materials_are_the_colour() {
+    let place = Workplace::new();
+    pictured(&place);
+    let run = place.hfvdb("convert a.obj -o a.vdb --voxel-size 0.02").ok();
+    assert!(!run.stderr.contains("warning"), "{}", run.stderr);
+    let contents = hfvdb::vdb::read(place.path("a.vdb")).expect("a file of ours");
+    let band = contents.grids[0].to_band().expect("a level set");
+    let hfvdb::vdb::Voxels::Vectors(colours) = &contents.grids[1].voxels else { panic!("Cd is of colours") };
+    let (mut upper, mut sides) = (0, 0);
+    for ((origin, values), mask) in colours.origins.iter().zip(&colours.values).zip(&colours.active) {
+        let centres = hfvdb::field::Points::of_block(*origin, &band.lattice);
+        for at in (0..values.len()).filter(|&at| hfvdb::grid::is_active(mask, at)) {
+            let p = centres.position(at);
+            let [r, g, b] = values[at].map(f64::from);
+            if p.x.abs().max(p.y.abs()) < 0.9 && p.z > 0.0 {
+                upper += 1;
+                // By 8 bits of sRGB light is known to 1/255 · the slope of the curve, which is 2.3 at most.
+                let off = (r - (1.0 + p.x) / 2.0).abs().max((g - (1.0 + p.y) / 2.0).abs()).max(b);
+                assert!(off < 0.005, "{r} {g} {b} at {p}");
+            } else if p.z.abs() < 0.9 {
+                sides += 1;
+                assert!((r - 0.25).abs().max((g - 0.5).abs()).max((b - 0.75).abs()) < 1e-6, "{r} {g} {b} at {p}");
+            }
+        }
+    }
+    assert!(upper > 10_000 && sides > 10_000, "{upper} {sides}");
+
+    // What its materials name is part of what identifies the scene.
+    let again = |name: &str| place.hfvdb(&format!("convert a.obj -o {name} --voxel-size 0.1")).ok();
+    again("b.vdb");
+    place.hfvdb("convert a.obj -o b.vdb --voxel-size 0.1 --resume").ok();
+    place.write("a.mtl", "newmtl plain\nKd 1 0 0\n");
+    let run = place.hfvdb("convert a.obj -o b.vdb --voxel-size 0.1 --resume");
+    run.fails(1, &["another scene"]);
+}
+
+#[test]
+fn surfaces_with_holes_and_sheets() {
+    let place = Workplace::new();
+    pictured(&place);
+    let cube = std::fs::read_to_string(place.path("a.obj")).expect("it was written");
+    place.write("open.obj", cube.replace("f 5/1 6/2 7/3 8/4\n", ""));
+    place
+        .hfvdb("convert open.obj -o open.vdb --voxel-size 0.1")
+        .fails(1, &["4 boundary edges", "sign = \"winding\"", "thickness"]);
+    let volume = |options: &str| {
+        let command = format!("convert open.obj -o open.vdb --overwrite --json --voxel-size 0.05 {options}");
+        volume(&place.hfvdb(&command).ok())
+    };
+    // From any point of the open side the other five fill half of what there is to see: the sheet across it is flat.
+    let closed = volume("--sign winding");
+    assert!((closed - 8.0).abs() < 0.1, "{closed}");
+    // Five sides of 2 by 2, and the rounded rims: a sheet of 0.2 on both sides of them.
+    let sheet = volume("--thickness 0.2");
+    assert!((sheet - 20.0 * 0.2).abs() < 0.3, "{sheet}");
+}
+
+/// What `check` says of a mesh.
+fn checked(place: &Workplace, file: &str) -> Value {
+    json(&place.hfvdb(&format!("check {file} --json")).ok().stdout)["files"][0]["mesh"].clone()
+}
+
+#[test]
+fn frames_as_polygons_are_closed_and_sharp() {
+    let place = Workplace::new();
+    place.write(
+        "box.toml",
+        "hfvdb = 1\n[shape.a]\nbox = [1, 0.8, 0.6]\nrotate = [10, 20, 30]\ncolor = '#804020'\nattribute.wear = 'x'\n",
+    );
+    for ending in ["ply", "glb"] {
+        place.hfvdb(&format!("bake box.toml --voxel-size 0.05 -o a.{ending}")).ok();
+        let mesh = checked(&place, &format!("a.{ending}"));
+        let edges = ["boundary_edges", "inconsistent_edges", "non_manifold_edges"].map(|key| mesh[key].as_u64());
+        assert_eq!(edges, [Some(0); 3], "{ending}");
+        // Eight corners and twelve edges as sharp as they are: the volume is that of the box.
+        let volume = mesh["volume"].as_f64().expect("a number");
+        assert!((volume - 0.48).abs() < 1e-4, "{ending}: {volume}");
+        assert_eq!(mesh["vertex_colours"], true);
+    }
+    place.hfvdb("bake box.toml --voxel-size 0.05 -o a.obj").fails(2, &["no attributes such as `wear`", ".ply"]);
+    place.hfvdb("bake box.toml --voxel-size 0.05 -o b.ply --half-width 1.5").fails(2, &["2.5 voxels"]);
+
+    // Where it is smooth its vertices are on it, as many pieces as meet in a cell.
+    place.write("ball.toml", "hfvdb = 1\n[shape.a]\ndifference = ['b', 'c', 'd']\n[shape.b]\nsphere = 1\n[shape.c]\nsphere = 0.97\n[shape.d]\nbox = 1.1\n");
+    place.hfvdb("bake ball.toml --voxel-size 0.05 -o s.obj").ok();
+    let mesh = checked(&place, "s.obj");
+    assert_eq!((mesh["boundary_edges"].as_u64(), mesh["inconsistent_edges"].as_u64()), (Some(0), Some(0)));
+    place.write("one.toml", "hfvdb = 1\n[shape.a]\nsphere = 1\n");
+    place.hfvdb("bake one.toml --voxel-size 0.1 -o one.obj").ok();
+    let text = std::fs::read_to_string(place.path("one.obj")).expect("it was written");
+    let mut vertices = 0;
+    for line in text.lines().filter_map(|line| line.strip_prefix("v ")) {
+        let along: Vec<f64> = line.split(' ').take(3).map(|word| word.parse().expect("a number")).collect();
+        let radius = along.iter().map(|x| x * x).sum::<f64>().sqrt();
+        // A cell's planes touch the ball at its edges, and meet outside of it by h²/8 along each of two axes.
+        assert!((radius - 1.0).abs() < 0.0025, "{radius}");
+        vertices += 1;
+    }
+    assert!(vertices > 1000, "{vertices}");
+    // And what was written comes back in as a shape, a morph among them.
+    place.hfvdb("bake cube-to-heart --resolution 40 --frames 12 -o m.####.glb").ok();
+    assert_eq!(checked(&place, "m.0012.glb")["boundary_edges"], 0);
+    place.hfvdb("convert m.0012.glb -o m.vdb --resolution 40").ok();
 }

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 /// Each room with those that it may use.
 const ARROWS: &[(&str, &[&str])] = &[
-    ("cli", &["bake", "render", "shot", "node", "text", "attribute", "field", "grid", "vdb", "disk"]),
+    ("cli", &["bake", "render", "shot", "node", "text", "attribute", "mesh", "field", "grid", "vdb", "disk"]),
     ("bake", &["shot", "node", "text", "morph", "attribute", "distance", "field", "grid", "vdb", "disk"]),
     ("render", &["field", "grid"]),
     ("shot", &["node", "text", "morph", "attribute", "distance", "field", "grid", "vdb", "disk"]),

@@ -1,30 +1,38 @@
-//! The colours at a mesh's vertices, everywhere in space: at the closest point of the mesh, blended over its triangle.
+//! The colours of a mesh, everywhere in space: at the closest point of the mesh, those of its vertices blended over the
+//! triangle, times those of its material's picture there.
 
 use std::sync::Arc;
 
 use super::{Attribute, LinearRgb};
 use crate::field::{Aabb, BATCH, Evaluator, Points};
-use crate::mesh::{MeshDistance, MeshEvaluator};
+use crate::mesh::{Lookup, Material, MeshDistance, MeshEvaluator};
 
 /// Colour of the closest point of a mesh.
 #[derive(Clone, Debug)]
-pub struct VertexColours(Arc<MeshDistance>);
+pub struct MeshColours {
+    mesh: Arc<MeshDistance>,
+    materials: Arc<[Material]>,
+    lookup: Lookup,
+    voxel: f32,
+}
 
-impl VertexColours {
-    /// The colours of a mesh, or `None` where it has none.
-    pub fn new(mesh: Arc<MeshDistance>) -> Option<Self> {
-        mesh.mesh().colours().is_some().then_some(Self(mesh))
+impl MeshColours {
+    /// The colours of a mesh with some materials, or `None` where it has none. Pictures are averaged over a voxel's edge,
+    /// world units.
+    pub fn new(mesh: Arc<MeshDistance>, materials: Arc<[Material]>, lookup: Lookup, voxel: f64) -> Option<Self> {
+        let has_any = mesh.mesh().colours().is_some() || mesh.mesh().places().is_some();
+        has_any.then_some(Self { mesh, materials, lookup, voxel: voxel as f32 })
     }
 }
 
-impl Attribute<3> for VertexColours {
+impl Attribute<3> for MeshColours {
     fn sampler(&self) -> Box<dyn super::Sampler<3> + '_> {
-        Box::new(Sampler { mesh: &self.0, evaluator: self.0.mesh_evaluator() })
+        Box::new(Sampler { colours: self, evaluator: self.mesh.mesh_evaluator() })
     }
 }
 
 struct Sampler<'a> {
-    mesh: &'a MeshDistance,
+    colours: &'a MeshColours,
     evaluator: MeshEvaluator<'a>,
 }
 
@@ -38,10 +46,18 @@ impl super::Sampler<3> for Sampler<'_> {
     }
 
     fn sample(&mut self, points: &Points, out: &mut [LinearRgb; BATCH]) {
+        let MeshColours { mesh, materials, lookup, voxel } = self.colours;
         for (i, colour) in out.iter_mut().enumerate().take(points.len) {
             let nearest = self.evaluator.nearest(points.position(i));
-            // A mesh with colours has one everywhere: `new` saw to it.
-            *colour = self.mesh.colour(&nearest).unwrap_or_default();
+            // A mesh with neither has no colours: `new` saw to it.
+            *colour = mesh.colour(&nearest).unwrap_or([1.0; 3]);
+            if let Some(place) = mesh.place(&nearest)
+                && let Some(material) = materials.get(place.material as usize)
+            {
+                let across = voxel * mesh.places_a_unit(nearest.triangle);
+                let painted = material.colour(place.place, *lookup, across);
+                colour.iter_mut().zip(painted).for_each(|(colour, painted)| *colour *= painted);
+            }
         }
     }
 }
@@ -76,7 +92,7 @@ mod tests {
         let colours = corners.map(|p| p.as_vec3().to_array()).to_vec();
         let mesh = TriangleMesh::new(corners.to_vec(), triangles, Some(colours)).unwrap();
         let mesh = Arc::new(MeshDistance::new(mesh, Holes::Refuse).unwrap());
-        let source = VertexColours::new(mesh.clone()).unwrap();
+        let source = MeshColours::new(mesh.clone(), Arc::default(), Lookup::Filtered, 0.1).unwrap();
         let mut sampler = source.sampler();
         let mut points = Points::new(DVec3::ZERO);
         for i in 0..512 {

@@ -14,6 +14,7 @@ use crate::bake::{Source, output};
 Examples:
   hfvdb bake heart -o heart.vdb                               one file
   hfvdb bake cubism -o 'out/cubism.####.vdb'                  the whole shot
+  hfvdb bake cubism -o 'out/cubism.####.glb'                  polygons with colours instead: .glb, .ply, .obj
   hfvdb bake cubism -o 'out/cubism.####.vdb' --frames 1-48x4  every fourth frame
   hfvdb bake cubism -o 'out/cubism.####.vdb' --dry-run        what that would write and take
   hfvdb bake cubism -o 'out/cubism.####.vdb' --resume         what is missing or not whole

@@ -10,7 +10,7 @@ use super::failure::Failure;
 use super::options::{Global, Sampling, SceneArguments, SceneChanges};
 use super::paths;
 use super::progress::Progress;
-use super::{files, job};
+use super::{check_mesh, files, job};
 use crate::bake;
 use crate::node::Model;
 use crate::shot;
@@ -32,13 +32,14 @@ Examples:
   hfvdb check any.0001.vdb --for blender,houdini  and what these two ask for
   hfvdb check out                                 all .vdb files of a folder, with one summary
   hfvdb check 'out/cubism.####.vdb'               all frames of a sequence
+  hfvdb check fox.glb                             a mesh: size, holes, what crosses itself, its pictures
 
 Errors, which programs show wrong or not at all, make exit code 1; warnings do not: they may be as
 you want it. Each says what to do.")]
 pub struct Arguments {
-    /// A scene file (.toml or .json), the name of a built-in scene, or .vdb files of any maker: by name, by frame
+    /// A scene file (.toml or .json), the name of a built-in scene, meshes, or .vdb files of any maker: by name, by frame
     /// pattern, or all of a folder
-    #[arg(value_name = "SCENE, FILE.vdb or FOLDER", required = true, value_parser = paths::text())]
+    #[arg(value_name = "SCENE, FILE.vdb, MESH or FOLDER", required = true, value_parser = paths::text())]
     inputs: Vec<String>,
 
     /// Programs that a .vdb file has to serve: blender, houdini, unreal, usd
@@ -61,6 +62,9 @@ pub fn run(arguments: &Arguments, global: &Global) -> Result<(), Failure> {
         // A folder may have the name of a built-in scene: with a slash behind it is the folder.
         files::is_vdb(input) || (Path::new(input).is_dir() && !text::builtin_names().any(|name| name == input))
     };
+    if arguments.inputs.iter().all(check_mesh::is_one) {
+        return check_mesh::run(&arguments.inputs, global);
+    }
     if arguments.inputs.iter().all(is_files) {
         let paths = files::of_all(&arguments.inputs)?;
         return match (paths.as_slice(), arguments.inputs.as_slice()) {
@@ -69,7 +73,7 @@ pub fn run(arguments: &Arguments, global: &Global) -> Result<(), Failure> {
         };
     }
     if arguments.inputs.len() > 1 {
-        return Err(Failure::usage("check takes one scene, or any number of .vdb files and folders, not both"));
+        return Err(Failure::usage("check takes one scene, or any number of .vdb files and folders, or of meshes"));
     }
     if !arguments.clients.is_empty() {
         return Err(Failure::usage("--for is about .vdb files; bake the scene, and check what came out"));

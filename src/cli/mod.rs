@@ -7,6 +7,8 @@
 mod bake;
 mod caching;
 mod check;
+mod check_mesh;
+mod convert;
 mod dry_run;
 mod events;
 mod failure;
@@ -45,6 +47,7 @@ First steps:
   hfvdb bake heart -o heart.vdb                  one coloured object, one file
   hfvdb bake cubism -o out/cubism.####.vdb       48 frames of a coloured morph
   hfvdb morph a.obj b.ply -o out/m.####.vdb      a morph of two meshes, no scene file
+  hfvdb convert fox.glb -o fox.vdb               a mesh with its colours, no scene file
   hfvdb scenes heart > mine.toml                 a scene to start from
   hfvdb verify out                               whether all frames are there and whole
 
@@ -59,11 +62,13 @@ struct Program {
 
 #[derive(Subcommand)]
 enum Command {
-    /// Bake frames of a scene into .vdb files
+    /// Bake frames of a scene into .vdb files, or polygons (.glb, .ply, .obj)
     Bake(bake::Arguments),
     /// Morph one mesh into another, without a scene file
     Morph(morph::Arguments),
-    /// Check a scene and estimate its voxels, memory and file size, or check a .vdb file for programs
+    /// Turn a mesh into a .vdb file: its distance and its colours, without a scene file
+    Convert(convert::Arguments),
+    /// Check a scene and estimate its voxels, memory and file size, a .vdb file for programs, or a mesh
     Check(check::Arguments),
     /// Show what a .vdb file holds
     Info(info::Arguments),
@@ -96,6 +101,7 @@ pub fn run() -> ExitCode {
     let result = set_threads(&global).and_then(|()| match program.command {
         Command::Bake(arguments) => bake::run(&arguments, &global),
         Command::Morph(arguments) => morph::run(&arguments, &global),
+        Command::Convert(arguments) => convert::run(&arguments, &global),
         Command::Check(arguments) => check::run(&arguments, &global),
         Command::Info(arguments) => info::run(&arguments, &global),
         Command::Scenes(arguments) => scenes::run(&arguments, &global),

@@ -2,12 +2,13 @@
 
 use std::cell::Cell;
 
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use parry3d_f64::bounding_volume::Aabb as ParryBox;
 use parry3d_f64::partitioning::{Bvh, BvhBuildStrategy, BvhNode, TraversalAction};
 
 use super::closest::{Closest, Part, closest, closest_of_sides};
 use super::copies::without_copies;
+use super::material::PicturePlace;
 use super::pseudonormals::Pseudonormals;
 use super::solid::boundary;
 use super::winding::Winding;
@@ -141,6 +142,23 @@ impl MeshDistance {
             (a[i] * u + b[i] * v + c[i] * w).clamp(least, most)
         };
         Some(std::array::from_fn(mixed))
+    }
+
+    /// The place in a material's picture at a point of the surface, or `None` where the mesh has none.
+    pub fn place(&self, nearest: &Nearest) -> Option<PicturePlace> {
+        let places = self.mesh.places()?;
+        let corners = self.mesh.triangles()[nearest.triangle as usize].map(|v| places[v as usize]);
+        Some(PicturePlace::between(corners, nearest.weights))
+    }
+
+    /// How much longer a way in a picture is than on a triangle, as the roots of the areas are: 1 ÷ world units, for a
+    /// picture of one by one. 0 where the triangle has no area.
+    pub fn places_a_unit(&self, triangle: u32) -> f32 {
+        let Some(places) = self.mesh.places() else { return 0.0 };
+        let [a, b, c] =
+            self.mesh.triangles()[triangle as usize].map(|v| DVec2::from(places[v as usize].place.map(f64::from)));
+        let (in_picture, on_mesh) = ((b - a).perp_dot(c - a).abs(), self.mesh.area_normal(triangle as usize).length());
+        if on_mesh > 0.0 { (in_picture / on_mesh).sqrt() as f32 } else { 0.0 }
     }
 
     /// Whether a position is inside, given its closest point.

@@ -110,7 +110,10 @@ impl Display for Problem {
         match self {
             Self::Unreadable(error) => write!(f, "cannot be read: {error}; check the path and its permissions"),
             Self::UnknownFormat(ending) => {
-                write!(f, "meshes are read from .obj and .ply files, not from '{ending}'; export it as one of these")
+                write!(
+                    f,
+                    "meshes are read from .obj, .ply, .stl, .gltf and .glb files, not from '{ending}'; export it as one of these"
+                )
             }
             Self::Malformed(what) => f.write_str(what),
             Self::CutShort(what) => write!(f, "{what}: the file is cut short; export or copy it again"),
@@ -148,7 +151,8 @@ impl Display for Problem {
             Self::Open { boundary_edges, inconsistent_edges } => write!(
                 f,
                 "is not closed, so it has no inside: {boundary_edges} boundary edges, {inconsistent_edges} edges whose \
-                 neighbours face opposite ways; fill the holes and unify the normals"
+                 neighbours face opposite ways; fill the holes and unify the normals, or say `sign = \"winding\"` beside `mesh` \
+                 to have them closed by sheets, or `thickness` for a sheet along the surface"
             ),
             Self::NoVolume => f.write_str(
                 "encloses no volume: every face lies on one that faces the other way; delete the doubled faces, or \

@@ -6,6 +6,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 use rustc_hash::{FxHashMap, FxHasher};
 
+use super::material::PicturePlace;
 use super::polygon::{self, Crossing};
 use super::read::{About, Conventions, Located, Place, Remark};
 use super::{Problem, TriangleMesh};
@@ -22,6 +23,15 @@ pub(super) struct Faces {
     pub colours: Vec<[f32; 3]>,
 }
 
+/// What vertices are painted with.
+#[derive(Clone, Debug, Default)]
+pub(super) struct VertexPaint {
+    /// A scene-linear colour of each, or of none.
+    pub colours: Option<Vec<[f32; 3]>>,
+    /// The place of each in a material's picture, or of none.
+    pub places: Option<Vec<PicturePlace>>,
+}
+
 impl Faces {
     /// None yet, of a file that calls its first vertex by some number.
     pub fn new(first_vertex: usize) -> Self {
@@ -35,7 +45,8 @@ impl Faces {
         self.places.push(place);
     }
 
-    fn len(&self) -> usize {
+    /// How many there are.
+    pub fn len(&self) -> usize {
         self.ends.len()
     }
 
@@ -44,12 +55,42 @@ impl Faces {
         &self.corners[start..self.ends[face]]
     }
 
+    /// Takes apart the vertices that have several places in pictures, or several materials. `uv` has a place for each
+    /// corner of each face, numbers into `places`, and `materials` a number for each face; the vertices that are left have
+    /// one of each.
+    pub fn with_places(
+        mut self,
+        positions: &[DVec3],
+        uv: &[u32],
+        places: &[[f32; 2]],
+        materials: &[u32],
+    ) -> Result<(Self, Vec<DVec3>, Vec<PicturePlace>), Located> {
+        self.check_vertices(positions.len())?;
+        let mut known: FxHashMap<[u32; 3], u32> = FxHashMap::default();
+        let (mut vertices, mut found) = (Vec::new(), Vec::new());
+        let mut face = 0;
+        for (at, corner) in self.corners.iter_mut().enumerate() {
+            while at >= self.ends[face] {
+                face += 1;
+            }
+            let (vertex, material) = (*corner, materials[face]);
+            *corner = *known.entry([vertex, uv[at], material]).or_insert_with(|| {
+                vertices.push(positions[vertex as usize]);
+                let place = places.get(uv[at] as usize).copied().unwrap_or_default();
+                found.push(PicturePlace { place, material });
+                // More than 2³² of them are refused with the mesh.
+                u32::try_from(vertices.len() - 1).unwrap_or(u32::MAX)
+            });
+        }
+        Ok((self, vertices, found))
+    }
+
     /// The mesh of these faces. Colours of vertices come before those of faces. Faces that are there twice are taken once,
     /// unless the surface is closed by both alone: where it crosses itself some belong to two of its sheets.
     pub fn mesh(
         self,
         positions: Vec<DVec3>,
-        colours: Option<Vec<[f32; 3]>>,
+        paint: VertexPaint,
         conventions: &Conventions,
         remarks: &mut Vec<Remark>,
     ) -> Result<TriangleMesh, Located> {
@@ -57,12 +98,12 @@ impl Faces {
         let mut of_single = Vec::new();
         let is_copy = self.copies(&positions, &mut of_single);
         if !is_copy.contains(&true) {
-            return self.without(&is_copy, positions, colours, conventions, remarks);
+            return self.without(&is_copy, positions, paint, conventions, remarks);
         }
-        let single = self.without(&is_copy, positions.clone(), colours.clone(), conventions, &mut of_single)?;
+        let single = self.without(&is_copy, positions.clone(), paint.clone(), conventions, &mut of_single)?;
         if !single.topology().is_closed() {
             let mut of_all = Vec::new();
-            let all = self.without(&vec![false; self.len()], positions, colours, conventions, &mut of_all)?;
+            let all = self.without(&vec![false; self.len()], positions, paint, conventions, &mut of_all)?;
             if all.topology().is_closed() {
                 remarks.extend(of_all);
                 return Ok(all);
@@ -76,7 +117,7 @@ impl Faces {
         &self,
         is_copy: &[bool],
         mut positions: Vec<DVec3>,
-        mut colours: Option<Vec<[f32; 3]>>,
+        VertexPaint { mut colours, places: of_vertices }: VertexPaint,
         conventions: &Conventions,
         remarks: &mut Vec<Remark>,
     ) -> Result<TriangleMesh, Located> {
@@ -115,8 +156,13 @@ impl Faces {
         if let Some(one) = by_face {
             (positions, colours) = (one.positions, Some(one.colours));
         }
-        positions.iter_mut().for_each(|position| *position = conventions.turn.apply(*position));
-        TriangleMesh::new(positions, triangles, colours).map_err(Located::from)
+        let Conventions { turn, scale, .. } = conventions;
+        positions.iter_mut().for_each(|position| *position = turn.apply(*position * *scale));
+        let mesh = TriangleMesh::new(positions, triangles, colours)?;
+        Ok(match of_vertices {
+            Some(places) => mesh.with_places(places),
+            None => mesh,
+        })
     }
 
     fn check_vertices(&self, vertices: usize) -> Result<(), Located> {

@@ -1,13 +1,17 @@
-//! Wavefront OBJ: vertices with or without colours (`v x y z r g b`), polygons of any number of corners.
+//! Wavefront OBJ: vertices with or without colours (`v x y z r g b`), polygons of any number of corners, materials.
 //!
 //! Our own reader rather than `tobj`: that one gives no line numbers, silently assigns colours to the wrong vertices
 //! when only some have one, panics on far-off indices in builds with overflow checks, and fans concave polygons.
+
+use std::path::Path;
 
 use glam::DVec3;
 
 use super::Problem;
 use super::error::Element;
-use super::faces::Faces;
+use super::faces::{Faces, VertexPaint};
+use super::material::Material;
+use super::mtl;
 use super::read::{About, Conventions, Encoding, Imported, Located, Place, Remark, shown, without_mark};
 use super::triangles::LARGEST_COORDINATE;
 
@@ -17,6 +21,17 @@ struct Reader {
     colours: Vec<[f32; 3]>,
     faces: Faces,
     corners: Vec<u32>,
+    /// Places in pictures, to the right and down.
+    places: Vec<[f32; 2]>,
+    /// The number of the place at each corner of each face; `u32::MAX` where it has none.
+    uv: Vec<u32>,
+    /// The number of each face's material.
+    materials: Vec<u32>,
+    /// The names of materials as they come up, and the one that holds now.
+    names: Vec<String>,
+    material: u32,
+    /// The line that names the first.
+    first_named: Option<usize>,
     by_blender: bool,
     /// The first line of each kind of content that is not read.
     unread: [Option<(usize, String)>; Unread::COUNT],
@@ -25,18 +40,26 @@ struct Reader {
 /// What is known of, and not read.
 #[derive(Clone, Copy)]
 enum Unread {
-    Material,
     /// Colours of vertices in comments, as ZBrush writes them.
     Polypaint,
     FreeForm,
 }
 
 impl Unread {
-    const COUNT: usize = 3;
+    const COUNT: usize = 2;
 }
 
-/// Reads an OBJ file's content. What is neither a vertex nor a polygon is skipped.
-pub(super) fn parse(content: &[u8], conventions: &Conventions) -> Result<Imported, Located> {
+/// The libraries of materials that a file's content names.
+pub(super) fn libraries(content: &[u8]) -> Vec<String> {
+    let lines = content.split(|&byte| byte == b'\n' || byte == b'\r');
+    let named = lines.filter_map(|line| line.trim_ascii().strip_prefix(b"mtllib"));
+    let named = named.filter(|rest| rest.first().is_some_and(u8::is_ascii_whitespace));
+    named.map(|rest| String::from_utf8_lossy(rest.trim_ascii()).into_owned()).collect()
+}
+
+/// Reads an OBJ file's content; its materials are sought from `folder`. What is neither a vertex nor a polygon is skipped.
+pub(super) fn parse(content: &[u8], conventions: &Conventions, folder: Option<&Path>) -> Result<Imported, Located> {
+    let whole = content;
     let content = without_mark(content)?;
     let mut reader = Reader {
         encoding: conventions.colours,
@@ -44,6 +67,13 @@ pub(super) fn parse(content: &[u8], conventions: &Conventions) -> Result<Importe
         colours: Vec::new(),
         faces: Faces::new(1),
         corners: Vec::new(),
+        places: Vec::new(),
+        uv: Vec::new(),
+        materials: Vec::new(),
+        // Of faces before any `usemtl`.
+        names: vec![String::new()],
+        material: 0,
+        first_named: None,
         by_blender: false,
         unread: Default::default(),
     };
@@ -79,10 +109,37 @@ pub(super) fn parse(content: &[u8], conventions: &Conventions) -> Result<Importe
         let problem = Problem::CutShort("goes on with '\\' but nothing follows".into());
         return Err(Located { place: Some(Place::Line(first)), problem });
     }
-    let mut remarks = reader.remarks();
-    let colours = (!reader.colours.is_empty()).then_some(reader.colours);
-    let mesh = reader.faces.mesh(reader.positions, colours, conventions, &mut remarks)?;
-    Ok(Imported { mesh, remarks })
+    let mut of_materials = Vec::new();
+    let materials = match folder {
+        Some(folder) if reader.names.len() > 1 => reader.load(&libraries(whole), folder, &mut of_materials),
+        _ => None,
+    };
+    // A picture counts for more than the colours of vertices, and these for more than one colour of a whole material.
+    let pictured = materials.iter().flatten().any(|material| material.picture.is_some());
+    let mut remarks = reader.remarks(materials.is_some());
+    if pictured && !reader.colours.is_empty() {
+        let text = "the colours of its vertices are not used: its materials have pictures".into();
+        let help = "take the pictures out of its materials to have them".into();
+        remarks.push(Remark { about: About::Colours, place: None, text, help });
+    }
+    let Reader { positions, colours, faces, uv, places, materials: of_faces, .. } = reader;
+    let colours = (!colours.is_empty()).then_some(colours);
+    match materials.filter(|_| pictured || colours.is_none()) {
+        Some(materials) => {
+            let (faces, positions, places) = faces.with_places(&positions, &uv, &places, &of_faces)?;
+            let paint = VertexPaint { colours: None, places: Some(places) };
+            let mesh = faces.mesh(positions, paint, conventions, &mut remarks)?;
+            remarks.extend(of_materials);
+            Ok(Imported { mesh, materials, remarks })
+        }
+        None => {
+            if colours.is_none() {
+                remarks.extend(of_materials);
+            }
+            let mesh = faces.mesh(positions, VertexPaint { colours, places: None }, conventions, &mut remarks)?;
+            Ok(Imported { mesh, materials: Vec::new(), remarks })
+        }
+    }
 }
 
 impl Reader {
@@ -111,7 +168,11 @@ impl Reader {
             b"v" => self.vertex(text(rest)?)?,
             // `fo` is what old files call a face.
             b"f" | b"fo" => self.face(text(rest)?, number)?,
-            b"usemtl" => self.not_read(Unread::Material, number, String::from_utf8_lossy(rest).trim()),
+            b"vt" => self.place(text(rest)?)?,
+            b"usemtl" => {
+                self.first_named.get_or_insert(number);
+                self.material(String::from_utf8_lossy(rest).trim());
+            }
             b"surf" => self.not_read(Unread::FreeForm, number, ""),
             [b'0'..=b'9' | b'-' | b'+' | b'.', ..] => {
                 return Err(Problem::malformed(
@@ -165,18 +226,21 @@ impl Reader {
     fn face(&mut self, rest: &str, number: usize) -> Result<(), Problem> {
         self.corners.clear();
         for word in rest.split_ascii_whitespace() {
-            let index = word.split('/').next().unwrap_or_default();
-            self.corners.push(self.index(index)?);
+            let mut parts = word.split('/');
+            self.corners.push(self.index(parts.next().unwrap_or_default(), self.positions.len())?);
+            // What is no number, or none of a place, is none: a mesh without pictures does without.
+            let place = parts.next().and_then(|index| self.index(index, self.places.len()).ok());
+            self.uv.push(place.unwrap_or(u32::MAX));
         }
+        self.materials.push(self.material);
         self.faces.push(self.corners.iter().copied(), Place::Line(number));
         Ok(())
     }
 
     /// A vertex by its number from 1, or counted back from the last one by a negative number.
-    fn index(&self, word: &str) -> Result<u32, Problem> {
+    fn index(&self, word: &str, vertices: usize) -> Result<u32, Problem> {
         let bad = |_| Problem::malformed(format!("'{}' is not a vertex number", shown(word)));
         let index: i64 = word.parse().map_err(bad)?;
-        let vertices = self.positions.len();
         let found = if index > 0 { index - 1 } else { index.saturating_add(vertices as i64) };
         // Whether there are as many is known at the end: faces may stand before their vertices.
         match u32::try_from(found) {
@@ -185,21 +249,55 @@ impl Reader {
         }
     }
 
-    fn remarks(&self) -> Vec<Remark> {
+    fn place(&mut self, rest: &str) -> Result<(), Problem> {
+        let mut along = [0.0; 2];
+        for (along, word) in along.iter_mut().zip(rest.split_ascii_whitespace()) {
+            *along = number(word)? as f32;
+        }
+        let [u, v] = along.map(|along| if along.is_finite() { along } else { 0.0 });
+        self.places.push([u, 1.0 - v]);
+        Ok(())
+    }
+
+    fn material(&mut self, name: &str) {
+        let known = self.names.iter().position(|known| known == name);
+        let number = known.unwrap_or_else(|| {
+            self.names.push(name.into());
+            self.names.len() - 1
+        });
+        self.material = number as u32;
+    }
+
+    /// The materials of the names, if a library has any of them.
+    fn load(&self, libraries: &[String], folder: &Path, remarks: &mut Vec<Remark>) -> Option<Vec<Material>> {
+        let mut known = mtl::load(libraries, folder, remarks);
+        if !self.names.iter().any(|name| known.contains_key(name)) {
+            return None;
+        }
+        let white = Material { factor: [1.0; 3], ..Material::default() };
+        Some(self.names.iter().map(|name| known.remove(name).unwrap_or_else(|| white.clone())).collect())
+    }
+
+    fn remarks(&self, has_materials: bool) -> Vec<Remark> {
         let mut remarks = Vec::new();
         let mut remark = |about, place: Option<usize>, text: String, help: &str| {
             remarks.push(Remark { about, place: place.map(Place::Line), text, help: help.into() });
         };
-        let [material, polypaint, free_form] = &self.unread;
+        let [polypaint, free_form] = &self.unread;
         if let Some((line, _)) = free_form {
             let text = "free-form surfaces ('surf') are not read, only faces".into();
             remark(About::Faces, Some(*line), text, "turn them into polygons and export it again");
         }
         if self.colours.is_empty() {
             const HELP: &str = "give the shape a `color`, or export the mesh with colours of its vertices";
-            if let Some((line, name)) = material {
-                let text = format!("the mesh's colour is not read: materials (`usemtl {name}`) are not");
-                remark(About::Colours, Some(*line), text, HELP);
+            if let Some(name) = self.names.get(1).filter(|_| !has_materials) {
+                let text = format!("no material of the mesh is known (`usemtl {}`): it has no colour", shown(name));
+                remark(
+                    About::Colours,
+                    self.first_named,
+                    text,
+                    "put its .mtl file beside it, which its `mtllib` names, or give the shape a `color`",
+                );
             }
             if let Some((line, _)) = polypaint {
                 let text = "the mesh's colours are not read: ZBrush's polypaint (`#MRGB`) is not".into();

@@ -9,7 +9,7 @@ use ply_rs_bw::ply::{
 
 use super::Problem;
 use super::error::Element;
-use super::faces::Faces;
+use super::faces::{Faces, VertexPaint};
 use super::read::{About, Conventions, Encoding, Imported, Located, Place, Remark, shown, without_mark};
 use super::triangles::LARGEST_COORDINATE;
 
@@ -72,8 +72,9 @@ pub(super) fn parse(content: &[u8], conventions: &Conventions) -> Result<Importe
         }
     }
     let mut remarks = unread_colours(&header, colours.is_some(), !faces.colours.is_empty());
-    let mesh = faces.mesh(positions, colours, conventions, &mut remarks)?;
-    Ok(Imported { mesh, remarks })
+    let paint = VertexPaint { colours, places: None };
+    let mesh = faces.mesh(positions, paint, conventions, &mut remarks)?;
+    Ok(Imported { mesh, materials: Vec::new(), remarks })
 }
 
 /// A line of a file for messages, counted from 1.

@@ -1,19 +1,27 @@
 //! From a path to a checked mesh.
 
 use std::fmt::{self, Display, Formatter};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use glam::DVec3;
 
-use super::{MeshError, Problem, TriangleMesh, obj, ply};
+use super::{Material, MeshError, Problem, TriangleMesh, gltf, mtl, obj, ply, stl};
 
 /// What a file does not say about itself.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Conventions {
     /// How its axes become the scene's.
     pub turn: Turn,
     /// How its colours are encoded.
     pub colours: Encoding,
+    /// World units of one of its own.
+    pub scale: f64,
+}
+
+impl Default for Conventions {
+    fn default() -> Self {
+        Self { turn: Turn::default(), colours: Encoding::default(), scale: 1.0 }
+    }
 }
 
 /// A quarter turn about the x axis, or none.
@@ -66,6 +74,8 @@ impl Encoding {
 pub struct Imported {
     /// The mesh.
     pub mesh: TriangleMesh,
+    /// What its vertices' places are in; none where they have none.
+    pub materials: Vec<Material>,
     /// What the reader did about parts of the file, or what it leaves out.
     pub remarks: Vec<Remark>,
 }
@@ -125,22 +135,60 @@ impl From<Problem> for Located {
     }
 }
 
-/// Reads an OBJ or PLY file, by the ending of its name. Colours come back scene-linear.
+/// A reader of a format: of a file's content, with the folder that other files it names are sought from.
+type Parse = fn(&[u8], &Conventions, Option<&Path>) -> Result<Imported, Located>;
+
+/// The reader of files whose names end so.
+fn parser(ending: &str) -> Option<Parse> {
+    match ending {
+        "obj" => Some(obj::parse),
+        "ply" => Some(|content, conventions, _| ply::parse(content, conventions)),
+        "stl" => Some(|content, conventions, _| stl::parse(content, conventions)),
+        "gltf" | "glb" => Some(gltf::parse),
+        _ => None,
+    }
+}
+
+fn ending_of(file: &Path) -> String {
+    file.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase()
+}
+
+/// The folder of a file.
+fn folder_of(file: &Path) -> &Path {
+    file.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
+}
+
+/// Whether files of such a name are in metres and have y up, whatever else is said: glTF is defined so.
+pub fn is_gltf(file: &Path) -> bool {
+    ["gltf", "glb"].contains(&ending_of(file).as_str())
+}
+
+/// Whether a file is a mesh, by its name.
+pub fn is_mesh(file: &Path) -> bool {
+    parser(&ending_of(file)).is_some()
+}
+
+/// The files that a mesh names, of those that are there: materials, pictures, data.
+pub fn companions(file: &Path, content: &[u8]) -> Vec<PathBuf> {
+    match ending_of(file).as_str() {
+        "obj" => mtl::files(&obj::libraries(content), folder_of(file)),
+        "gltf" | "glb" => gltf::files(content, folder_of(file)),
+        _ => Vec::new(),
+    }
+}
+
+/// Reads an OBJ, PLY, STL, glTF or GLB file, by the ending of its name. Colours come back scene-linear.
 pub fn read(file: &Path, conventions: &Conventions) -> Result<Imported, MeshError> {
     let error = |located: Located| MeshError { file: file.into(), place: located.place, problem: located.problem };
-    let ending = file.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
-    let parse = match ending.as_str() {
-        "obj" => obj::parse,
-        "ply" => ply::parse,
-        _ => return Err(error(Problem::UnknownFormat(ending).into())),
-    };
+    let ending = ending_of(file);
+    let Some(parse) = parser(&ending) else { return Err(error(Problem::UnknownFormat(ending).into())) };
     let content = crate::disk::read(file).map_err(|e| error(Problem::Unreadable(e).into()))?;
-    parse(&content, conventions).map_err(error)
+    parse(&content, conventions, Some(folder_of(file))).map_err(error)
 }
 
 /// Reads the content of an OBJ file.
 pub fn read_obj(content: &[u8], conventions: &Conventions) -> Result<Imported, Problem> {
-    obj::parse(content, conventions).map_err(|located| located.problem)
+    obj::parse(content, conventions, None).map_err(|located| located.problem)
 }
 
 /// Reads the content of a PLY file: text, or binary of either byte order.
@@ -314,7 +362,7 @@ mod tests {
         );
 
         let fails = |text: &str, line: usize, part: &str| {
-            let error = obj::parse(text.as_bytes(), &Conventions::default()).unwrap_err();
+            let error = obj::parse(text.as_bytes(), &Conventions::default(), None).unwrap_err();
             assert!(error.place == Some(Place::Line(line)) && error.problem.to_string().contains(part), "{error:?}");
         };
         fails(&face("f 1 4\n3 2"), 10, "begins with a number");

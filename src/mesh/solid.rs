@@ -18,6 +18,7 @@ use super::closest::closest;
 use super::contact::{Face, PARALLEL};
 use super::cut::{Corner, parts};
 use super::distance::visit;
+use super::material::PicturePlace;
 use super::pieces::{Groups, Piece, any_overlap, inside_out, pieces};
 use super::winding::Winding;
 use super::{Problem, Topology, TriangleMesh};
@@ -299,6 +300,7 @@ fn assemble(mesh: &TriangleMesh, outcomes: &[Outcome], touched: &[bool]) -> Resu
         number: vec![u32::MAX; mesh.positions().len()],
         positions: Vec::new(),
         colours: mesh.colours().map(|_| Vec::new()),
+        places: mesh.places().map(|_| Vec::new()),
         triangles: Vec::new(),
     };
     let mut of_triangles = Vec::new();
@@ -323,7 +325,12 @@ fn assemble(mesh: &TriangleMesh, outcomes: &[Outcome], touched: &[bool]) -> Resu
     if out.triangles.is_empty() {
         return Err(Problem::NoVolume);
     }
-    Ok((TriangleMesh::new(out.positions, out.triangles, out.colours)?, of_triangles))
+    let whole = TriangleMesh::new(out.positions, out.triangles, out.colours)?;
+    let whole = match out.places {
+        Some(places) => whole.with_places(places),
+        None => whole,
+    };
+    Ok((whole, of_triangles))
 }
 
 struct Assembly<'a> {
@@ -332,6 +339,7 @@ struct Assembly<'a> {
     number: Vec<u32>,
     positions: Vec<DVec3>,
     colours: Option<Vec<[f32; 3]>>,
+    places: Option<Vec<PicturePlace>>,
     triangles: Vec<[u32; 3]>,
 }
 
@@ -348,19 +356,26 @@ impl Assembly<'_> {
             if let (Some(out), Some(colours)) = (&mut self.colours, self.mesh.colours()) {
                 out.push(colours[v as usize]);
             }
+            if let (Some(out), Some(places)) = (&mut self.places, self.mesh.places()) {
+                out.push(places[v as usize]);
+            }
         }
         self.number[v as usize]
     }
 
-    /// A corner of a part of a triangle, with the colour that the triangle has there.
+    /// A corner of a part of a triangle, with the colour and the place in a picture that the triangle has there.
     fn corner(&mut self, triangle: usize, corner: &Corner) -> u32 {
         let vertices = self.mesh.triangles()[triangle];
         if let Some(i) = corner.original {
             return self.vertex(vertices[usize::from(i)]);
         }
         self.positions.push(corner.position);
+        let weights = closest(self.mesh.corners(triangle), corner.position).weights;
+        if let (Some(out), Some(places)) = (&mut self.places, self.mesh.places()) {
+            out.push(PicturePlace::between(vertices.map(|v| places[v as usize]), weights));
+        }
         if let (Some(out), Some(colours)) = (&mut self.colours, self.mesh.colours()) {
-            let [v, w] = closest(self.mesh.corners(triangle), corner.position).weights.map(|weight| weight as f32);
+            let [v, w] = weights.map(|weight| weight as f32);
             let [a, b, c] = vertices.map(|v| colours[v as usize]);
             out.push(std::array::from_fn(|i| (a[i] * (1.0 - v - w) + b[i] * v + c[i] * w).max(0.0)));
         }

@@ -3,6 +3,7 @@
 use glam::DVec3;
 
 use super::error::Element;
+use super::material::PicturePlace;
 use super::{Problem, Topology};
 use crate::field::Aabb;
 
@@ -15,6 +16,7 @@ pub struct TriangleMesh {
     positions: Vec<DVec3>,
     triangles: Vec<[u32; 3]>,
     colours: Option<Vec<[f32; 3]>>,
+    places: Option<Vec<PicturePlace>>,
 }
 
 impl TriangleMesh {
@@ -47,7 +49,7 @@ impl TriangleMesh {
             check_colours(colours, positions.len())?;
         }
         triangles.retain(|&[a, b, c]| a != b && b != c && c != a);
-        let mesh = Self { positions, triangles, colours };
+        let mesh = Self { positions, triangles, colours, places: None };
         if !(0..mesh.triangles.len()).any(|t| mesh.area_normal(t).length_squared() > 0.0) {
             return Err(Problem::Flat);
         }
@@ -67,6 +69,21 @@ impl TriangleMesh {
     /// Scene-linear Rec.709 colours, one for each vertex, if the mesh has any.
     pub fn colours(&self) -> Option<&[[f32; 3]]> {
         self.colours.as_deref()
+    }
+
+    /// With a place in a material's picture for each vertex; those of a triangle are in one material.
+    ///
+    /// # Panics
+    /// Where they are not as many as the vertices.
+    pub(super) fn with_places(mut self, places: Vec<PicturePlace>) -> Self {
+        assert_eq!(places.len(), self.positions.len(), "each vertex has a place");
+        self.places = Some(places);
+        self
+    }
+
+    /// The vertices' places in their materials' pictures, if the mesh has any.
+    pub fn places(&self) -> Option<&[PicturePlace]> {
+        self.places.as_deref()
     }
 
     /// The three corners of a triangle.
@@ -104,7 +121,12 @@ impl TriangleMesh {
 
     /// The mesh with other triangles on the same vertices.
     pub(super) fn with_triangles(&self, triangles: Vec<[u32; 3]>) -> Self {
-        Self { positions: self.positions.clone(), triangles, colours: self.colours.clone() }
+        Self {
+            positions: self.positions.clone(),
+            triangles,
+            colours: self.colours.clone(),
+            places: self.places.clone(),
+        }
     }
 
     /// Turns every triangle over.

@@ -34,7 +34,9 @@ impl Assets {
                 let mut imported = import(&Import {
                     arguments: &shape.arguments,
                     up: model.up,
+                    unit: model.unit,
                     shows_colours: coloured.contains(&id),
+                    memory_limit,
                 })?;
                 for warning in imported.warnings.drain(..) {
                     assets.warn_once(warning);

@@ -22,7 +22,7 @@ pub(crate) trait Asked<const N: usize>: Copy {
     fn absent(self) -> [f32; N];
 
     /// What comes with a file.
-    fn of_import(self, import: &Imported) -> Option<Arc<dyn Attribute<N>>>;
+    fn of_import(self, import: &Imported, voxel: f64) -> Option<Arc<dyn Attribute<N>>>;
 
     /// Its own name among those of its kind.
     fn name(&self) -> &str;
@@ -60,8 +60,8 @@ impl Asked<3> for TheColour {
         css(GREY).expect("it is a colour")
     }
 
-    fn of_import(self, import: &Imported) -> Option<Arc<Colour>> {
-        import.colours.clone()
+    fn of_import(self, import: &Imported, voxel: f64) -> Option<Arc<Colour>> {
+        import.colours.as_ref().map(|colours| colours(voxel))
     }
 
     fn name(&self) -> &str {
@@ -95,7 +95,7 @@ impl Asked<1> for TheScalar<'_> {
         [0.0]
     }
 
-    fn of_import(self, _import: &Imported) -> Option<Arc<Scalar>> {
+    fn of_import(self, _import: &Imported, _voxel: f64) -> Option<Arc<Scalar>> {
         None
     }
 

@@ -4,6 +4,8 @@ use std::path::PathBuf;
 
 use sha2::{Digest, Sha256};
 
+use crate::disk;
+use crate::mesh;
 use crate::node::argument::Arguments;
 use crate::node::id::{ShapeId, Stage};
 use crate::node::model::{Model, Shape};
@@ -56,10 +58,13 @@ impl Model {
         let arguments = self.shapes.iter().flat_map(|shape| shape.all_arguments().chain(shape.given_arguments()));
         let places = arguments.flat_map(Arguments::files).map(|file| &file.place);
         let on_disk = |place: &FilePlace| match place {
-            FilePlace::Disk(path) => Some(path.clone()),
-            FilePlace::BuiltIn(_) => None,
+            FilePlace::Disk(path) => {
+                let others = disk::read(path).map(|bytes| mesh::companions(path, &bytes)).unwrap_or_default();
+                [path.clone()].into_iter().chain(others).collect()
+            }
+            FilePlace::BuiltIn(_) => Vec::new(),
         };
-        places.filter_map(on_disk).collect()
+        places.flat_map(on_disk).collect()
     }
 
     fn hash_of(&self, document: &Table, shapes: &[&Shape]) -> Result<[u8; 32], (FileReference, std::io::Error)> {
@@ -75,9 +80,24 @@ impl Model {
                 digest.update(shape.name.as_bytes());
                 digest.update((bytes.len() as u64).to_le_bytes());
                 digest.update(&bytes);
+                for other in companions(file, &bytes) {
+                    let unreadable =
+                        |error| (FileReference { place: FilePlace::Disk(other.clone()), span: file.span }, error);
+                    let bytes = disk::read(&other).map_err(unreadable)?;
+                    digest.update((bytes.len() as u64).to_le_bytes());
+                    digest.update(&bytes);
+                }
             }
         }
         Ok(digest.finalize().into())
+    }
+}
+
+/// The files that a file names.
+fn companions(file: &FileReference, bytes: &[u8]) -> Vec<PathBuf> {
+    match &file.place {
+        FilePlace::Disk(path) => mesh::companions(path, bytes),
+        FilePlace::BuiltIn(_) => Vec::new(),
     }
 }
 

@@ -55,16 +55,6 @@ pub fn load(source: &Source, overrides: &Overrides) -> Result<Model, Diagnostics
 /// The scene of `hfvdb morph A B`: two meshes, the one becoming the other over a shot, with the colours of their
 /// vertices where they have them. Overrides reach it as any scene: `morph.bridge=1`.
 pub fn morph_of_meshes(from: &Path, to: &Path, shot: FrameRange, overrides: &Overrides) -> Result<Model, Diagnostics> {
-    // A `$` in a name on the command line is the name's own.
-    let quoted = |path: &Path| {
-        let shown = path.display().to_string().replace('$', "$$");
-        let escaped = shown.chars().map(|c| match c {
-            '"' | '\\' => format!("\\{c}"),
-            c if c.is_control() => format!("\\u{:04X}", u32::from(c)),
-            c => c.to_string(),
-        });
-        format!("\"{}\"", escaped.collect::<String>())
-    };
     let text = format!(
         "hfvdb = 1\nframes = \"{}-{}\"\n\n[shape.from]\nmesh = {}\n\n[shape.to]\nmesh = {}\n\n[morph]\nfrom = \"from\"\nto = \"to\"\n",
         shot.first,
@@ -73,6 +63,26 @@ pub fn morph_of_meshes(from: &Path, to: &Path, shot: FrameRange, overrides: &Ove
         quoted(to),
     );
     load(&Source::Text { name: "hfvdb morph".into(), text, folder: PathBuf::new() }, overrides)
+}
+
+/// The scene of a mesh as it stands.
+///
+/// # Errors
+/// Those of [`load`].
+pub fn mesh_as_it_is(mesh: &Path, overrides: &Overrides) -> Result<Model, Diagnostics> {
+    let text = format!("hfvdb = 1\n\n[shape.mesh]\nmesh = {}\n", quoted(mesh));
+    load(&Source::Text { name: "hfvdb convert".into(), text, folder: PathBuf::new() }, overrides)
+}
+
+/// A path as text of a scene. A `$` in a name on the command line is the name's own.
+fn quoted(path: &Path) -> String {
+    let shown = path.display().to_string().replace('$', "$$");
+    let escaped = shown.chars().map(|c| match c {
+        '"' | '\\' => format!("\\{c}"),
+        c if c.is_control() => format!("\\u{:04X}", u32::from(c)),
+        c => c.to_string(),
+    });
+    format!("\"{}\"", escaped.collect::<String>())
 }
 
 /// As [`load`], with the variables of paths given.

@@ -51,7 +51,7 @@ mod tests;
 mod trap_tests;
 
 pub use example::{node_names, node_scene};
-pub use load::{Source, load, morph_of_meshes};
+pub use load::{Source, load, mesh_as_it_is, morph_of_meshes};
 pub use model::*;
 pub use reference::reference;
 pub use schema::schema;
@@ -198,7 +198,8 @@ nodes! {
             blobby
             convolution;
         import:
-            mesh;
+            mesh
+            vdb;
         combine:
             union
             intersection

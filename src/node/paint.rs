@@ -133,7 +133,7 @@ impl Solids {
         voxel: f64,
     ) -> Result<Option<Paint<N>>, Problem> {
         match shape.spec.carries {
-            Carries::Import => Ok(what.of_import(self.assets().imported(id)).map(Paint::shared)),
+            Carries::Import => Ok(what.of_import(self.assets().imported(id), voxel).map(Paint::shared)),
             Carries::Union => self.parts_paint(what, shape.painters(), Rule::Union { seam: shape.seam() }, voxel),
             Carries::Blend => self.parts_paint(what, shape.painters(), Rule::Blend, voxel),
             Carries::Nothing | Carries::Any | Carries::First => {

@@ -5,7 +5,7 @@
 
 use std::sync::Arc;
 
-use glam::{DVec2, DVec3};
+use glam::{DAffine3, DVec2, DVec3};
 
 use crate::attribute::{CellIndex, Colour, Scalar};
 use crate::field::cells::Cells;
@@ -132,21 +132,30 @@ pub struct Import<'a> {
     pub arguments: &'a Arguments,
     /// The axis that points up in the scene: `y` or `z`.
     pub up: &'a str,
+    /// The scene's unit of length.
+    pub unit: &'a str,
     /// Whether a frame shows the file's own colours.
     pub shows_colours: bool,
+    /// The most memory that a volume of voxels may take, in bytes.
+    pub memory_limit: Option<usize>,
 }
+
+/// A file's colours, for voxels with an edge.
+pub type ColoursOf = Box<dyn Fn(f64) -> Arc<Colour> + Send + Sync>;
 
 /// What a file holds.
 pub struct Imported {
     /// The distance, positive inside.
     pub distance: Arc<dyn Field>,
+    /// From the distance's own space to the shape's.
+    pub place: DAffine3,
     /// The box of F ≥ 0.
     pub solid: Aabb,
     /// Half-spaces n · p ≤ o whose intersection has the same inside, where there are few: much faster where only the sign
     /// is asked for.
     pub half_spaces: Option<Vec<(DVec3, f64)>>,
-    /// Its colours.
-    pub colours: Option<Arc<Colour>>,
+    /// Its colours, for voxels with an edge in its space.
+    pub colours: Option<ColoursOf>,
     /// What there is to know about the file.
     pub warnings: Vec<Diagnostic>,
     /// Memory that it takes, about, in bytes.

@@ -11,11 +11,11 @@ use crate::vdb::{Opened, SparseBlocks, StoredGrid, Tile, Voxels};
 
 use crate::node::model::VoxelSource;
 use crate::text::diagnostic::{clip, listed, nearest};
-use crate::text::files::FilePlace;
+use crate::text::files::{FilePlace, FileReference};
 use crate::text::problem::Problem;
 
 /// What a volume may take where nobody says, as an object that is measured.
-const MEMORY_LIMIT: usize = 4 << 30;
+pub(crate) const MEMORY_LIMIT: usize = 4 << 30;
 
 /// What is read from a grid: attributes of `N` numbers.
 pub(crate) struct Wanted<const N: usize> {
@@ -63,7 +63,7 @@ pub(crate) fn load<const N: usize>(
     source: &VoxelSource,
     memory_limit: Option<usize>,
 ) -> Result<VoxelValues<N>, Problem> {
-    let opened = open(source)?;
+    let opened = opened(&source.file)?;
     let layout = chosen(wanted, source, &opened)?;
     let problem =
         |text: &str| Problem::new(source.grid_span, format!("grid '{}' of {}", name(source), file(source)) + text);
@@ -99,16 +99,17 @@ pub(crate) fn load<const N: usize>(
     VoxelValues::new(blocks, source.outside).ok_or_else(empty)
 }
 
-fn open(source: &VoxelSource) -> Result<Opened, Problem> {
-    let opened = match &source.file.place {
+/// A file, walked.
+pub(crate) fn opened(file: &FileReference) -> Result<Opened, Problem> {
+    let opened = match &file.place {
         FilePlace::Disk(path) if !path.is_file() => {
             // A pipe or a device might never end.
-            return Err(Problem::new(source.file.span, format!("{} is not a regular file", file(source))));
+            return Err(Problem::new(file.span, format!("{} is not a regular file", file.name())));
         }
         FilePlace::Disk(path) => Opened::open(path),
-        FilePlace::BuiltIn(name) => Opened::from_bytes(source.file.read().unwrap_or_default(), Path::new(name)),
+        FilePlace::BuiltIn(name) => Opened::from_bytes(file.read().unwrap_or_default(), Path::new(name)),
     };
-    opened.map_err(|error| Problem::new(source.file.span, error.to_string()))
+    opened.map_err(|error| Problem::new(file.span, error.to_string()))
 }
 
 /// The grid of the name; of several, the first.

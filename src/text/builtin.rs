@@ -61,7 +61,8 @@ const SCENES: &[BuiltIn] = &[
     },
 ];
 
-const FILES: &[(&str, &[u8])] = &[("cube.obj", include_bytes!("../../scenes/cube.obj"))];
+const FILES: &[(&str, &[u8])] =
+    &[("cube.obj", include_bytes!("../../scenes/cube.obj")), ("ball.vdb", include_bytes!("../../scenes/ball.vdb"))];
 
 /// The names of the built-in scenes, simple ones first.
 pub fn builtin_names() -> impl Iterator<Item = &'static str> {

@@ -38,7 +38,7 @@ pub use level_set::LevelSet;
 pub use lint::{Finding, Lint, Severity, lint};
 pub use metadata::{Metadata, MetadataValue};
 pub use read::{Contents, Opened, SparseBlocks, StoredClass, StoredGrid, Tile, Voxels, read};
-pub use walk::read_back;
+pub use walk::{Transform, read_back};
 pub use write::{Compression, WriteOptions, write};
 
 /// The version of the OpenVDB library in use, such as `10.0.1`.

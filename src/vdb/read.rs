@@ -51,7 +51,7 @@ pub enum StoredClass {
 }
 
 impl StoredClass {
-    pub(super) fn of(metadata: &Metadata) -> Self {
+    pub(crate) fn of(metadata: &Metadata) -> Self {
         match metadata.get("class") {
             Some(MetadataValue::Text(text)) => match text.as_str() {
                 "level set" => Self::LevelSet,

@@ -2,15 +2,19 @@
 
 use std::sync::Arc;
 
-use crate::attribute::{Colour, VertexColours};
+use glam::DAffine3;
+
+use crate::attribute::{Colour, MeshColours};
 use crate::field::SetSystem;
-use crate::mesh::{About, Conventions, Encoding, Holes, MeshDistance, Remark, Turn, read, read_obj};
-use crate::node::argument::Arguments;
-use crate::node::spec::{Carries, Import, Imported, Spec};
+use crate::mesh::{
+    About, Conventions, Encoding, Holes, Lookup, Material, MeshDistance, Remark, Turn, is_gltf, read, read_obj,
+};
+use crate::node::keys::{UNITS, metres};
+use crate::node::spec::{Carries, ColoursOf, Import, Imported, Spec};
 use crate::text::diagnostic::{Diagnostic, Severity};
 use crate::text::files::{FilePlace, FileReference};
-use crate::text::key::Absent::{Required, Text, Words};
-use crate::text::key::{Key, Kind};
+use crate::text::key::Absent::{Nothing, Required, Text, Words};
+use crate::text::key::{Key, Kind, Limit};
 use crate::text::problem::Problem;
 
 /// A closed mesh.
@@ -19,15 +23,15 @@ pub const NODE: Spec = Spec {
         "mesh",
         Kind::Path,
         Required,
-        "A closed mesh: OBJ, PLY. Inside is where its winding number is not 0: pieces that overlap or cross \
+        "A closed mesh: OBJ, PLY, STL, glTF, GLB. Inside is where its winding number is not 0: pieces that overlap or cross \
          themselves are one solid, a piece wound inward is a hollow in the one around it, and apart from others it is \
-         turned over. The colours of its vertices, or of its faces (PLY), are its colour where `color` is left out; materials are not read.",
+         turned over. Where `color` is left out it has the file's own: pictures and plain colours of its materials (PNG, JPEG, also by UDIM), times the colours of its vertices, or of its faces (PLY). OBJ has one of them, pictures first.",
     ),
     parameters: &[
         Key::new(
             "up",
             Kind::Choice(&["y", "z"]),
-            Words("the scene's `up`"),
+            Words("the scene's `up`; of glTF `\"y\"`"),
             "The axis that points up in the file: `\"y\"` for OBJ by Blender's default export. Where the scene's is another, the mesh is turned: (x, y, z) becomes (x, −z, y), or back.",
         ),
         Key::new(
@@ -37,6 +41,32 @@ pub const NODE: Spec = Spec {
             "How the file's colours are encoded. `linear`: scene-linear Rec.709, which may be above 1.",
         )
         .also(&["vertex_colours"]),
+        Key::new(
+            "sign",
+            Kind::Choice(&["closed", "winding"]),
+            Text("closed"),
+            "What is inside. `closed`: what the surface encloses; one with holes is an error. `winding`: also of a surface with holes, what it goes round by more than half, so that a hole is closed by a sheet across it (generalised winding number, Barill et al. 2018).",
+        ),
+        Key::new(
+            "thickness",
+            Kind::Number,
+            Nothing,
+            "A sheet of this thickness around the surface, half to either side, in place of what it encloses; for surfaces that enclose nothing.",
+        )
+        .limit(Limit::Positive)
+        .unit("units"),
+        Key::new(
+            "unit",
+            Kind::Choice(UNITS),
+            Words("the scene's `unit`; of glTF `\"m\"`"),
+            "The file's unit of length: where the scene's is another, the mesh is scaled.",
+        ),
+        Key::new(
+            "lookup",
+            Kind::Choice(&["filtered", "nearest"]),
+            Text("filtered"),
+            "How pictures are looked up: averaged over as much of them as a voxel covers, or the one pixel there.",
+        ),
     ],
     formula: "the signed distance to the boundary of that solid",
     example: "mesh = \"cube.obj\"",
@@ -47,6 +77,14 @@ pub const NODE: Spec = Spec {
         // An operand is asked for its sign and its creases far more often than for its exact distance.
         // What grows needs the distance: planes are none beside edges.
         let planes = mesh.half_spaces.as_ref().filter(|_| !build.needs_distance());
+        if build.arguments().get("thickness").is_some() {
+            let thickness = build.number("thickness")?;
+            let graph = build.graph();
+            let surface = graph.field(Arc::clone(&mesh.distance));
+            let depth = graph.abs(surface);
+            let sheet = graph.linear(depth, -1.0, thickness / 2.0);
+            return Ok(graph.bounded(sheet, mesh.solid.grown(thickness / 2.0)));
+        }
         let graph = build.graph();
         Ok(match planes {
             Some(planes) => {
@@ -62,10 +100,13 @@ pub const NODE: Spec = Spec {
 
 fn import(import: &Import<'_>) -> Result<Imported, Problem> {
     let file = import.arguments.file("mesh").expect("it must be there");
-    let (mesh, remarks) = load(file, &conventions(import.arguments, import.up))?;
+    let any_surface = import.arguments.get("thickness").is_some() || import.arguments.choice("sign") == Some(&"winding");
+    let holes = if any_surface { Holes::Allow } else { Holes::Refuse };
+    let (mesh, materials, remarks) = load(file, &conventions(import, file), holes)?;
     let mut warnings: Vec<Diagnostic> =
         mesh.notes().iter().map(|note| Diagnostic::warning(file.span, format!("{}: {note}", file.name()))).collect();
-    let up_is_given = import.arguments.choice("up").is_some() || import.up == "y";
+    let is_gltf = is_gltf_file(file);
+    let up_is_given = is_gltf || import.arguments.choice("up").is_some() || import.up == "y";
     let counts = |remark: &Remark| match remark.about {
         About::Faces => true,
         About::Colours => import.shows_colours,
@@ -75,18 +116,38 @@ fn import(import: &Import<'_>) -> Result<Imported, Problem> {
     /// Corners, triangles, normals and tree, by triangle.
     const BYTES_A_TRIANGLE: u64 = 300;
     let mesh = Arc::new(mesh);
+    let pictures: u64 = materials.iter().map(Material::bytes).sum();
+    let lookup = match import.arguments.choice("lookup") {
+        Some(&"nearest") => Lookup::Nearest,
+        _ => Lookup::Filtered,
+    };
+    let materials: Arc<[Material]> = materials.into();
+    let of_mesh = Arc::clone(&mesh);
+    let colours = move |voxel: f64| MeshColours::new(Arc::clone(&of_mesh), Arc::clone(&materials), lookup, voxel);
+    let has_any = colours(1.0).is_some();
+    let colours: ColoursOf =
+        Box::new(move |voxel| Arc::new(colours(voxel).expect("it has colours, whatever the voxel")) as Arc<Colour>);
     Ok(Imported {
+        place: DAffine3::IDENTITY,
         solid: mesh.mesh().bounding_box(),
-        half_spaces: mesh.half_spaces(),
-        colours: VertexColours::new(Arc::clone(&mesh)).map(|colours| Arc::new(colours) as Arc<Colour>),
+        half_spaces: if any_surface { None } else { mesh.half_spaces() },
+        colours: has_any.then_some(colours),
         warnings,
-        bytes: mesh.mesh().triangles().len() as u64 * BYTES_A_TRIANGLE,
+        bytes: mesh.mesh().triangles().len() as u64 * BYTES_A_TRIANGLE + pictures,
         distance: mesh,
     })
 }
 
-fn conventions(arguments: &Arguments, scene: &str) -> Conventions {
-    let turn = match (arguments.choice("up").copied().unwrap_or(scene), scene) {
+fn is_gltf_file(file: &FileReference) -> bool {
+    matches!(&file.place, FilePlace::Disk(path) if is_gltf(path))
+}
+
+fn conventions(import: &Import<'_>, file: &FileReference) -> Conventions {
+    let (arguments, scene) = (import.arguments, import.up);
+    let is_gltf = is_gltf_file(file);
+    let own_up = if is_gltf { "y" } else { scene };
+    let own_unit = if is_gltf { "m" } else { import.unit };
+    let turn = match (arguments.choice("up").copied().unwrap_or(own_up), scene) {
         ("y", "z") => Turn::YToZ,
         ("z", "y") => Turn::ZToY,
         _ => Turn::None,
@@ -95,10 +156,15 @@ fn conventions(arguments: &Arguments, scene: &str) -> Conventions {
         Some(&"linear") => Encoding::Linear,
         _ => Encoding::Srgb,
     };
-    Conventions { turn, colours }
+    let unit = arguments.choice("unit").copied().unwrap_or(own_unit);
+    Conventions { turn, colours, scale: if unit == import.unit { 1.0 } else { metres(unit) / metres(import.unit) } }
 }
 
-fn load(file: &FileReference, conventions: &Conventions) -> Result<(MeshDistance, Vec<Remark>), Problem> {
+fn load(
+    file: &FileReference,
+    conventions: &Conventions,
+    holes: Holes,
+) -> Result<(MeshDistance, Vec<Material>, Vec<Remark>), Problem> {
     let imported = match &file.place {
         FilePlace::Disk(path) => read(path, conventions).map_err(|error| Problem::new(file.span, error.to_string()))?,
         FilePlace::BuiltIn(_) => {
@@ -107,9 +173,9 @@ fn load(file: &FileReference, conventions: &Conventions) -> Result<(MeshDistance
                 .map_err(|error| Problem::new(file.span, format!("{}: {error}", file.name())))?
         }
     };
-    let mesh = MeshDistance::new(imported.mesh, Holes::Refuse)
+    let mesh = MeshDistance::new(imported.mesh, holes)
         .map_err(|error| Problem::new(file.span, format!("{}: {error}", file.name())))?;
-    Ok((mesh, imported.remarks))
+    Ok((mesh, imported.materials, imported.remarks))
 }
 
 fn told(file: &FileReference, Remark { about, place, text, help }: Remark) -> Diagnostic {
