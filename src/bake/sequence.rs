@@ -2,7 +2,8 @@
 //!
 //! Of `out/m.####.vdb`: the manifest `m.manifest.json`; of frame 7 the record `.m.0007.hfvdb-record.json` and, while
 //! it is baked, the lock `.m.0007.hfvdb-lock`; while a process bakes any frame `.m.PROCESS.hfvdb-run-lock`; while the
-//! manifest is rewritten `.m.hfvdb-manifest-lock`. Programs that list a sequence see the frames alone.
+//! manifest is rewritten `.m.hfvdb-manifest-lock`. Programs that list a sequence see the frames alone. Where frames are other
+//! files than `.vdb` their ending is part of these names, so that both kinds may stand in one folder.
 
 use std::io;
 use std::path::{Path, PathBuf};
@@ -31,6 +32,21 @@ impl Sequence {
         if self.pattern.folder().as_os_str().is_empty() { Path::new(".") } else { self.pattern.folder() }
     }
 
+    /// The ending of frames, where that is part of the names of what stands beside them.
+    fn ending(&self) -> Option<String> {
+        let name = self.file_name(0);
+        let (_, ending) = name.rsplit_once('.')?;
+        (!ending.eq_ignore_ascii_case("vdb")).then(|| ending.to_owned())
+    }
+
+    /// What names of files for all frames begin with.
+    fn name(&self) -> String {
+        match self.ending() {
+            Some(ending) => format!("{}.{ending}", self.pattern.name()),
+            None => self.pattern.name(),
+        }
+    }
+
     fn beside(&self, name: &str) -> PathBuf {
         self.pattern.folder().join(name)
     }
@@ -42,7 +58,7 @@ impl Sequence {
 
     /// The manifest of all frames.
     pub fn manifest(&self) -> PathBuf {
-        self.beside(&format!("{}{MANIFEST}", self.pattern.name()))
+        self.beside(&format!("{}{MANIFEST}", self.name()))
     }
 
     /// The name of a frame's file.
@@ -62,17 +78,20 @@ impl Sequence {
 
     /// The lock under which the manifest is read and rewritten.
     pub fn manifest_lock(&self) -> PathBuf {
-        self.beside(&format!(".{}.hfvdb-manifest-lock", self.pattern.name()))
+        self.beside(&format!(".{}.hfvdb-manifest-lock", self.name()))
     }
 
     /// The lock of one process that bakes frames of this sequence.
     pub fn run_lock(&self, process: &str) -> PathBuf {
-        self.beside(&format!(".{}.{process}{RUN_LOCK}", self.pattern.name()))
+        self.beside(&format!(".{}.{process}{RUN_LOCK}", self.name()))
     }
 
     fn hidden(&self, frame: i64, suffix: &str) -> PathBuf {
         let name = self.file_name(frame);
-        let stem = name.rsplit_once('.').map_or(name.as_str(), |(stem, _)| stem);
+        let stem = match name.rsplit_once('.') {
+            Some((stem, _)) if self.ending().is_none() => stem,
+            _ => name.as_str(),
+        };
         self.beside(&format!(".{stem}{suffix}"))
     }
 
@@ -85,12 +104,15 @@ impl Sequence {
         let extension = self.file_name(0).rsplit_once('.').map(|(_, extension)| extension.to_owned());
         let stem = name.strip_prefix('.').and_then(|name| name.strip_suffix(suffix));
         let (Some(stem), Some(extension)) = (stem, extension) else { return false };
+        if self.ending().is_some() {
+            return self.pattern.frame_of(stem).is_some();
+        }
         self.pattern.frame_of(&format!("{stem}.{extension}")).is_some()
     }
 
     /// Whether a name is that of a process's lock.
     pub fn is_run_lock(&self, name: &str) -> bool {
-        let start = format!(".{}.", self.pattern.name());
+        let start = format!(".{}.", self.name());
         let process = name.strip_prefix(&start).and_then(|rest| rest.strip_suffix(RUN_LOCK));
         process.is_some_and(|process| !process.contains('.'))
     }

@@ -3,6 +3,10 @@
 //! A format turns a computed frame into bytes. That these become a file which is whole, and whether a file is still what
 //! was written, is the same for all.
 
+mod glb;
+mod obj;
+mod ply;
+mod polygons;
 mod vdb;
 
 use std::fmt;
@@ -13,7 +17,7 @@ use crate::node::Model;
 use crate::shot::Prepared;
 
 /// All formats; the first is the one that messages propose.
-pub static FORMATS: [&dyn Format; 1] = [&vdb::Vdb];
+pub static FORMATS: [&dyn Format; 4] = [&vdb::Vdb, &glb::Glb, &ply::Ply, &obj::Obj];
 
 /// A kind of file that holds one frame.
 pub trait Format: fmt::Debug + Sync {

@@ -9,13 +9,14 @@ mod lookup;
 mod pieces;
 mod soundness;
 
+pub use lookup::{Lookup, Place, Surroundings, local_of};
 pub use pieces::{pieces, voxels_of_pieces};
 pub use soundness::{Pairs, SlopeError, slope_error, steep_steps, tears};
 
 use glam::{DVec3, IVec3};
 use rayon::prelude::*;
 
-use self::lookup::{Lookup, Place, voxel_of};
+use self::lookup::voxel_of;
 use super::{BLOCK_VOXELS, Band, InsideTile};
 
 /// The solid's volume, in cubic world units.
