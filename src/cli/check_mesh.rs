@@ -74,7 +74,7 @@ fn lines(input: &str, report: &Report) -> String {
     let corner = |values: [f64; 3]| format!("({})", values.map(round).join(", "));
     let colours = match (report.pictures.as_slice(), report.materials, report.vertex_colours) {
         ([], 0, false) => "none".to_owned(),
-        ([], 0, true) => "of its vertices".into(),
+        ([], _, true) => "of its vertices".into(),
         ([], count, _) => format!("of {count} materials"),
         (pictures, ..) => {
             let sizes: Vec<String> = pictures.iter().map(|[width, height]| format!("{width} x {height}")).collect();

@@ -1,4 +1,6 @@
-//! Materials of OBJ files, through `tobj`.
+//! Materials of OBJ files: their base colours and pictures.
+//!
+//! Our own reader rather than `tobj`: that one panics on a colour of fewer than three numbers.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -39,11 +41,8 @@ pub(super) fn load(libraries: &[String], folder: &Path, remarks: &mut Vec<Remark
             }
         };
         for material in materials {
-            // Scene-linear, as Blender writes and reads them.
-            let diffuse = material.diffuse.map(|colour| colour.map(f64::from));
-            let factor = diffuse.and_then(|colour| Encoding::Linear.decode(colour)).unwrap_or([1.0; 3]);
-            let mut made = Material { factor, ..Material::default() };
-            if let Some(name) = material.diffuse_texture.as_deref().map(without_options) {
+            let mut made = Material { factor: material.colour, ..Material::default() };
+            if let Some(name) = material.picture.as_deref() {
                 match material::picture(name, folder) {
                     // Programs write any number beside a picture, which stands for the colour.
                     Ok(picture) => made = Material { factor: [1.0; 3], picture: Some(picture), ..made },
@@ -62,11 +61,45 @@ pub(super) fn load(libraries: &[String], folder: &Path, remarks: &mut Vec<Remark
     found
 }
 
-fn read(library: &str, folder: &Path) -> Result<Vec<tobj::Material>, String> {
+/// A material as a library has it.
+struct Entry {
+    name: String,
+    /// Scene-linear, as Blender writes and reads it.
+    colour: [f32; 3],
+    picture: Option<String>,
+}
+
+fn read(library: &str, folder: &Path) -> Result<Vec<Entry>, String> {
     let path = material::find(library, folder).ok_or("it is not there")?;
     let bytes = disk::read(&path).map_err(|error| error.to_string())?;
-    let (materials, _) = tobj::load_mtl_buf(&mut bytes.as_slice()).map_err(|error| error.to_string())?;
-    Ok(materials)
+    Ok(entries(&String::from_utf8_lossy(&bytes)))
+}
+
+fn entries(text: &str) -> Vec<Entry> {
+    let mut entries: Vec<Entry> = Vec::new();
+    for line in text.lines() {
+        let line = line.trim();
+        let (keyword, rest) = line.split_once(char::is_whitespace).unwrap_or((line, ""));
+        if keyword == "newmtl" {
+            entries.push(Entry { name: rest.trim().into(), colour: [1.0; 3], picture: None });
+        }
+        let Some(entry) = entries.last_mut() else { continue };
+        match keyword {
+            "Kd" => {
+                let numbers: Vec<f64> = rest.split_whitespace().filter_map(|word| word.parse().ok()).collect();
+                // One number is a grey.
+                let colour = match numbers.as_slice() {
+                    [grey] => [*grey; 3],
+                    [r, g, b, ..] => [*r, *g, *b],
+                    _ => continue,
+                };
+                entry.colour = Encoding::Linear.decode(colour).unwrap_or(entry.colour);
+            }
+            "map_Kd" => entry.picture = Some(without_options(rest).to_owned()),
+            _ => {}
+        }
+    }
+    entries
 }
 
 /// The files that libraries name, and they themselves.
@@ -74,8 +107,8 @@ pub(super) fn files(libraries: &[String], folder: &Path) -> Vec<PathBuf> {
     let mut files = Vec::new();
     for library in libraries {
         files.extend(material::find(library, folder));
-        let pictures = read(library, folder).unwrap_or_default().into_iter().filter_map(|found| found.diffuse_texture);
-        files.extend(pictures.flat_map(|name| material::files(without_options(&name), folder)));
+        let pictures = read(library, folder).unwrap_or_default().into_iter().filter_map(|found| found.picture);
+        files.extend(pictures.flat_map(|name| material::files(&name, folder)));
     }
     files
 }
@@ -103,6 +136,15 @@ fn without_options(value: &str) -> &str {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn what_a_library_says() {
+        let text = "# made by hand\nKd 1 1 1\nnewmtl a b\n  Kd 0.5 0.25 0\nKd 0.1 0.2\nmap_Kd -clamp on my skin.png\r\nnewmtl c\nKd 0.5";
+        let found = entries(text);
+        let [a, c] = found.as_slice() else { panic!("{} materials", found.len()) };
+        assert_eq!((a.name.as_str(), a.colour, a.picture.as_deref()), ("a b", [0.5, 0.25, 0.0], Some("my skin.png")));
+        assert_eq!((c.name.as_str(), c.colour, c.picture.as_deref()), ("c", [0.5; 3], None));
+    }
 
     #[test]
     fn options_stand_before_names() {
