@@ -1,7 +1,7 @@
 //! Formulas: `"0.01 - x^2 - y^2 - z^2"`, `"-1.3 + 0.2*sin(2*pi*t)"`.
 //!
-//! `+ − * / ^`, parentheses, numbers, names and [functions]; `^` binds tightest and to the right, so
-//! `-x^2` is `-(x^2)`. A formula is parsed once and compiled with the [`Names`] known where it stands: to a node of
+//! `+ − * / ^`, comparisons, parentheses, numbers, names and [functions]; `^` binds tightest and to the right, so
+//! `-x^2` is `-(x^2)`, comparisons loosest. A formula is parsed once and compiled with the [`Names`] known where it stands: to a node of
 //! a graph, or, where all names are numbers, to a number. Both are the same operations, so they mean the same.
 
 mod functions;
@@ -117,6 +117,8 @@ enum What {
     Name(String),
     Negated(usize),
     Binary(Binary, usize, usize),
+    /// 1 less the operation.
+    Not(Binary, usize, usize),
     Call(Function, Vec<usize>),
 }
 
@@ -152,6 +154,10 @@ impl Formula {
                 },
                 What::Negated(a) => graph.neg(nodes[*a]),
                 What::Binary(operation, a, b) => graph.binary(*operation, nodes[*a], nodes[*b]),
+                What::Not(operation, a, b) => {
+                    let holds = graph.binary(*operation, nodes[*a], nodes[*b]);
+                    graph.linear(holds, -1.0, 1.0)
+                }
                 What::Call(function, arguments) => {
                     let arguments: Vec<Node> = arguments.iter().map(|argument| nodes[*argument]).collect();
                     function.build(graph, &arguments)
@@ -203,7 +209,8 @@ fn unknown(name: &str, names: &Names) -> (String, Option<String>) {
     if let Some((_, usage, _)) = functions().find(|(function, ..)| *function == name) {
         return (format!("`{name}` is a function: write `{usage}`"), None);
     }
-    let known = names.values.keys().map(String::as_str).chain(["pi"]);
+    // Names that no formula can hold are hidden ones.
+    let known = names.values.keys().map(String::as_str).filter(|name| !name.contains('/')).chain(["pi"]);
     let suggestion = nearest(name, known.clone());
     let mut message = format!("nothing here is called `{name}`");
     if suggestion.is_none() {
@@ -241,6 +248,9 @@ mod tests {
             ("mod(-1, 3) + fract(2.25) + ceil(0.1) + round(1.5)", 5.25),
             ("length(2, 3, 6) + abs(-1) + sign(-9)", 7.0),
             ("pow(4, 1.5) + sqrt(16) + cbrt(27)", 15.0),
+            ("(1 < 2) + (2 <= 2)*10 + (3 > 2)*100 + (2 >= 3)*1000 + (2 == 2)*1e4 + (2 != 2)*1e5", 10111.0),
+            ("1 + 1 < 3", 1.0),
+            ("if(t < 0.5, 7, sqrt(-1)) + if(size, 1, 2) + if(0, 1, 20)", 28.0),
             ("atan2(0, -1) - pi + exp(0) + log(1) + tan(0) + tanh(0) + cos(0)", 2.0),
         ];
         for (text, wanted) in cases {
@@ -261,6 +271,9 @@ mod tests {
             ("clamp(1, 2)", 0..11, None),
             ("1 § 2", 2..4, None),
             ("1e", 0..2, None),
+            ("0 < t < 1", 6..7, None),
+            ("t = 1", 2..3, None),
+            ("t > 0 && t < 1", 6..7, None),
             ("", 0..0, None),
             ("sqrt + 1", 0..4, None),
             ("1 / 0", 0..5, None),
@@ -327,6 +340,58 @@ mod tests {
         }
         for (text, wanted) in [("round(-2.5)", -2.0), ("sign(0)", 0.0), ("step(1, 1)", 1.0), ("mod(-1, 3)", 2.0)] {
             assert_eq!(value(text), wanted, "{text}");
+        }
+    }
+
+    /// A condition in the midst of other operations, at each width, against branches of this language; and its bounds.
+    #[test]
+    fn a_choice_is_one_of_its_two() {
+        use crate::field::tests::Samples;
+        use crate::field::{Aabb, BATCH, Evaluator, Gradients, VectorWidth};
+        let mut graph = Graph::new();
+        let names = Names::space(&mut graph);
+        let text = "if(x + y > 0.3, sqrt(x + y) - z, if(z >= x, 2*z, -x*y)) + 0.5*x";
+        let node = Formula::parse(text).compile(&mut graph, &names).expect("it compiles");
+        assert_eq!(graph.slope(node), crate::field::Slope::Unknown);
+        let wanted = |p: DVec3| {
+            let (value, slope) = if p.x + p.y > 0.3 {
+                let root = (p.x + p.y).sqrt();
+                (root - p.z, DVec3::new(0.5 / root, 0.5 / root, -1.0))
+            } else if p.z >= p.x {
+                (2.0 * p.z, DVec3::new(0.0, 0.0, 2.0))
+            } else {
+                (-p.x * p.y, DVec3::new(-p.y, -p.x, 0.0))
+            };
+            (value + 0.5 * p.x, slope + DVec3::X * 0.5)
+        };
+        let world = Aabb::new(DVec3::splat(-1.0), DVec3::splat(1.0));
+        let mut samples = Samples::new(5);
+        let points = samples.batch(&world, 400);
+        for width in VectorWidth::ALL {
+            let field = Expression::new(&graph, node);
+            assert!(field.jumps());
+            let mut evaluator = field.evaluator_of_width(width);
+            let (mut values, mut out) = ([0.0; BATCH], Gradients::new());
+            evaluator.values(&points, &mut values);
+            evaluator.gradients(&points, &mut out);
+            for i in 0..points.len {
+                let p = points.position(i);
+                let (value, slope) = wanted(p);
+                assert!((field.reference(p) - value).abs() < 1e-12 && values[i] == out.value[i]);
+                assert!((f64::from(values[i]) - value).abs() < 1e-6, "{} {value} at {p}", values[i]);
+                assert!((out.gradient(i).as_dvec3() - slope).length() < 1e-5 * (1.0 + slope.length()), "at {p}");
+            }
+            for _ in 0..200 {
+                let min = samples.within(&world);
+                let region = Aabb::new(min, min + samples.next() * 0.2);
+                evaluator.enter(&region);
+                let bounds = evaluator.bounds();
+                for _ in 0..10 {
+                    let p = samples.within(&region);
+                    assert!(bounds.contains(wanted(p).0), "{bounds:?} at {p}");
+                }
+                evaluator.leave();
+            }
         }
     }
 

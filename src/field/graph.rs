@@ -209,6 +209,18 @@ impl Graph {
         self.declare(node, facts)
     }
 
+    /// The second where the first is not 0, else the third.
+    pub(super) fn choose(&mut self, condition: Node, then: Node, other: Node) -> Node {
+        if let Some(value) = self.as_constant(condition).filter(|value| !value.is_nan()) {
+            return if value == 0.0 { other } else { then };
+        }
+        if then == other {
+            return then;
+        }
+        let facts = Facts::union(self.facts(then), self.facts(other), Slope::Unknown, 1.0);
+        self.intern(Op::Choose([condition, then, other].map(|node| node.0)), facts)
+    }
+
     /// `a + sign · b` as one leaf, where it is one.
     pub(super) fn sum_of_leaves(&mut self, a: Node, b: Node, sign: f64) -> Option<Node> {
         if let (Some(first), Some(second)) = (self.as_affine(a), self.as_affine(b)) {

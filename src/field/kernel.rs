@@ -2,7 +2,7 @@
 
 use multiversion::multiversion;
 
-use super::op::{Operation, Visitor};
+use super::op::{Operation, Visitor, choose};
 use super::tape::{Code, Instruction, LaneQuadric, QuadricShape, Tape};
 use super::width::VectorWidth;
 use super::{BATCH, Gradients, Points};
@@ -133,11 +133,22 @@ fn body<const N: usize>(run: &Run, registers: &mut [Lanes], outs: &mut [&mut [f3
                 }
                 Code::Unary(operation) => operation.visit(OnLanes::<N> { registers, at }),
                 Code::Binary(operation) => operation.visit(OnLanes::<N> { registers, at }),
+                Code::Choose => chosen::<N>(registers, at),
             }
         }
         for (out, &register) in outs.iter_mut().zip(&run.tape.outputs) {
             out[first..first + N].copy_from_slice(registers[register as usize].get::<N>());
         }
+    }
+}
+
+/// Arguments may share a register: they are taken out first.
+#[inline(always)]
+fn chosen<const N: usize>(registers: &mut [Lanes], at: &Instruction) {
+    let [condition, then, other] = [at.a, at.b, at.c].map(|place| *registers[place as usize].get::<N>());
+    let out = registers[at.out as usize].get_mut::<N>();
+    for i in 0..N {
+        out[i] = choose::lane([condition[i], then[i], other[i]]);
     }
 }
 

@@ -3,7 +3,7 @@
 use multiversion::multiversion;
 
 use super::kernel::{Run, pass};
-use super::op::{Operation, Visitor};
+use super::op::{Operation, Visitor, choose};
 use super::tape::{Code, Instruction, LaneQuadric, QuadricShape};
 use super::width::VectorWidth;
 use super::{BATCH, Gradients};
@@ -179,6 +179,7 @@ fn body<const N: usize>(run: &Run, registers: &mut [Dual], outs: &mut [&mut Grad
                 }
                 Code::Unary(operation) => operation.visit(OnLanes::<N> { registers, at }),
                 Code::Binary(operation) => operation.visit(OnLanes::<N> { registers, at }),
+                Code::Choose => chosen::<N>(registers, at),
             }
         }
         for (out, &register) in outs.iter_mut().zip(&run.tape.outputs) {
@@ -187,6 +188,26 @@ fn body<const N: usize>(run: &Run, registers: &mut [Dual], outs: &mut [&mut Grad
             copy(&mut out.dx[lanes.clone()], &from.slope[0]);
             copy(&mut out.dy[lanes.clone()], &from.slope[1]);
             copy(&mut out.dz[lanes], &from.slope[2]);
+        }
+    }
+}
+
+/// Arguments may share a register: their lanes are taken out first. The derivatives are those of the chosen value, not
+/// mixed by weights of 0: the other one's may be infinite.
+#[inline(always)]
+fn chosen<const N: usize>(registers: &mut [Dual], at: &Instruction) {
+    let [first, second, third] = [at.a, at.b, at.c].map(|place| place as usize);
+    for whole in 0..N / WIDE {
+        let condition = registers[first].value[whole];
+        let (then, other) = (registers[second].value[whole], registers[third].value[whole]);
+        for i in 0..WIDE {
+            registers[at.out as usize].value[whole][i] = choose::lane([condition[i], then[i], other[i]]);
+        }
+        for axis in 0..3 {
+            let (then, other) = (registers[second].slope[axis][whole], registers[third].slope[axis][whole]);
+            for i in 0..WIDE {
+                registers[at.out as usize].slope[axis][whole][i] = choose::lane([condition[i], then[i], other[i]]);
+            }
         }
     }
 }

@@ -69,6 +69,10 @@ impl Graph {
                 Op::External { leaf, at } => self.external(leaf, at.map(|argument| made[&argument])),
                 Op::Unary(operation, a) => self.unary(operation, made[&a]),
                 Op::Binary(operation, a, b) => self.binary(operation, made[&a], made[&b]),
+                Op::Choose(arguments) => {
+                    let [condition, then, other] = arguments.map(|argument| made[&argument]);
+                    self.choose(condition, then, other)
+                }
             };
             made.insert(index, fresh);
         }

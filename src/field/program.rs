@@ -7,7 +7,7 @@ use glam::DVec3;
 use super::graph::{Graph, Node};
 use super::interval::Intervals;
 use super::leaf::{Affine, Quadric};
-use super::op::Op;
+use super::op::{Op, choose};
 use super::{Aabb, Evaluator, Field, Interval};
 
 /// Operations, arguments first, the root last.
@@ -25,7 +25,9 @@ fn registers_needed(graph: &Graph, reached: &[u32]) -> Vec<u32> {
     for &index in reached {
         needed[index as usize] = match graph.ops[index as usize] {
             Op::Affine(_) | Op::Quadric(_) => 1,
-            Op::External { at, .. } => 2 + at.map(|a| needed[a as usize]).into_iter().max().unwrap_or(0),
+            Op::External { at, .. } | Op::Choose(at) => {
+                2 + at.map(|a| needed[a as usize]).into_iter().max().unwrap_or(0)
+            }
             Op::Unary(_, a) => needed[a as usize],
             Op::Binary(_, a, b) => {
                 let (a, b) = (needed[a as usize], needed[b as usize]);
@@ -111,6 +113,7 @@ impl Program {
                 }
                 Op::Unary(operation, a) => operation.value([values[a as usize]]),
                 Op::Binary(operation, a, b) => operation.value([values[a as usize], values[b as usize]]),
+                Op::Choose(at) => choose::value(at.map(|argument| values[argument as usize])),
             };
             values.push(value);
         }
@@ -141,6 +144,7 @@ impl Program {
                 }
                 Op::Unary(operation, a) => operation.bounds([bounds.at(a)]),
                 Op::Binary(operation, a, b) => operation.bounds([bounds.at(a), bounds.at(b)]),
+                Op::Choose(at) => choose::bounds(at.map(|argument| bounds.at(argument))),
             };
             bounds.push(bound);
         }

@@ -15,7 +15,7 @@
 
 use super::Interval;
 use super::interval::Intervals;
-use super::op::{Binary, Op, Same, Set, Unary};
+use super::op::{Binary, Op, Same, Set, Unary, choose};
 
 /// What is asked of an operation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -65,6 +65,10 @@ fn choose(op: Op, window: Interval, bounds: &Intervals) -> Choice {
                 (choice, _) => choice,
             }
         }
+        Op::Choose([condition, then, other]) => match choose::side(bounds.at(condition)) {
+            Some(first) => Choice::Is(if first { then } else { other }),
+            None => Choice::Keep,
+        },
         _ => Choice::Keep,
     }
 }
@@ -95,6 +99,11 @@ fn ask_arguments(op: Op, asked: Asked, window: Interval, mut ask: impl FnMut(u32
         Op::Binary(operation, a, b) if operation.nature().set.is_some() => {
             ask(a, asked, window);
             ask(b, asked, window);
+        }
+        Op::Choose([condition, then, other]) => {
+            ask(condition, Asked::Value, Interval::ALL);
+            ask(then, asked, window);
+            ask(other, asked, window);
         }
         _ => op.arguments(|argument| ask(argument, Asked::Value, Interval::ALL)),
     }

@@ -17,15 +17,18 @@ pub(super) enum Code {
     Input(u32),
     Unary(Unary),
     Binary(Binary),
+    /// The second argument where the first is not 0, else the third.
+    Choose,
 }
 
-/// One instruction; `out` is never `a` or `b`.
+/// One instruction; `out` is never one of its arguments.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Instruction {
     pub code: Code,
     pub out: u32,
     pub a: u32,
     pub b: u32,
+    pub c: u32,
 }
 
 /// A sum of squares around an origin: `constant + Σ sign · (row · (x, y, z, 1))²`.
@@ -130,20 +133,22 @@ impl Tape {
     }
 
     fn emit(&mut self, op: Op, out: u32) {
-        let (code, a, b) = match op {
+        let place = |argument: u32| self.places[argument as usize];
+        let (code, [a, b, c]) = match op {
             Op::Affine(leaf) => {
                 self.affine_leaves.push(leaf);
-                (Code::Affine(self.affine_leaves.len() as u32 - 1), 0, 0)
+                (Code::Affine(self.affine_leaves.len() as u32 - 1), [0; 3])
             }
             Op::Quadric(leaf) => {
                 self.quadric_leaves.push(leaf);
-                (Code::Quadric(self.quadric_leaves.len() as u32 - 1), 0, 0)
+                (Code::Quadric(self.quadric_leaves.len() as u32 - 1), [0; 3])
             }
-            Op::External { leaf, .. } => (Code::Input(leaf), 0, 0),
-            Op::Unary(operation, a) => (Code::Unary(operation), self.places[a as usize], 0),
-            Op::Binary(operation, a, b) => (Code::Binary(operation), self.places[a as usize], self.places[b as usize]),
+            Op::External { leaf, .. } => (Code::Input(leaf), [0; 3]),
+            Op::Unary(operation, a) => (Code::Unary(operation), [place(a), 0, 0]),
+            Op::Binary(operation, a, b) => (Code::Binary(operation), [place(a), place(b), 0]),
+            Op::Choose(arguments) => (Code::Choose, arguments.map(place)),
         };
-        self.code.push(Instruction { code, out, a, b });
+        self.code.push(Instruction { code, out, a, b, c });
     }
 
     /// Rounds the leaves to `f32` around an origin, unless that is where they are.

@@ -94,6 +94,14 @@ const MADE: &[Function] = &[
         let raised = graph.max(a[0], a[1]);
         graph.min(raised, a[2])
     }),
+    function(
+        "if",
+        3,
+        "if(condition, then, else)",
+        "the second where the first is not 0, else the third, whatever the one that is not taken is there; jumps where they \
+         differ. Conditions are comparisons; `(a)*(b)` is both, `max(a, b)` either",
+        |graph, a| graph.choose(a[0], a[1], a[2]),
+    ),
     function("fract", 1, "fract(x)", "x − floor(x), from 0 to below 1; jumps", |graph, a| {
         let floor = graph.unary(Unary::Floor, a[0]);
         graph.sub(a[0], floor)

@@ -10,7 +10,7 @@ use crate::field::op::Binary;
 const DEEPEST: usize = 200;
 
 /// How tightly the sign before a term binds: tighter than `*`, looser than `^`.
-const SIGN: u8 = 5;
+const SIGN: u8 = 7;
 
 struct Parser<'a> {
     text: &'a str,
@@ -30,16 +30,36 @@ pub(super) fn parse(text: &str) -> (Vec<Term>, Vec<FormulaError>) {
     (parser.terms, parser.errors)
 }
 
-/// An operator's meaning and how tightly it binds on its left and right.
-fn operator(symbol: char) -> Option<(Binary, u8, u8)> {
-    Some(match symbol {
-        '+' => (Binary::Add, 1, 2),
-        '-' => (Binary::Sub, 1, 2),
-        '*' => (Binary::Mul, 3, 4),
-        '/' => (Binary::Div, 3, 4),
-        '^' => (Binary::Pow, 8, 7),
-        _ => return None,
-    })
+/// An operator: how it is written, what it means, and how tightly it binds on its left and right.
+struct Operator {
+    symbol: &'static str,
+    what: fn(usize, usize) -> What,
+    before: u8,
+    after: u8,
+}
+
+/// How tightly comparisons bind: looser than all else.
+const COMPARISON: u8 = 1;
+
+/// Longer symbols before those that they begin with.
+const OPERATORS: [Operator; 11] = [
+    Operator::comparison("<=", |a, b| What::Not(Binary::Less, b, a)),
+    Operator::comparison(">=", |a, b| What::Not(Binary::Less, a, b)),
+    Operator::comparison("==", |a, b| What::Binary(Binary::Equal, a, b)),
+    Operator::comparison("!=", |a, b| What::Not(Binary::Equal, a, b)),
+    Operator::comparison("<", |a, b| What::Binary(Binary::Less, a, b)),
+    Operator::comparison(">", |a, b| What::Binary(Binary::Less, b, a)),
+    Operator { symbol: "+", what: |a, b| What::Binary(Binary::Add, a, b), before: 3, after: 4 },
+    Operator { symbol: "-", what: |a, b| What::Binary(Binary::Sub, a, b), before: 3, after: 4 },
+    Operator { symbol: "*", what: |a, b| What::Binary(Binary::Mul, a, b), before: 5, after: 6 },
+    Operator { symbol: "/", what: |a, b| What::Binary(Binary::Div, a, b), before: 5, after: 6 },
+    Operator { symbol: "^", what: |a, b| What::Binary(Binary::Pow, a, b), before: 10, after: 9 },
+];
+
+impl Operator {
+    const fn comparison(symbol: &'static str, what: fn(usize, usize) -> What) -> Self {
+        Self { symbol, what, before: COMPARISON, after: COMPARISON + 1 }
+    }
 }
 
 impl Parser<'_> {
@@ -48,6 +68,10 @@ impl Parser<'_> {
         match self.peek() {
             None => Ok(()),
             Some(')') => Err(self.error_here("this `)` closes nothing")),
+            Some('=') => Err(self.error_here("one `=` sets nothing here: `==` compares")),
+            Some('&' | '|' | '!') => {
+                Err(self.error_here("`(a)*(b)` is both of two conditions, `max(a, b)` either, `1 - a` not"))
+            }
             Some(_) => Err(self.error_here("an operator is missing before this")),
         }
     }
@@ -57,6 +81,12 @@ impl Parser<'_> {
         let rest = self.text[self.at..].trim_start();
         self.at = self.text.len() - rest.len();
         rest.chars().next()
+    }
+
+    /// The operator that comes next, if one does.
+    fn operator(&mut self) -> Option<&'static Operator> {
+        self.peek();
+        OPERATORS.iter().find(|operator| self.text[self.at..].starts_with(operator.symbol))
     }
 
     fn push(&mut self, what: What, span: Range<usize>) -> usize {
@@ -93,13 +123,18 @@ impl Parser<'_> {
             return Err(self.error_here("the formula is nested too deeply: split it up"));
         }
         let mut left = self.term()?;
-        while let Some((operation, before, after)) = self.peek().and_then(operator) {
-            if before < loosest {
+        let mut is_compared = false;
+        while let Some(operator) = self.operator() {
+            if operator.before < loosest {
                 break;
             }
-            self.at += 1;
-            let right = self.expression(after)?;
-            left = self.push(What::Binary(operation, left, right), self.start_of(left)..self.at);
+            if operator.before == COMPARISON && std::mem::replace(&mut is_compared, true) {
+                let message = "comparisons do not follow one another: write `(a < b)*(b < c)`";
+                return Err(self.error(self.at..self.at + operator.symbol.len(), message));
+            }
+            self.at += operator.symbol.len();
+            let right = self.expression(operator.after)?;
+            left = self.push((operator.what)(left, right), self.start_of(left)..self.at);
         }
         self.depth -= 1;
         Ok(left)
@@ -139,6 +174,21 @@ impl Parser<'_> {
         }
     }
 
+    /// `attr('name')`: the name in quotes.
+    fn attribute(&mut self, start: usize) -> Result<usize, FormulaError> {
+        let open = self.at;
+        self.at += 1;
+        let quote = self.peek().filter(|quote| matches!(quote, '\'' | '"'));
+        let rest = &self.text[(self.at + 1).min(self.text.len())..];
+        let Some(length) = quote.and_then(|quote| rest.find(quote)) else {
+            return Err(self.error_here("the name of an attribute stands in quotes: `attr('name')`"));
+        };
+        let name = rest[..length].to_owned();
+        self.at += length + 2;
+        self.close(open)?;
+        Ok(self.push(What::Name(name), start..self.at))
+    }
+
     fn number(&mut self) -> Result<usize, FormulaError> {
         let start = self.at;
         let bytes = self.text.as_bytes();
@@ -170,6 +220,9 @@ impl Parser<'_> {
         self.at += self.word_length();
         let span = start..self.at;
         let name = &self.text[span.clone()];
+        if name == "attr" && self.peek() == Some('(') {
+            return self.attribute(start);
+        }
         if self.peek() != Some('(') {
             return Ok(self.push(What::Name(name.to_owned()), span));
         }

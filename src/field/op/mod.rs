@@ -178,6 +178,8 @@ macro_rules! operations {
     };
 }
 
+pub(super) mod choose;
+
 operations! {
     $
     /// An operation on one value.
@@ -207,6 +209,8 @@ operations! {
     corner: Corner,
     displacement: Displacement,
     div: Div,
+    equal: Equal,
+    less: Less,
     max: Max,
     min: Min,
     mul: Mul,
@@ -268,6 +272,8 @@ pub(super) enum Op {
     },
     Unary(Unary, u32),
     Binary(Binary, u32, u32),
+    /// A condition, the value where it is not 0, and the value where it is.
+    Choose([u32; 3]),
 }
 
 impl Op {
@@ -277,6 +283,7 @@ impl Op {
             Self::Affine(_) | Self::Quadric(_) | Self::External { .. } => Nature::PLAIN,
             Self::Unary(operation, _) => operation.nature(),
             Self::Binary(operation, ..) => operation.nature(),
+            Self::Choose(_) => Nature { jumps: true, shortens: true, ..Nature::PLAIN },
         }
     }
 
@@ -290,6 +297,7 @@ impl Op {
                 let a = name(a);
                 Self::Binary(operation, a, name(b))
             }
+            Self::Choose(arguments) => Self::Choose(arguments.map(name)),
         }
     }
 
@@ -298,6 +306,7 @@ impl Op {
         match self {
             Self::Affine(_) | Self::Quadric(_) => {}
             Self::External { at, .. } => at.into_iter().for_each(visit),
+            Self::Choose(arguments) => arguments.into_iter().for_each(visit),
             Self::Unary(_, a) => visit(a),
             Self::Binary(_, a, b) => {
                 visit(a);
@@ -321,6 +330,7 @@ impl Op {
                 let (number, [first, second]) = operation.key();
                 [4 | number << 8, pair(a, b), first, second]
             }
+            Self::Choose([condition, then, other]) => [5, u64::from(condition), pair(then, other), 0],
         }
     }
 }
