@@ -264,7 +264,7 @@ fn shapes_in_place_where_a_shape_is_taken() {
     place.hfvdb("bake whole.toml -o f.vdb --resolution 24").ok();
     let deeper = "[shape.u]\nunion = [{ facet = \"b\", cells = { octree = { sphere = 1 } } }]\n[shape.b]\nsphere = 1\n";
     place.write("deeper.toml", deeper);
-    place.hfvdb("check deeper.toml").fails(1, &["deeper.toml:2", "cannot hold another one"]);
+    place.hfvdb("check deeper.toml").ok();
 }
 
 #[test]

@@ -4,6 +4,7 @@
 use crate::attribute::LinearRgb;
 use crate::field::{Aabb, CopyPlace};
 use crate::node::id::{CellsId, ShapeId};
+use crate::node::operation::Applied;
 use crate::text::files::FileReference;
 use crate::text::formula::Formula;
 use crate::text::number::Number;
@@ -62,6 +63,8 @@ pub enum Argument {
     NumberBands(Vec<(f64, [f32; 1])>),
     /// Numbers or formulas of space: three of a colour, or one.
     Components(Vec<Component>),
+    /// An operation of the scene's own with its numbers.
+    Applied(Applied),
 }
 
 /// A number that may be a formula of space.
@@ -194,6 +197,11 @@ impl Arguments {
         number_bands: NumberBands => Vec<(f64, [f32; 1])>,
     }
 
+    /// An operation of the scene's own, if it is what makes the shape.
+    pub fn applied(&self) -> Option<&Applied> {
+        self.0.iter().find_map(|(_, value)| if let Argument::Applied(applied) = value { Some(applied) } else { None })
+    }
+
     /// Where the value of a key stands, of those that have a place of their own.
     pub fn span(&self, key: &str) -> Option<Span> {
         match self.get(key)? {
@@ -223,6 +231,7 @@ impl Arguments {
             Argument::Number(number) => std::slice::from_ref(number),
             Argument::Vector(vector) => &vector[..],
             Argument::Pair(pair) => &pair[..],
+            Argument::Applied(applied) => &applied.numbers,
             _ => &[],
         });
         let of_space = self.components().filter_map(|component| match component {
@@ -236,6 +245,7 @@ impl Arguments {
     pub fn formulas(&self) -> impl Iterator<Item = &Formula> {
         let whole = self.0.iter().filter_map(|(_, value)| match value {
             Argument::Formula(formula) => Some(formula),
+            Argument::Applied(applied) => Some(&applied.operation.formula),
             _ => None,
         });
         let of_space = self.components().filter_map(|component| match component {

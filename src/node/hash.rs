@@ -64,7 +64,7 @@ impl Model {
             }
             FilePlace::BuiltIn(_) => Vec::new(),
         };
-        places.flat_map(on_disk).collect()
+        places.flat_map(on_disk).chain(self.imports.iter().cloned()).collect()
     }
 
     fn hash_of(&self, document: &Table, shapes: &[&Shape]) -> Result<[u8; 32], (FileReference, std::io::Error)> {

@@ -31,10 +31,23 @@ pub const SCENE: &[Key] = &[
         .limit(Limit::NotNegative),
     Key::new("unit", Kind::Choice(UNITS), Text("m"), "The length that 1 stands for. Goes into the files' metadata."),
     Key::new("up", Kind::Choice(&["y", "z"]), Text("z"), "The axis that points up. Goes into the files' metadata."),
+    Key::new(
+        "import",
+        Kind::Table,
+        Nothing,
+        "Other scene files, each with a name that stands before those of its shapes: `import.props = \"props.toml\"`, then \
+         `\"props/glass\"`.",
+    ),
     Key::new("param", Kind::Table, Nothing, "Numbers with names, for formulas and `--set`."),
     Key::new("palette", Kind::Table, Nothing, "Lists of colours with names."),
     Key::new("color", Kind::Table, Nothing, "Colours with names.").also(&["colour"]),
     Key::new("cells", Kind::Table, Nothing, "Octrees with names: what facets and copies go by."),
+    Key::new(
+        "operation",
+        Kind::Table,
+        Nothing,
+        "Set operations, blends and other functions of shapes of the scene's own.",
+    ),
     Key::new("shape", Kind::Table, Nothing, "The shapes."),
     Key::new("morph", Kind::Table, Nothing, "What becomes what."),
     Key::new("output", Kind::Table, Nothing, "How fine, and which grids."),
@@ -89,6 +102,12 @@ pub const SHAPE: &[Key] = &[
         Nothing,
         "Numbers of any name that go with the surface, `attribute.roughness = 0.4`; each becomes a grid of its name.",
     ),
+    Key::new(
+        "let",
+        Kind::Table,
+        Nothing,
+        "Names for its formulas: `let.r = \"length(x, y)\"`, a formula, number or keys each, of one another in any order.",
+    ),
 ];
 
 /// Octree cells.
@@ -126,8 +145,48 @@ pub const BOUNDS: &[Key] = &[
 /// A parameter written as a table.
 pub const PARAMETER: &[Key] = &[
     Key::new("value", Kind::Number, Required, "Its value."),
-    Key::new("range", Kind::Table, Nothing, "`[least, greatest]`: another value is an error."),
+    Key::new("min", Kind::Constant, Nothing, "The least that it may be: less is an error, also by `--set`."),
+    Key::new("max", Kind::Constant, Nothing, "The greatest that it may be."),
+    Key::new("range", Kind::Table, Nothing, "Both at once: `[least, greatest]`."),
     Key::new("text", Kind::Text, Nothing, "What it is."),
+];
+
+/// An operation of a scene's own.
+pub const OPERATION: &[Key] = &[
+    Key::new("fields", Kind::Names, Required, "Names for the shapes' F in the formula; a shape gives as many shapes."),
+    Key::new(
+        "formula",
+        Kind::Formula,
+        Required,
+        "F of the whole, positive inside, of the fields, `param` names of its own, and all that formulas know.",
+    ),
+    Key::new(
+        "param",
+        Kind::Table,
+        Nothing,
+        "Numbers of its own, each with what holds where a shape leaves it out: `param.k = 0.25`, or a table as in `[param]`.",
+    ),
+    Key::new(
+        "reach",
+        Kind::Constant,
+        Words("any F will do"),
+        "How far from their surfaces the shapes' F must be distances. Where one is not, its distance is measured first.",
+    )
+    .limit(Limit::Positive)
+    .unit("units"),
+    Key::new(
+        "rises_in",
+        Kind::Names,
+        Nothing,
+        "The fields with which F never falls. If it is all of them, shapes that are distances outside make a box of the whole.",
+    ),
+    Key::new(
+        "lipschitz",
+        Kind::Constant,
+        Nothing,
+        "How much F changes at most where no field changes by more than 1. Frames are found faster.",
+    )
+    .limit(Limit::Positive),
 ];
 
 /// Names of colour spaces that colours are mixed in.

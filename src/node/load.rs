@@ -7,6 +7,7 @@ use std::sync::Arc;
 use super::read::{self, Surroundings};
 use crate::disk;
 use crate::node::example::{node_names, node_scene};
+use crate::node::imports;
 use crate::node::keys::SCENE;
 use crate::node::model::Model;
 use crate::terminal;
@@ -97,8 +98,9 @@ pub(crate) fn load_with(source: &Source, overrides: &Overrides, variables: Varia
         Err(problem) => return Err(Diagnostics::new(vec![problem], Arc::new(sources))),
     };
     let mut problems = Vec::new();
+    let namespaces = imports::merge(&mut root, source, &base, &variables, &mut sources, &mut problems);
     overrides::apply(&mut root, SCENE, overrides, &mut sources, &mut problems);
-    read::read(&name, &root, Arc::new(sources), &Surroundings { base, variables }, problems)
+    read::read(&name, &root, Arc::new(sources), &Surroundings { base, variables, namespaces }, problems)
 }
 
 fn alone(problem: Diagnostic) -> Diagnostics {
@@ -118,12 +120,13 @@ fn fetch(source: &Source) -> Result<(String, String, Base), Diagnostic> {
         Source::Text { name, text, folder } => Ok((name.clone(), text.clone(), Base::Folder(folder.clone()))),
         Source::Path(path) => {
             let folder = path.parent().map(Path::to_owned).unwrap_or_default();
-            Ok((terminal::path(path), read_text(path)?, Base::Folder(folder)))
+            Ok((terminal::path(path), text_of(path)?, Base::Folder(folder)))
         }
     }
 }
 
-fn read_text(path: &Path) -> Result<String, Diagnostic> {
+/// The text of a scene's file.
+pub(crate) fn text_of(path: &Path) -> Result<String, Diagnostic> {
     /// No scene that a person or a script writes is as large; a VDB given by mistake is.
     const MOST_BYTES: u64 = 16 << 20;
     let shown = terminal::path(path);

@@ -17,6 +17,7 @@ mod example;
 pub(crate) mod extent;
 mod hash;
 pub(crate) mod id;
+pub(crate) mod imports;
 pub(crate) mod kernels;
 pub mod keys;
 pub(crate) mod lattice;
@@ -24,12 +25,14 @@ pub(crate) mod load;
 pub(crate) mod measured;
 pub(crate) mod minimal;
 pub(crate) mod model;
+pub(crate) mod operation;
 pub(crate) mod own_box;
 pub(crate) mod paint;
 pub(crate) mod painted;
 pub(crate) mod pattern;
 pub(crate) mod placed;
 pub(crate) mod profile;
+pub(crate) mod promises;
 mod read;
 mod reference;
 mod schema;
@@ -41,6 +44,14 @@ pub(crate) mod table;
 pub(crate) mod variation;
 mod volume;
 
+#[cfg(test)]
+mod import_tests;
+#[cfg(test)]
+mod names_tests;
+#[cfg(test)]
+mod nesting_tests;
+#[cfg(test)]
+mod operation_tests;
 #[cfg(test)]
 mod row_tests;
 #[cfg(test)]

@@ -1,6 +1,7 @@
 //! The model: a scene that was checked, its names resolved, no text left but places for messages.
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::path::PathBuf;
 use std::sync::Arc;
 
 use crate::attribute::{Outside, Overlap, Power};
@@ -48,7 +49,9 @@ pub struct Model {
     pub settings: Vec<Setting>,
     /// What is worth saying though the scene can be used.
     pub warnings: Diagnostics,
-    /// The scene as it was given, with its overrides.
+    /// The files on a disk that it imports.
+    pub(crate) imports: Vec<PathBuf>,
+    /// The scene as it was given, with its overrides and what it imports.
     pub(crate) document: Table,
     pub(crate) sources: Arc<Sources>,
 }

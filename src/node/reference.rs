@@ -44,7 +44,7 @@ to = \"heart\"
 | formula | text with `x y z t frame time pi`, `[param]` names, `+ - * / ^`, and [functions](#formulas); `time` is seconds since the first frame |
 | frames | `\"1-48\"`, or one frame, `7` |
 | colour | `\"#rrggbb\"`, a CSS name, or `[r, g, b]` from 0 to 1: sRGB. `{ linear = [r, g, b] }`: scene-linear Rec.709. A name of `[color]`. For a shape also formulas, `[\"x\", 0.2, \"t\"]`, and tables as below |
-| shape | its name, `\"ball\"`; or one written in place, `{ sphere = 1 }`, which names others but holds no further one in place |
+| shape | its name, `\"ball\"`; or one written in place, `{ sphere = 1, move = [1, 0, 0] }`, with all keys of a shape, other shapes in place among them |
 | cells | their name, or `{ octree = … }` in place |
 | box | an edge length or three, around the origin; or `[[least x, y, z], [greatest x, y, z]]` |
 | file | relative to the scene; `$NAME` and `${NAME}` are variables of the environment, and must be set; `$$` is a dollar sign. `cube.obj`, where there is no such file beside the scene, is the built-in cube of edge 1.6 |
@@ -73,8 +73,9 @@ side, with a warning.
 **Output.** hfvdb bakes the `[morph]` if there is one, otherwise `output.shape`, otherwise the only shape that no other
 shape uses.
 
-**Limits.** Tables and lists stand at most 64 deep in one another, shapes are made of shapes at most 200 levels deep and of
-a million in all, each counted as often as it is used, and a scene has at most 16 MiB. A scene is a file: a pipe is refused.
+**Limits.** Shapes in place stand at most 64 deep in one another (in TOML, whose reader counts keys and brackets, 42 where
+each stands in a list), shapes are made of shapes at most 200 levels deep and of a million in all, each counted as often as
+it is used, and a scene has at most 16 MiB. A scene is a file: a pipe is refused.
 
 **Errors** name file, line and column, mark the text and propose the nearest name, or list what there is; all of a scene
 come together.
@@ -84,7 +85,9 @@ const FORMULAS: &str = "
 ## Formulas
 
 `-1.3 + 0.2*sin(2*pi*t)`: numbers (`2`, `.5`, `1e-3`), names, `+ - * /`, `^` for powers, parentheses, and the functions
-below. `^` binds tightest and to the right: `-x^2` is −(x²). There is no product without `*`. Names are `x y z` (places, in
+below. `^` binds tightest and to the right: `-x^2` is −(x²). There is no product without `*`. `<`, `<=`, `>`, `>=`, `==` and
+`!=` compare, bind loosest, and give 1 or 0; they jump. Of places, ask for `abs(x - 0.1) < 0.01`
+rather than `x == 0.1`, which hardly any voxel meets. Names are `x y z` (places, in
 formulas of space alone), `t`, `frame`, `time` (seconds since the first frame), `pi`, and those of `[param]`. Angles in
 formulas are in **radians**, unlike those of `rotate`: degrees times `pi/180`.
 
@@ -96,6 +99,25 @@ Keep arguments in range, as in `sqrt(max(x, 0))`. Functions that jump make a sur
 | function | what it gives |
 |---|---|
 ";
+
+const OPERATIONS: &str = "\
+```toml
+[operation.melt]
+fields = [\"a\", \"b\"]
+param.w = { value = 0.25, min = 0.001, text = \"how far they flow together\" }
+formula = \"max(a, b) + max(w - abs(a - b), 0)^2/(4*w)\"
+rises_in = [\"a\", \"b\"]
+lipschitz = 1
+
+[shape.both]
+melt = [\"cube\", { sphere = 1 }]
+w = 0.4
+```
+
+The operation's name is a key of shapes, its parameters are keys beside it; neither may be the name of a node. F of the whole is
+the formula of the shapes' F where they stand. Colours and attributes go along as those of `blend`, by weights that add up to
+1, and so does motion. `rises_in` and `lipschitz` are checked by samples of the fields from −100 to 100, with the numbers of
+each shape; where one is not kept, the error names the fields' values.";
 
 const COLOURS: &str = "
 ## Colours as tables
@@ -136,13 +158,50 @@ const ROUND: &str = "\
 Each object is cut in time by a plane: the first at t = 0, the second at t = 1. This blends each with its plane before
 the two are joined.";
 
+const NAMES: &str = "
+## Names in formulas: `let`, attributes
+
+```toml
+[shape.vase]
+let.r = \"sqrt(x^2 + y^2)\"
+let.belly = \"0.6 + 0.2*sin(2*z)\"
+attribute.rib = \"0.5 + 0.5*cos(12*atan2(y, x))\"
+formula = \"belly + 0.03*rib - r\"
+bounds = [2, 2, 2]
+color = [\"rib\", 0.4, \"1 - rib\"]
+```
+
+A shape's `let` gives its formulas names, each for a formula, a number or keys, of one another in any order. So does each of its
+attributes that is a number, keys or a formula (one that is a table is none); `attr('rib')` is the same as `rib`. Where an
+attribute has the name of a parameter, the parameter is meant. Numbers of the shape know those names that do not hang on the
+place. A shape in place has its own names, and not those of the shape around it.
+";
+
+const IMPORTS: &str = "
+## Scenes of several files
+
+```toml
+import.props = \"lib/props.toml\"
+
+[shape.shelf]
+union = [\"props/glass\", { difference = [{ box = 1 }, \"props/knob\"] }]
+color = \"props/oak\"
+```
+
+A file that is imported brings its parameters, palettes, colours, cells, operations and shapes, each with the import's name and
+a `/` before its own. Within that file names, parameters and paths mean what they mean there. All else in it (`frames`,
+`[morph]`, `[output]`, variants) is about itself as a scene; numbers are taken as they are, with a warning where `unit` or `up`
+differ. Files may import files, at most 256 in all; `--set props/size=3` sets a parameter of one. The scene's hash, and with it
+`--resume` and the cache, follows the content of all.
+";
+
 const OVERRIDES: &str = "
 ## Parameters, variants, `--set`
 
 ```toml
 [param]
 size = 2                                        # for formulas: sphere = \"size/2\"
-bend = { value = 0.3, range = [0, 1], text = \"how far it leans\" }
+bend = { value = 0.3, min = 0, max = 1, text = \"how far it leans\" }
 
 [variant.wide]                                  # hfvdb bake SCENE --variant wide
 shape.cube.box = [3, 1.6, 1.6]
@@ -175,6 +234,7 @@ pub fn reference() -> String {
     section(&mut out, "`bounds` as a table", "", keys::BOUNDS);
     section(&mut out, "`at`: copies", "", keys::COPIES);
     section(&mut out, "`[cells.NAME]`", "", keys::CELLS);
+    section(&mut out, "`[operation.NAME]`: operations of your own", OPERATIONS, keys::OPERATION);
     out.push_str(COLOURS);
     sources(&mut out, list::COLOURS, "c");
     out.push_str(SCALARS);
@@ -186,6 +246,8 @@ pub fn reference() -> String {
     section(&mut out, "`fill` of `[morph]`", FILL, keys::FILL);
     section(&mut out, "`round` of `[morph]`", ROUND, keys::ROUND);
     section(&mut out, "`[output]`", "The command line's options come before these.", keys::OUTPUT);
+    out.push_str(NAMES);
+    out.push_str(IMPORTS);
     out.push_str(OVERRIDES);
     out.push_str("\n## Built-in scenes\n\n");
     for name in builtin_names() {

@@ -26,7 +26,7 @@ const WORLD: Aabb = Aabb::new(DVec3::splat(-2.0), DVec3::splat(2.0));
 
 pub(super) fn solids(text: &str) -> (Solids, ShapeId) {
     let scene = From::Text {
-        name: "row.toml".into(),
+        name: if text.starts_with('{') { "row.json" } else { "row.toml" }.into(),
         text: text.into(),
         folder: concat!(env!("CARGO_MANIFEST_DIR"), "/scenes").into(),
     };

@@ -16,6 +16,8 @@ pub fn schema() -> Value {
     for (name, of) in [
         ("shape", named(reference("shape"))),
         ("cells", named(reference("cells"))),
+        ("operation", named(closed(properties(keys::OPERATION.iter())))),
+        ("import", named(json!({ "type": "string" }))),
         ("param", named(json!({}))),
         ("palette", named(json!({ "type": "array", "items": reference("color") }))),
         ("color", named(reference("color"))),
@@ -65,9 +67,11 @@ fn shape() -> Value {
     let nodes = MAKERS.iter().chain(MODIFIERS).flat_map(Spec::keys);
     let mut shape = closed(properties(nodes.chain(keys::SHAPE)));
     shape["properties"]["attribute"]["additionalProperties"] = reference("scalar");
-    // A shape is one thing.
+    // A shape is one thing: one of the nodes, or what an operation of the scene's own makes, whose keys only the scene knows.
     let is = |spec: &Spec| json!({ "required": [spec.key.name] });
-    shape["oneOf"] = MAKERS.iter().map(is).collect();
+    let nodes: Vec<Value> = MAKERS.iter().map(is).collect();
+    shape["oneOf"] = nodes.iter().cloned().chain([json!({ "not": { "anyOf": nodes } })]).collect();
+    shape["additionalProperties"] = json!({ "type": ["number", "string", "object", "array"] });
     shape
 }
 
@@ -133,7 +137,7 @@ fn of_kind(kind: Kind) -> Value {
         Kind::Text | Kind::Path | Kind::Formula | Kind::Scalar => json!({ "type": "string" }),
         Kind::Choice(names) => json!({ "enum": names }),
         Kind::Span | Kind::TwoNumbers | Kind::TwoColours => json!({ "type": "array", "minItems": 2, "maxItems": 2 }),
-        Kind::Grids => list(0, json!({ "type": "string" })),
+        Kind::Grids | Kind::Names => list(0, json!({ "type": "string" })),
         Kind::KeyFrames => list(2, json!({ "type": "integer" })),
         Kind::Frames => json!({ "type": ["integer", "string"] }),
         Kind::Depth => json!({ "type": ["integer", "array"] }),

@@ -15,7 +15,7 @@ fn load_text(text: &str, overrides: &Overrides) -> Result<Model, Diagnostics> {
     load_with(&source, overrides, Arc::new(|name| (name == "SHOT").then(|| "/shots/010".into())))
 }
 
-fn model(text: &str) -> Model {
+pub(super) fn model(text: &str) -> Model {
     load_text(text, &Overrides::default()).unwrap_or_else(|problems| panic!("{problems}"))
 }
 
@@ -33,13 +33,13 @@ fn problems_with(text: &str, overrides: &Overrides) -> Vec<String> {
     problems.list().iter().filter(|diagnostic| diagnostic.severity != Severity::Note).map(line).collect()
 }
 
-fn problems(text: &str) -> Vec<String> {
+pub(super) fn problems(text: &str) -> Vec<String> {
     problems_with(text, &Overrides::default())
 }
 
 /// The one problem of a scene that is otherwise right.
 #[track_caller]
-fn only(text: &str, wanted: &str) {
+pub(super) fn only(text: &str, wanted: &str) {
     assert_eq!(problems(text), [wanted], "of:\n{text}");
 }
 

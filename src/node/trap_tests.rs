@@ -9,7 +9,7 @@ use crate::field::{Aabb, Expression, Field};
 const WORLD: Aabb = Aabb::new(DVec3::splat(-2.0), DVec3::splat(2.0));
 
 /// F of the first shape of a scene.
-fn field(text: &str) -> Expression {
+pub(super) fn field(text: &str) -> Expression {
     let (mut solids, id) = solids(text);
     solids.values(id).unwrap_or_else(|problem| panic!("{problem:?}\n{text}"))
 }

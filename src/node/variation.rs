@@ -152,10 +152,9 @@ impl Model {
 
     /// Whether a formula hangs on time, or on a parameter that does.
     pub(crate) fn formula_varies(&self, formula: &Formula) -> bool {
-        let varying = |name: &str| {
-            matches!(name, "t" | "frame" | "time")
-                || self.parameters.iter().any(|parameter| parameter.name == name && self.varies(&parameter.value))
-        };
-        formula.names().any(varying)
+        let is_time = |name: &str| matches!(name, "t" | "frame" | "time");
+        formula.names().any(is_time)
+            || formula.parameters().any(|place| self.varies(&self.parameters[place].value))
+            || formula.numbers().any(|number| self.varies(number))
     }
 }

@@ -1,11 +1,13 @@
 //! Formulas of a scene: read with the names that a scene gives them, evaluated at a moment.
 
+use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use crate::field::{self, FormulaError, Graph, Node};
 
 use crate::text::diagnostic::Diagnostic;
 use crate::text::moment::Moment;
+use crate::text::number::Number;
 use crate::text::source::{Sources, Span};
 
 /// The names of the scene's parameters, in their order.
@@ -14,59 +16,151 @@ pub type Names = Arc<[String]>;
 /// Names that formulas know by themselves.
 pub const RESERVED: [&str; 7] = ["x", "y", "z", "t", "frame", "time", "pi"];
 
+/// What formulas may name beside places and time.
+#[derive(Clone, Debug, Default)]
+pub struct Scope {
+    /// The scene's parameters, in the order of a moment's values.
+    pub parameters: Names,
+    /// What has a name where the formula stands, each after those that it names.
+    pub named: Arc<[Named]>,
+}
+
+/// Something with a name in formulas.
+#[derive(Clone, Debug)]
+pub struct Named {
+    /// The name.
+    pub name: String,
+    /// What it stands for.
+    pub value: NamedValue,
+}
+
+/// What a name in formulas stands for.
+#[derive(Clone, Debug)]
+pub enum NamedValue {
+    /// A formula.
+    Formula(Arc<field::Formula>),
+    /// A number by keys, or one that stands still.
+    Number(Number),
+}
+
 /// A formula that was read and whose names are all known.
 #[derive(Clone, Debug)]
 pub struct Formula {
     parsed: Arc<field::Formula>,
-    names: Names,
+    scope: Arc<Scope>,
 }
 
 impl Formula {
-    /// A formula of t, frame, time and parameters.
-    pub fn of_time(text: &str, names: Names) -> Result<Self, Vec<FormulaProblem>> {
-        let formula = Self::parse(text, names);
-        let mut graph = Graph::new();
-        let known = formula.known(field::Names::new(), &Moment::any(&formula.names));
-        formula.parsed.compile(&mut graph, &known).map_err(problems)?;
+    /// A formula of t, frame, time, and what else has a name.
+    pub fn of_time(text: &str, scope: Scope) -> Result<Self, Vec<FormulaProblem>> {
+        let formula = Self::parse(text, scope);
+        let checked = formula.check(&mut Graph::new(), field::Names::new());
+        checked.map_err(|errors| problems(errors.into_iter().map(|error| formula.explained(error, text)).collect()))?;
         Ok(formula)
     }
 
-    /// A formula of x, y, z, t, frame, time and parameters.
-    pub fn of_space(text: &str, names: Names) -> Result<Self, Vec<FormulaProblem>> {
-        let formula = Self::parse(text, names);
+    /// A formula of x, y, z, t, frame, time, and what else has a name.
+    pub fn of_space(text: &str, scope: Scope) -> Result<Self, Vec<FormulaProblem>> {
+        Self::of_values(text, scope, &[])
+    }
+
+    /// The same with more names, each a number that differs from place to place.
+    pub fn of_values(text: &str, scope: Scope, values: &[String]) -> Result<Self, Vec<FormulaProblem>> {
+        let formula = Self::parse(text, scope);
         let mut graph = Graph::new();
-        let known = formula.known(field::Names::space(&mut graph), &Moment::any(&formula.names));
-        formula.parsed.compile(&mut graph, &known).map_err(problems)?;
+        let space = field::Names::space(&mut graph);
+        let any = graph.x();
+        let known = values.iter().fold(space, |known, name| known.node(name, any));
+        formula.check(&mut graph, known).map_err(problems)?;
         Ok(formula)
     }
 
-    fn parse(text: &str, names: Names) -> Self {
-        Self { parsed: Arc::new(field::Formula::parse(text)), names }
+    fn parse(text: &str, scope: Scope) -> Self {
+        Self { parsed: Arc::new(field::Formula::parse(text)), scope: Arc::new(scope) }
     }
 
-    /// What names mean at a moment.
-    fn known(&self, space: field::Names, moment: &Moment) -> field::Names {
+    /// At some moment: which one does not matter.
+    fn check(&self, graph: &mut Graph, space: field::Names) -> Result<(), Vec<FormulaError>> {
+        self.compile(graph, space, &Moment::any(&self.scope.parameters)).map(|_| ())
+    }
+
+    /// An error of a formula of time, in words that say why a name that is known elsewhere is not known here.
+    fn explained(&self, error: FormulaError, text: &str) -> FormulaError {
+        let name = text.get(error.span.clone()).unwrap_or_default();
+        if self.scope.named.iter().all(|named| named.name != name) {
+            return error;
+        }
+        let message = format!("`{name}` differs from place to place, and one number is needed here");
+        FormulaError { message, suggestion: None, ..error }
+    }
+
+    fn compile(&self, graph: &mut Graph, space: field::Names, moment: &Moment) -> Result<Node, Vec<FormulaError>> {
         let time = space.number("t", moment.t).number("frame", moment.frame).number("time", moment.time);
         let values = moment.parameters.iter().copied();
-        self.names.iter().zip(values).fold(time, |known, (name, value)| known.number(name, value))
+        let parameters = self.scope.parameters.iter().zip(values);
+        let mut known = parameters.fold(time, |known, (name, value)| known.number(name, value));
+        let used: BTreeSet<&str> = self.names().collect();
+        for Named { name, value } in self.scope.named.iter().filter(|named| used.contains(named.name.as_str())) {
+            known = match value {
+                NamedValue::Formula(formula) => match formula.compile(graph, &known) {
+                    Ok(node) => known.node(name, node),
+                    // Of places, where there are none: whoever names it is told.
+                    Err(_) => known,
+                },
+                NamedValue::Number(number) => known.number(name, number.at(moment).unwrap_or(f64::NAN)),
+            };
+        }
+        self.parsed.compile(graph, &known)
     }
 
-    /// The names in it, functions not among them.
+    /// The names in it and in what these stand for, functions not among them.
     pub fn names(&self) -> impl Iterator<Item = &str> {
-        self.parsed.names().into_iter()
+        let mut names = self.parsed.names();
+        for named in self.scope.named.iter().rev() {
+            if let NamedValue::Formula(formula) = &named.value
+                && names.contains(named.name.as_str())
+            {
+                names.extend(formula.names());
+            }
+        }
+        names.into_iter()
+    }
+
+    /// The scene's parameters among its names, by their place.
+    pub fn parameters(&self) -> impl Iterator<Item = usize> {
+        let used: BTreeSet<&str> = self.names().collect();
+        let places = self.scope.parameters.iter().enumerate();
+        places.filter(move |(_, name)| used.contains(name.as_str())).map(|(place, _)| place)
+    }
+
+    /// The numbers that its names stand for.
+    pub fn numbers(&self) -> impl Iterator<Item = &Number> {
+        let used: BTreeSet<&str> = self.names().collect();
+        self.scope.named.iter().filter_map(move |named| match &named.value {
+            NamedValue::Number(number) if used.contains(named.name.as_str()) => Some(number),
+            _ => None,
+        })
     }
 
     /// Its value at a moment; NaN where it has none. For formulas of time.
     pub fn number(&self, moment: &Moment) -> f64 {
-        self.parsed.evaluate(&self.known(field::Names::new(), moment)).unwrap_or(f64::NAN)
+        let mut graph = Graph::new();
+        let node = self.compile(&mut graph, field::Names::new(), moment);
+        let value = node.ok().and_then(|node| graph.as_constant(node));
+        value.filter(|value| value.is_finite()).unwrap_or(f64::NAN)
     }
 
     /// As a node of a graph, in its own x, y, z.
     pub fn node(&self, graph: &mut Graph, moment: &Moment) -> Node {
+        self.node_of(graph, moment, &[])
+    }
+
+    /// The same of values with names.
+    pub fn node_of(&self, graph: &mut Graph, moment: &Moment, values: &[(&str, Node)]) -> Node {
         let space = field::Names::space(graph);
-        let known = self.known(space, moment);
+        let known = values.iter().fold(space, |known, (name, node)| known.node(name, *node));
         // All names were looked up when the scene was read.
-        self.parsed.compile(graph, &known).unwrap_or_else(|_| graph.constant(f64::NAN))
+        self.compile(graph, known, moment).unwrap_or_else(|_| graph.constant(f64::NAN))
     }
 }
 

@@ -35,6 +35,8 @@ pub enum Kind {
     Span,
     /// Names of grids.
     Grids,
+    /// Names that the table itself gives.
+    Names,
     /// Whole frames, rising.
     KeyFrames,
     /// Frames, as `"1-48"` or `7`.
@@ -117,6 +119,7 @@ impl Kind {
             Self::Delay => "number without time, formula of space, or table".into(),
             Self::Span => "two numbers, rising".into(),
             Self::Grids => "list of grids".into(),
+            Self::Names => "list of names".into(),
             Self::KeyFrames => "list of whole frames, rising".into(),
             Self::Frames => "frames".into(),
             Self::Depth => "whole number or `[least, greatest]`".into(),
@@ -207,6 +210,8 @@ impl Limit {
             Self::Positive => "greater than 0".into(),
             Self::NotNegative => "0 or greater".into(),
             Self::NotZero => "other than 0".into(),
+            Self::Within(lo, GREATEST) => format!("at least {lo}"),
+            Self::Within(lo, hi) if lo == -GREATEST => format!("at most {hi}"),
             Self::Within(lo, hi) => format!("from {lo} to {hi}"),
         }
     }

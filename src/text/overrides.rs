@@ -51,10 +51,12 @@ fn apply_set(root: &mut Table, top: &[Key], text: &str, sources: &mut Sources) -
     let Some((name, value)) = text.split_once('=') else {
         return Err(Diagnostic::without_place(format!("--set `{}` has no `=`: it is name=value", clip(text))));
     };
-    let source = sources.add(format!("--set {}", clip(text)), text);
-    let set = parse_toml(text, source, Origin::Set)
+    let name = quoted(name);
+    let text = format!("{name}={value}");
+    let source = sources.add(format!("--set {}", clip(&text)), text.as_str());
+    let set = parse_toml(&text, source, Origin::Set)
         .or_else(|_| parse_toml(&format!("{name}={value:?}"), source, Origin::Set))
-        .map_err(|_| Diagnostic::without_place(format!("--set `{}` is not name=value", clip(text))))?;
+        .map_err(|_| Diagnostic::without_place(format!("--set `{}` is not name=value", clip(&text))))?;
     let set = match set.0.first() {
         Some(only) if !matches!(only.value.data, Data::Table(_)) || is_inline(&only.value, sources) => {
             let known = root.get("param").and_then(|entry| entry.value.table());
@@ -74,6 +76,12 @@ fn apply_set(root: &mut Table, top: &[Key], text: &str, sources: &mut Sources) -
     };
     merge(root, set, sources, 0);
     Ok(())
+}
+
+/// With quotes around parts of the name that hold a /, as those of imported files do: TOML takes them in quotes alone.
+fn quoted(name: &str) -> String {
+    let part = |part: &str| if part.contains('/') && !part.contains('"') { format!("\"{part}\"") } else { part.into() };
+    name.split('.').map(|name| part(name.trim())).collect::<Vec<_>>().join(".")
 }
 
 /// `name = 3`, or `name.value = 3` where the scene describes the parameter in a table.

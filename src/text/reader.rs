@@ -3,7 +3,7 @@
 use std::cell::RefCell;
 
 use crate::text::diagnostic::{Diagnostic, clip, first_of, listed, nearest};
-use crate::text::formula::{Formula, FormulaProblem, Names};
+use crate::text::formula::{Formula, FormulaProblem, Scope};
 use crate::text::frames::FrameRange;
 use crate::text::key::{Absent, Key, Kind, Limit};
 use crate::text::number::{Number, NumberValue};
@@ -25,16 +25,26 @@ pub struct Setting {
 pub struct Reader<'a> {
     /// The texts.
     pub sources: &'a Sources,
-    /// What formulas may name.
-    pub names: Names,
+    /// What formulas may name where it reads.
+    scope: RefCell<Scope>,
     diagnostics: RefCell<Vec<Diagnostic>>,
     settings: RefCell<Vec<Setting>>,
 }
 
 impl<'a> Reader<'a> {
     /// Nothing read yet.
-    pub fn new(sources: &'a Sources, names: Names) -> Self {
-        Self { sources, names, diagnostics: RefCell::default(), settings: RefCell::default() }
+    pub fn new(sources: &'a Sources, scope: Scope) -> Self {
+        Self { sources, scope: scope.into(), diagnostics: RefCell::default(), settings: RefCell::default() }
+    }
+
+    /// What formulas may name where it reads.
+    pub fn scope(&self) -> Scope {
+        self.scope.borrow().clone()
+    }
+
+    /// From here on formulas may name this; gives what they could before.
+    pub fn enter_scope(&self, scope: Scope) -> Scope {
+        self.scope.replace(scope)
     }
 
     /// Notes something to say.
@@ -49,7 +59,7 @@ impl<'a> Reader<'a> {
 
     /// A formula of space in a string; `None` where what is wrong with it was said.
     pub fn formula_of_space(&self, text: &str, string: Span) -> Option<Formula> {
-        Formula::of_space(text, self.names.clone()).map_err(|problems| self.say_all(problems, string, text)).ok()
+        Formula::of_space(text, self.scope()).map_err(|problems| self.say_all(problems, string, text)).ok()
     }
 
     /// Whether so much was noted that what comes is only counted: then nobody looks for the nearest names.
@@ -67,6 +77,14 @@ impl<'a> Reader<'a> {
     /// Notes a value for `check -v`.
     pub fn note(&self, name: &str, value: impl Into<String>, origin: Origin) {
         self.settings.borrow_mut().push(Setting { name: name.into(), value: value.into(), origin });
+    }
+
+    /// Notes a value as it is written.
+    pub fn note_value(&self, name: &str, value: &Value) {
+        let text = self.sources.text(value.span);
+        let text =
+            if text.contains('\n') { text.split_whitespace().collect::<Vec<_>>().join(" ") } else { text.into() };
+        self.note(name, text, value.origin);
     }
 
     /// "this must be so, and is that".
@@ -87,7 +105,7 @@ impl<'a> Reader<'a> {
                 self.check_limit(name, limit, constant, value.span);
                 number(NumberValue::Constant(constant))
             }
-            Data::Text(text) => match Formula::of_time(text, self.names.clone()) {
+            Data::Text(text) => match Formula::of_time(text, self.scope()) {
                 Ok(formula) => number(NumberValue::Formula(formula)),
                 Err(problems) => {
                     self.say_all(problems, value.span, text);
@@ -186,6 +204,8 @@ pub struct Fields<'r, 'a> {
     pub span: Span,
     table: &'r Table,
     keys: Vec<&'static Key>,
+    /// Names of its keys that others read.
+    beside: Vec<&'r str>,
 }
 
 /// Keys that a message lists where none is near: a shape may have a hundred.
@@ -202,9 +222,23 @@ impl<'r, 'a> Fields<'r, 'a> {
         table: &'r Table,
         keys: Vec<&'static Key>,
     ) -> Self {
-        let fields = Self { reader, path: path.into(), span, table, keys };
+        Self::beside(reader, path, owner, span, table, keys, Vec::new())
+    }
+
+    /// The same of a table with keys that others read, of these names.
+    pub fn beside(
+        reader: &'r Reader<'a>,
+        path: &str,
+        owner: Owner,
+        span: Span,
+        table: &'r Table,
+        keys: Vec<&'static Key>,
+        beside: Vec<&'r str>,
+    ) -> Self {
+        let fields = Self { reader, path: path.into(), span, table, keys, beside };
         for entry in &table.0 {
             match fields.keys.iter().find(|key| key.is_called(&entry.key)) {
+                None if fields.beside.contains(&entry.key.as_str()) => {}
                 None => fields.unknown(owner, entry),
                 Some(key) => {
                     let earlier = table.0.iter().take_while(|other| other.key_span != entry.key_span);
@@ -244,7 +278,7 @@ impl<'r, 'a> Fields<'r, 'a> {
         if self.reader.has_said_enough() {
             return self.reader.say(diagnostic);
         }
-        let names = self.keys.iter().map(|key| key.name);
+        let names = self.beside.iter().copied().chain(self.keys.iter().map(|key| key.name));
         self.reader.say(match owner(name) {
             _ if nearest(name, names.clone()).is_some() => diagnostic.suggest(name, names),
             Some(owner) => diagnostic.help(format!("`{name}` goes with `{owner}`")),
@@ -279,15 +313,7 @@ impl<'r, 'a> Fields<'r, 'a> {
             self.reader.say(Diagnostic::error(self.span, problem).help(self.key(name).text));
         }
         match entry {
-            Some(entry) => {
-                let text = self.reader.sources.text(entry.value.span);
-                let text = if text.contains('\n') {
-                    text.split_whitespace().collect::<Vec<_>>().join(" ")
-                } else {
-                    text.into()
-                };
-                self.reader.note(&self.full(name), text, entry.value.origin);
-            }
+            Some(entry) => self.reader.note_value(&self.full(name), &entry.value),
             None => {
                 let default = match self.key(name).default {
                     Absent::Number(value) => format!("{value}"),

@@ -5,7 +5,7 @@ use std::ops::Range;
 /// A piece of one of a scene's texts, as bytes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub struct Span {
-    /// Which text: 0 is the scene's own, the others are command line overrides.
+    /// Which text: 0 is the scene's own, the others are those of imported files and of command line overrides.
     pub source: usize,
     /// The first byte.
     pub start: usize,
@@ -49,6 +49,11 @@ impl Sources {
     pub fn add(&mut self, name: impl Into<String>, text: impl Into<String>) -> usize {
         self.0.push(SourceText { name: name.into(), text: text.into() });
         self.0.len() - 1
+    }
+
+    /// The number of the text that was added last.
+    pub fn last(&self) -> usize {
+        self.0.len().saturating_sub(1)
     }
 
     /// The scene's own text; none where it could not be read.

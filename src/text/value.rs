@@ -171,11 +171,13 @@ impl Value {
 /// Reads a TOML text.
 pub fn parse_toml(text: &str, source: usize, origin: Origin) -> Result<Table, Diagnostic> {
     let mut root = toml_span::parse(text).map_err(|error| {
-        let diagnostic = Diagnostic::error(Span::new(source, error.span.into()), format!("not TOML: {error}"));
+        let span = Span::new(source, error.span.into());
+        let diagnostic = Diagnostic::error(span, format!("not TOML: {error}"));
         match error.kind {
             toml_span::ErrorKind::UnquotedString => diagnostic.help("text stands in quotes"),
             toml_span::ErrorKind::DottedKeyInvalidType { .. } => diagnostic
                 .help("a point in a key opens a table; a key with a point of its own stands in quotes: \"12.5\""),
+            toml_span::ErrorKind::ExceededDepthLimit => nested_too_deeply(span),
             _ => diagnostic,
         }
     })?;
@@ -212,9 +214,14 @@ fn from_toml(value: &mut toml_span::Value<'_>, source: usize, origin: Origin) ->
     Value { data, span, origin }
 }
 
-/// How deep tables and lists of a scene may stand in one another. Scenes need six; a text of brackets must not overflow the
-/// stack. (TOML's parser has a limit of its own.)
-const DEEPEST: usize = 64;
+/// How deep tables and lists of a JSON scene may stand in one another: 64 shapes in place, each in a list, and what they
+/// stand in. Deeper, a text of brackets could overflow the stack. (TOML's parser has a limit of its own.)
+const DEEPEST: usize = 132;
+
+fn nested_too_deeply(span: Span) -> Diagnostic {
+    Diagnostic::error(span, "tables and lists are nested too deeply")
+        .help("give one of the shapes on the way a name: [shape.NAME]")
+}
 
 /// The byte at which JSON is nested too deeply, if it is. Whether it is JSON otherwise is for its parser.
 fn too_deep(text: &str) -> Option<usize> {
@@ -241,8 +248,7 @@ fn too_deep(text: &str) -> Option<usize> {
 /// Reads a JSON text.
 pub fn parse_json(text: &str, source: usize) -> Result<Table, Diagnostic> {
     if let Some(at) = too_deep(text) {
-        let problem = Diagnostic::error(Span::new(source, at..at + 1), "nested too deeply");
-        return Err(problem.help(format!("tables and lists of a scene stand at most {DEEPEST} deep in one another")));
+        return Err(nested_too_deeply(Span::new(source, at..at + 1)));
     }
     let root: &RawValue = serde_json::from_str(text).map_err(|error| {
         let at = offset_of(text, error.line(), error.column());

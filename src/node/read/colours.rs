@@ -24,9 +24,11 @@ impl<'r, 'a> Building<'r, 'a> {
             self.must_be_table(name);
         }
         for entry in family(self.root, "palette") {
+            self.enter(&entry.key);
             self.palette(&format!("palette.{}", entry.key), &entry.value);
         }
         for entry in self.named_colours() {
+            self.enter(&entry.key);
             self.solid(&format!("color.{}", entry.key), &entry.value);
         }
     }
@@ -53,9 +55,12 @@ impl<'r, 'a> Building<'r, 'a> {
     pub(super) fn solid(&self, path: &str, value: &Value) -> Option<LinearRgb> {
         match &value.data {
             Data::Text(text) => {
-                let named = self.named_colours().find(|entry| entry.key == *text && entry.value.span != value.span);
-                if let Some(entry) = named
-                    && !matches!(&entry.value.data, Data::Text(other) if self.named_colours().any(|entry| entry.key == *other))
+                let called = |name: &str| {
+                    let name = self.global(name);
+                    self.named_colours().find(|entry| entry.key == name)
+                };
+                if let Some(entry) = called(text).filter(|entry| entry.value.span != value.span)
+                    && !matches!(&entry.value.data, Data::Text(other) if called(other).is_some())
                 {
                     return self.solid(&format!("color.{text}"), &entry.value);
                 }
@@ -125,7 +130,7 @@ impl<'r, 'a> Building<'r, 'a> {
     ) -> Option<Given<N>> {
         let source = self.source_of(path, value, table, family)?;
         let fields = Fields::new(self.reader, path, family.owner, value.span, table, source.keys().collect());
-        let arguments = self.arguments(source.keys(), &fields, host.id, host.may_nest);
+        let arguments = self.arguments(source.keys(), &fields, host.id);
         if let Some(problem) = (source.check)(&fields, host.has_cells) {
             self.reader.say(problem);
             return None;
@@ -200,7 +205,8 @@ impl<'r, 'a> Building<'r, 'a> {
             self.reader.wrong_kind(&fields.full(key), "a file's name", value);
             return None;
         };
-        match files::find(text, value.span, &self.surroundings.base, &self.surroundings.variables) {
+        let base = self.surroundings.namespaces.base(value.span).unwrap_or(&self.surroundings.base);
+        match files::find(text, value.span, base, &self.surroundings.variables) {
             Ok(file) => Some(file),
             Err(problem) => {
                 self.reader.say(problem);
@@ -213,11 +219,12 @@ impl<'r, 'a> Building<'r, 'a> {
     pub(super) fn named_palette(&self, path: &str, value: &'r Value) -> Option<Vec<LinearRgb>> {
         let Some(name) = value.text() else { return self.palette(path, value) };
         let palettes = family(self.root, "palette").map(|entry| (entry.key.as_str(), &entry.value)).collect();
-        let value = self.resolve("palette", &palettes, value, path)?;
+        let found = self.resolve("palette", &palettes, value, path)?;
         // Its problems were said where it stands.
-        let quiet = Reader::new(self.reader.sources, self.reader.names.clone());
-        let silent = Building::new(&quiet, self.surroundings, self.root, self.seed);
-        silent.palette(name, value)
+        let quiet = Reader::new(self.reader.sources, self.reader.scope());
+        let mut silent = Building::new(&quiet, self.surroundings, self.root, self.seed);
+        silent.enter(&self.global(name));
+        silent.palette(name, found)
     }
 
     /// Two colours.

@@ -148,12 +148,12 @@ impl Building<'_, '_> {
     }
 
     fn node_name(&self, node: Node) -> String {
-        let named = |name: &str, i: usize| {
-            family(self.root, name).nth(i).map_or_else(|| "in place".into(), |entry| clip(&entry.key).into_owned())
-        };
+        // What stands in place is called by its place, if it could be read.
+        let called = |key: Option<&str>, place: Option<&str>| clip(key.or(place).unwrap_or("in place")).into_owned();
+        let key = |name: &str, i: usize| family(self.root, name).nth(i).map(|entry| entry.key.as_str());
         match node {
-            Node::Shape(id) => named("shape", id.0),
-            Node::Cells(id) => named("cells", id.0),
+            Node::Shape(id) => called(key("shape", id.0), self.shapes[id.0].as_ref().map(|shape| shape.name.as_str())),
+            Node::Cells(id) => called(key("cells", id.0), self.cells[id.0].as_ref().map(|cells| cells.name.as_str())),
             Node::Output => "output".into(),
         }
     }

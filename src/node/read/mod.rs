@@ -5,7 +5,10 @@ mod colours;
 mod displace;
 mod links;
 mod morph;
+mod names;
+mod operations;
 mod pairs;
+mod parameters;
 mod places;
 mod planar;
 mod scalars;
@@ -14,17 +17,19 @@ mod shapes;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
+use crate::node::imports::Namespaces;
 use crate::node::keys::{self};
 use crate::node::list;
 use crate::node::model::{Cells, CellsId, Model, Parameter, Shape, ShapeId};
+use crate::node::operation::Operation;
+use crate::node::promises;
 use crate::node::spec::Spec;
 use crate::node::table;
 use crate::text::diagnostic::{Diagnostic, Diagnostics, Severity, clip};
 use crate::text::files::{Base, Variables};
-use crate::text::formula::{Names, RESERVED};
+use crate::text::formula::Scope;
 use crate::text::frames::{FrameRange, Shot};
-use crate::text::key::{Key, Limit};
-use crate::text::number::{NumberValue, plain_number};
+use crate::text::key::Key;
 use crate::text::reader::{Fields, NO_OWNER, Reader};
 use crate::text::source::{Sources, Span};
 use crate::text::value::{Data, Entry, Table, Value};
@@ -37,6 +42,8 @@ pub struct Surroundings {
     pub base: Base,
     /// The values of variables in paths.
     pub variables: Variables,
+    /// Which names imported files brought, and where paths of theirs begin.
+    pub namespaces: Namespaces,
 }
 
 /// What is known while a scene is read.
@@ -46,10 +53,16 @@ struct Building<'r, 'a> {
     root: &'r Table,
     shape_ids: BTreeMap<&'r str, ShapeId>,
     cells_ids: BTreeMap<&'r str, CellsId>,
+    /// By name; `None` for those that are wrong.
+    operations: BTreeMap<&'r str, Option<Arc<Operation>>>,
     shapes: Vec<Option<Shape>>,
     cells: Vec<Option<Cells>>,
     links: Vec<Link>,
     seed: u64,
+    /// What stands before the names of the file whose text is read: nothing before the scene's own.
+    space: String,
+    /// How many shapes and cells in place stand around what is read.
+    depth: usize,
 }
 
 /// The shape that an attribute belongs to.
@@ -58,8 +71,6 @@ struct Host {
     id: ShapeId,
     /// Whether it has cells, which can take a value each.
     has_cells: bool,
-    /// Whether shapes may be written in place in the attribute.
-    may_nest: bool,
 }
 
 /// Reads a tree. The model where there is no error, and everything there is to say.
@@ -70,8 +81,7 @@ pub fn read(
     surroundings: &Surroundings,
     earlier: Vec<Diagnostic>,
 ) -> Result<Model, Diagnostics> {
-    let names: Names = family(root, "param").map(|entry| entry.key.clone()).collect();
-    let reader = Reader::new(&sources, names);
+    let reader = Reader::new(&sources, Scope::default());
     earlier.into_iter().for_each(|diagnostic| reader.say(diagnostic));
     let parts = Parts::read(root, surroundings, &reader);
     let (said, settings) = reader.into_parts();
@@ -80,7 +90,7 @@ pub fn read(
         diagnostics.drop_notes();
         return Err(diagnostics);
     };
-    Ok(Model {
+    let model = Model {
         name: name.into(),
         shot: parts.shot,
         unit: parts.unit,
@@ -93,9 +103,12 @@ pub fn read(
         output: parts.output,
         settings,
         warnings: diagnostics,
+        imports: surroundings.namespaces.files.clone(),
         document: root.clone(),
-        sources,
-    })
+        sources: Arc::clone(&sources),
+    };
+    let found: Vec<Diagnostic> = parameters::out_of_range(&model).into_iter().chain(promises::broken(&model)).collect();
+    if found.is_empty() { Ok(model) } else { Err(Diagnostics::new(found, sources)) }
 }
 
 /// The parts of a model.
@@ -123,11 +136,21 @@ impl Parts {
         let unit = top.choice("unit").unwrap_or("m");
         let up = top.choice("up").unwrap_or("z");
         let seed = top.whole("seed").unwrap_or(0).max(0) as u64;
-        let parameters = parameters(reader, root);
+        if let Some(entry) = root.get("param").filter(|entry| entry.value.table().is_none()) {
+            reader.wrong_kind("param", "a table", &entry.value);
+        }
+        for entry in family(root, "param") {
+            let own = &entry.key[surroundings.namespaces.of(&entry.key).len()..];
+            parameters::check_name(reader, own, entry.key_span);
+        }
+        let parameters = parameters::parameters(reader, "param", family(root, "param"));
         let mut building = Building::new(reader, surroundings, root, seed);
+        building.enter("");
         building.palettes();
+        building.all_operations();
         building.all_cells();
         building.all_shapes();
+        building.enter("");
         let morph = building.morph(&shot);
         let (output, chosen) = building.output();
         building.check_velocity(morph.as_deref(), &output);
@@ -161,70 +184,6 @@ fn shot(top: &Fields<'_, '_>) -> Shot {
     Shot { range: range.unwrap_or(FrameRange { first: 1, last: 1 }), fps, still: range.is_none() }
 }
 
-fn parameters(reader: &Reader<'_>, root: &Table) -> Vec<Parameter> {
-    if let Some(entry) = root.get("param").filter(|entry| entry.value.table().is_none()) {
-        reader.wrong_kind("param", "a table", &entry.value);
-    }
-    // Formulas of parameters know time only.
-    let time_only = Reader::new(reader.sources, Names::default());
-    let read = |entry: &Entry| {
-        let path = format!("param.{}", entry.key);
-        if RESERVED.contains(&entry.key.as_str()) {
-            let problem = format!("`{}` already means something in formulas", entry.key);
-            reader.say(Diagnostic::error(entry.key_span, problem));
-        }
-        let is_name = |c: char| c.is_ascii_alphanumeric() || c == '_';
-        if !entry.key.chars().all(is_name) || entry.key.starts_with(|c: char| c.is_ascii_digit()) {
-            let problem = format!("`{}` cannot be a name in formulas", clip(&entry.key));
-            reader.say(Diagnostic::error(entry.key_span, problem).help("letters, digits and _"));
-        }
-        let described = entry.value.table().filter(|table| table.get("value").is_some());
-        let Some(table) = described else {
-            return Parameter {
-                name: entry.key.clone(),
-                value: noted(&time_only, reader, &path, &entry.value),
-                text: None,
-            };
-        };
-        let fields = Fields::new(reader, &path, NO_OWNER, entry.key_span, table, keys::PARAMETER.iter().collect());
-        let mut value = match fields.value("value") {
-            Some(value) => time_only.number(&path, Limit::Any, value),
-            None => fields.required_number("value"),
-        };
-        if let Some([least, greatest]) = fields.value("range").and_then(|range| pair(reader, &path, range)) {
-            value.limit = Limit::Within(least, greatest);
-            if let NumberValue::Constant(constant) = value.value
-                && let Some(wanted) = value.limit.out_of_range(constant)
-            {
-                let problem = format!("`{path}` must be {wanted}, and is {}", plain_number(constant));
-                reader.say(Diagnostic::error(value.span, problem));
-            }
-        }
-        Parameter { name: entry.key.clone(), value, text: fields.text("text") }
-    };
-    let all = family(root, "param").map(read).collect();
-    time_only.into_parts().0.into_iter().for_each(|diagnostic| reader.say(diagnostic));
-    all
-}
-
-fn noted(time_only: &Reader<'_>, reader: &Reader<'_>, path: &str, value: &Value) -> crate::text::number::Number {
-    reader.note(path, reader.sources.text(value.span), value.origin);
-    time_only.number(path, Limit::Any, value)
-}
-
-/// `[least, greatest]`.
-fn pair(reader: &Reader<'_>, name: &str, value: &Value) -> Option<[f64; 2]> {
-    let numbers: Option<Vec<f64>> = value.list().map(|list| list.iter().filter_map(Value::number).collect());
-    match numbers.as_deref() {
-        Some(&[least, greatest]) if least < greatest => Some([least, greatest]),
-        _ => {
-            let problem = format!("`{}` takes two numbers, [least, greatest]", clip(name));
-            reader.say(Diagnostic::error(value.span, problem));
-            None
-        }
-    }
-}
-
 impl<'r, 'a> Building<'r, 'a> {
     fn new(reader: &'r Reader<'a>, surroundings: &'r Surroundings, root: &'r Table, seed: u64) -> Self {
         let shape_ids: BTreeMap<_, _> =
@@ -232,7 +191,40 @@ impl<'r, 'a> Building<'r, 'a> {
         let cells_ids: BTreeMap<_, _> =
             family(root, "cells").enumerate().map(|(i, entry)| (entry.key.as_str(), CellsId(i))).collect();
         let (shapes, cells) = (vec![None; shape_ids.len()], vec![None; cells_ids.len()]);
-        Self { reader, surroundings, root, shape_ids, cells_ids, shapes, cells, links: Vec::new(), seed }
+        let operations = BTreeMap::new();
+        let links = Vec::new();
+        Self {
+            reader,
+            surroundings,
+            root,
+            shape_ids,
+            cells_ids,
+            operations,
+            shapes,
+            cells,
+            links,
+            seed,
+            space: String::new(),
+            depth: 0,
+        }
+    }
+
+    /// From here on names are those of the file that brought this one.
+    fn enter(&mut self, name: &str) {
+        self.space = self.surroundings.namespaces.of(name).to_owned();
+        let known = |entry: &Entry| {
+            let name =
+                entry.key.strip_prefix(&self.space).filter(|name| self.surroundings.namespaces.of(name).is_empty());
+            // No formula can name what has a / in it.
+            name.map_or_else(|| format!("/{}", entry.key), str::to_owned)
+        };
+        let parameters = family(self.root, "param").map(known).collect();
+        self.reader.enter_scope(Scope { parameters, named: Arc::default() });
+    }
+
+    /// A name as the scene knows it, from one in the text that is read.
+    fn global(&self, name: &str) -> String {
+        format!("{}{name}", self.space)
     }
 
     /// A name of a family, or the error that says that there is none such.
@@ -241,17 +233,19 @@ impl<'r, 'a> Building<'r, 'a> {
             self.reader.wrong_kind(path, &format!("the name of {}", noun(family)), value);
             return None;
         };
-        let found = ids.get(name).copied();
+        let found = ids.get(self.global(name).as_str()).copied();
         if found.is_none() {
             let problem = Diagnostic::error(value.span, format!("there is no `{family}.{}`", clip(name)));
             let elsewhere = ["shape", "cells", "palette", "color"]
                 .into_iter()
                 .filter(|_| !self.reader.has_said_enough())
-                .find(|other| *other != family && self::family(self.root, other).any(|entry| entry.key == name));
+                .find(|other| {
+                    *other != family && self::family(self.root, other).any(|entry| entry.key == self.global(name))
+                });
             self.reader.say(match elsewhere {
                 _ if self.reader.has_said_enough() => problem,
                 Some(other) => problem.help(format!("`{name}` is the name of {}", noun(other))),
-                None => problem.suggest(name, ids.keys().copied()),
+                None => problem.suggest(name, ids.keys().filter_map(|known| known.strip_prefix(self.space.as_str()))),
             });
         }
         found
@@ -265,7 +259,8 @@ impl<'r, 'a> Building<'r, 'a> {
     fn all_cells(&mut self) {
         self.must_be_table("cells");
         for (i, entry) in family(self.root, "cells").enumerate() {
-            let cells = self.read_cells(&format!("cells.{}", entry.key), entry.key_span, &entry.value, i, true);
+            self.enter(&entry.key);
+            let cells = self.read_cells(&format!("cells.{}", entry.key), entry.key_span, &entry.value, i);
             self.cells[i] = cells;
         }
     }
@@ -276,13 +271,12 @@ impl<'r, 'a> Building<'r, 'a> {
         }
     }
 
-    /// `may_nest`: whether the shape that they stand around may be written in place.
-    fn read_cells(&mut self, path: &str, span: Span, value: &'r Value, i: usize, may_nest: bool) -> Option<Cells> {
+    fn read_cells(&mut self, path: &str, span: Span, value: &'r Value, i: usize) -> Option<Cells> {
         let keys = keys::CELLS.iter().collect();
         let fields = Fields::of_value(self.reader, path, NO_OWNER, span, value, keys)?;
         let around = fields
             .value("octree")
-            .and_then(|value| self.operand(&fields.full("octree"), Node::Cells(CellsId(i)), value, may_nest));
+            .and_then(|value| self.operand(&fields.full("octree"), Node::Cells(CellsId(i)), value));
         let (least_depth, most_depth) = self.depth(&fields);
         Some(Cells {
             name: path.trim_start_matches("cells.").into(),
@@ -319,12 +313,27 @@ impl<'r, 'a> Building<'r, 'a> {
         depths.unwrap_or(default)
     }
 
+    /// Reads what is written in place, unless it stands too deep in others of its kind.
+    fn within<T>(&mut self, span: Span, read: impl FnOnce(&mut Self) -> Option<T>) -> Option<T> {
+        /// Each level takes a piece of the stack.
+        const DEEPEST: usize = 64;
+        if self.depth == DEEPEST {
+            let problem = format!("shapes in place stand more than {DEEPEST} deep in one another");
+            self.reader.say(Diagnostic::error(span, problem).help("give one on the way a name: [shape.NAME]"));
+            return None;
+        }
+        self.depth += 1;
+        let read = read(self);
+        self.depth -= 1;
+        read
+    }
+
     /// Cells by name, or written in place.
-    fn cells_reference(&mut self, path: &str, from: ShapeId, value: &'r Value, may_nest: bool) -> Option<CellsId> {
+    fn cells_reference(&mut self, path: &str, from: ShapeId, value: &'r Value) -> Option<CellsId> {
         let id = if value.table().is_some() {
             let id = CellsId(self.cells.len());
             self.cells.push(None);
-            self.cells[id.0] = self.read_cells(path, value.span, value, id.0, may_nest);
+            self.cells[id.0] = self.within(value.span, |building| building.read_cells(path, value.span, value, id.0));
             id
         } else {
             self.resolve("cells", &self.cells_ids, value, path)?
@@ -350,11 +359,11 @@ fn mixed(seed: u64, name: &str) -> u64 {
     bytes.fold(0xcbf2_9ce4_8422_2325, |hash, byte| (hash ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3))
 }
 
-/// The keys of a shape that is this, and to which this is done.
-fn shape_keys(spec: &'static Spec, done: &[&'static Spec]) -> Vec<&'static Key> {
+/// The keys of a shape with these of its own, and to which this is done.
+fn shape_keys(own: impl Iterator<Item = &'static Key>, done: &[&'static Spec]) -> Vec<&'static Key> {
     let parameters = done.iter().flat_map(|spec| spec.parameters);
     let modifiers = list::MODIFIERS.iter().map(|spec| &spec.key);
-    spec.keys().chain(parameters).chain(keys::SHAPE).chain(modifiers).collect()
+    own.chain(parameters).chain(keys::SHAPE).chain(modifiers).collect()
 }
 
 /// All keys that a shape may have, whatever it is.

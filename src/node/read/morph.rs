@@ -294,7 +294,9 @@ impl<'r, 'a> Building<'r, 'a> {
             return Some(Content::Shape(id));
         }
         let used: BTreeSet<Node> = self.links.iter().map(|link| link.to).collect();
-        let mut free = self.shape_ids.iter().filter(|(_, id)| !used.contains(&Node::Shape(**id)));
+        // What a file brings is there to be used.
+        let is_own = |name: &str| self.surroundings.namespaces.of(name).is_empty();
+        let mut free = self.shape_ids.iter().filter(|(name, id)| is_own(name) && !used.contains(&Node::Shape(**id)));
         match (free.next(), free.next()) {
             (Some((_, id)), None) => Some(Content::Shape(*id)),
             (None, _) if self.shape_ids.is_empty() => {

@@ -10,6 +10,7 @@ use crate::node::argument::{Argument, Arguments, Bounds, Copies, Rows};
 use crate::node::keys;
 use crate::node::list;
 use crate::node::model::{Modifier, Placement, Shape, ShapeId};
+use crate::node::operation::OPERATION;
 use crate::node::spec::Spec;
 use crate::node::table;
 use crate::text::diagnostic::{Diagnostic, clip, some_of};
@@ -18,23 +19,48 @@ use crate::text::key::GREATEST;
 use crate::text::key::{Absent, Key, Kind, Limit};
 use crate::text::reader::{Fields, NO_OWNER};
 use crate::text::source::Span;
-use crate::text::value::{Table, Value};
+use crate::text::value::{Entry, Table, Value};
+
+/// What makes a shape.
+#[derive(Clone, Copy)]
+enum Maker<'r> {
+    /// A node.
+    Node(&'static Spec),
+    /// An operation of the scene's own, by the entry that names it.
+    Own(&'r Entry),
+}
+
+impl Maker<'_> {
+    fn spec(self) -> &'static Spec {
+        match self {
+            Self::Node(spec) => spec,
+            Self::Own(_) => &OPERATION,
+        }
+    }
+}
 
 impl<'r, 'a> Building<'r, 'a> {
     pub(super) fn all_shapes(&mut self) {
         self.must_be_table("shape");
         for (i, entry) in family(self.root, "shape").enumerate() {
             let path = format!("shape.{}", entry.key);
+            self.enter(&entry.key);
             match entry.value.table() {
-                Some(table) => self.shapes[i] = self.read_shape(&path, entry.key_span, table, ShapeId(i), true),
+                Some(table) => self.shapes[i] = self.read_shape(&path, entry.key_span, table, ShapeId(i)),
                 None => self.reader.wrong_kind(&path, "a table", &entry.value),
             }
         }
     }
 
+    /// What an entry makes of its shape, if it is one that makes.
+    fn maker(&self, entry: &'r Entry) -> Option<Maker<'r>> {
+        let node = table::maker(&entry.key).map(Maker::Node);
+        node.or_else(|| self.operation_of(entry).map(|_| Maker::Own(entry)))
+    }
+
     /// The one maker of a table. Says so where there are two of them, or none and no unknown key that stands for one.
-    fn maker_of(&self, path: &str, span: Span, table: &'r Table) -> Option<&'static Spec> {
-        let mut found = table.0.iter().filter_map(|entry| Some((entry, table::maker(&entry.key)?)));
+    fn maker_of(&self, path: &str, span: Span, table: &'r Table) -> Option<Maker<'r>> {
+        let mut found = table.0.iter().filter_map(|entry| Some((entry, self.maker(entry)?)));
         match (found.next(), found.next()) {
             (Some((_, maker)), None) => Some(maker),
             (Some((first, _)), Some((second, _))) => {
@@ -59,15 +85,31 @@ impl<'r, 'a> Building<'r, 'a> {
         }
     }
 
-    /// One shape. `may_nest`: whether a shape written in place may stand for one of its operands.
-    fn read_shape(&mut self, path: &str, span: Span, table: &'r Table, id: ShapeId, may_nest: bool) -> Option<Shape> {
-        let spec = self.maker_of(path, span, table);
+    /// One shape, whose formulas may name what it gives them.
+    fn read_shape(&mut self, path: &str, span: Span, table: &'r Table, id: ShapeId) -> Option<Shape> {
+        let around = self.reader.enter_scope(self.scope_of(path, table));
+        let shape = self.read_shape_within(path, span, table, id);
+        self.reader.enter_scope(around);
+        shape
+    }
+
+    fn read_shape_within(&mut self, path: &str, span: Span, table: &'r Table, id: ShapeId) -> Option<Shape> {
+        let maker = self.maker_of(path, span, table);
+        let spec = maker.map(Maker::spec);
         let done: Vec<&'static Spec> =
             list::MODIFIERS.iter().filter(|spec| table.0.iter().any(|entry| spec.key.is_called(&entry.key))).collect();
-        let keys = spec.map_or_else(any_shape_keys, |spec| shape_keys(spec, &done));
-        self.say_shared(path, table, spec.into_iter().chain(done));
-        let fields = Fields::new(self.reader, path, table::shape_owner, span, table, keys);
-        let arguments = spec.and_then(|spec| self.arguments(spec.keys(), &fields, id, may_nest));
+        let (keys, beside) = match maker {
+            None => (any_shape_keys(), self.operations.keys().copied().collect()),
+            Some(Maker::Node(spec)) => (shape_keys(spec.keys(), &done), Vec::new()),
+            Some(Maker::Own(entry)) => (shape_keys([].iter(), &done), self.own_keys(entry, table)),
+        };
+        self.say_shared(path, table, spec.into_iter().chain(done), &beside);
+        let fields = Fields::beside(self.reader, path, table::shape_owner, span, table, keys, beside);
+        let arguments = match maker {
+            None => None,
+            Some(Maker::Node(spec)) => self.arguments(spec.keys(), &fields, id),
+            Some(Maker::Own(entry)) => self.applied(path, entry, table, id),
+        };
         // Without a maker all else is read, so that all errors come together.
         let mut modifiers = Vec::new();
         let steps = fields.value("do");
@@ -75,7 +117,7 @@ impl<'r, 'a> Building<'r, 'a> {
             if fields.entry(spec.key.name).is_none() {
                 // Its default is said.
                 fields.value(spec.key.name);
-            } else if let Some(arguments) = self.arguments(spec.keys(), &fields, id, may_nest) {
+            } else if let Some(arguments) = self.arguments(spec.keys(), &fields, id) {
                 modifiers.push(Modifier { spec, arguments });
             }
         }
@@ -86,12 +128,12 @@ impl<'r, 'a> Building<'r, 'a> {
         };
         if let Some(steps) = steps {
             self.say_beside_steps(&fields, table);
-            modifiers = self.steps(&fields.full("do"), steps, id, may_nest).unwrap_or_default();
+            modifiers = self.steps(&fields.full("do"), steps, id).unwrap_or_default();
             placed_last(&mut modifiers, &mut placement);
         }
         let takes_cells = |spec: &Spec| spec.cells.is_some();
         let has_cells = spec.is_none_or(takes_cells) || modifiers.iter().any(|modifier| takes_cells(modifier.spec));
-        let host = Host { id, has_cells, may_nest };
+        let host = Host { id, has_cells };
         let colour = fields.value("color").and_then(|value| self.shape_colour(&fields.full("color"), value, host));
         let scalars = fields
             .value("attribute")
@@ -101,13 +143,20 @@ impl<'r, 'a> Building<'r, 'a> {
         Some(Shape { name, span, spec: spec?, arguments: arguments?, modifiers, placement, colour, scalars })
     }
 
-    /// Says which keys could be parameters of two nodes of one shape.
-    fn say_shared(&self, path: &str, table: &'r Table, specs: impl Iterator<Item = &'static Spec> + Clone) {
+    /// Says which keys could be parameters of two nodes of one shape. `own`: the operation of the scene's own that makes
+    /// it, and its parameters.
+    fn say_shared(
+        &self,
+        path: &str,
+        table: &'r Table,
+        specs: impl Iterator<Item = &'static Spec> + Clone,
+        own: &[&'r str],
+    ) {
         for entry in &table.0 {
             let owns = |spec: &&'static Spec| spec.parameters.iter().any(|key| key.is_called(&entry.key));
-            let mut owners = specs.clone().filter(owns);
+            let own = own.first().copied().filter(|_| own.contains(&entry.key.as_str()));
+            let mut owners = own.into_iter().chain(specs.clone().filter(owns).map(|spec| spec.key.name));
             if let (Some(first), Some(second)) = (owners.next(), owners.next()) {
-                let (first, second) = (first.key.name, second.key.name);
                 let problem = format!("`{}` of `{}` could go with `{first}` or with `{second}`", entry.key, clip(path));
                 let help = format!("write do = [{{ {second} = …, {} = … }}]", entry.key);
                 self.reader.say(Diagnostic::error(entry.key_span, problem).help(help));
@@ -128,7 +177,7 @@ impl<'r, 'a> Building<'r, 'a> {
     }
 
     /// What is done to a shape, in the order of a list.
-    fn steps(&mut self, path: &str, value: &'r Value, id: ShapeId, may_nest: bool) -> Option<Vec<Modifier>> {
+    fn steps(&mut self, path: &str, value: &'r Value, id: ShapeId) -> Option<Vec<Modifier>> {
         let Some(list) = value.list() else {
             self.reader.wrong_kind(path, "a list of tables such as { twist = 30 }", value);
             return None;
@@ -136,7 +185,7 @@ impl<'r, 'a> Building<'r, 'a> {
         let mut steps = Vec::with_capacity(list.len());
         let mut sound = true;
         for (i, value) in list.iter().enumerate() {
-            let step = self.step_of(&format!("{path}[{i}]"), value, id, may_nest);
+            let step = self.step_of(&format!("{path}[{i}]"), value, id);
             sound &= step.is_some();
             steps.extend(step);
         }
@@ -144,7 +193,7 @@ impl<'r, 'a> Building<'r, 'a> {
     }
 
     /// One thing that is done to a shape.
-    fn step_of(&mut self, path: &str, value: &'r Value, id: ShapeId, may_nest: bool) -> Option<Modifier> {
+    fn step_of(&mut self, path: &str, value: &'r Value, id: ShapeId) -> Option<Modifier> {
         let Some(table) = value.table() else {
             self.reader.wrong_kind(path, "a table such as { twist = 30 }", value);
             return None;
@@ -168,7 +217,7 @@ impl<'r, 'a> Building<'r, 'a> {
             }
         };
         let fields = Fields::new(self.reader, path, table::shape_owner, value.span, table, spec.keys().collect());
-        let arguments = self.arguments(spec.keys(), &fields, id, may_nest)?;
+        let arguments = self.arguments(spec.keys(), &fields, id)?;
         Some(Modifier { spec, arguments })
     }
 
@@ -178,12 +227,11 @@ impl<'r, 'a> Building<'r, 'a> {
         keys: impl Iterator<Item = &'static Key>,
         fields: &Fields<'r, 'a>,
         id: ShapeId,
-        may_nest: bool,
     ) -> Option<Arguments> {
         let mut arguments = Arguments::default();
         let mut sound = true;
         for key in keys {
-            match self.argument(key, fields, id, may_nest) {
+            match self.argument(key, fields, id) {
                 Some(argument) => arguments.0.push((key.name, argument)),
                 None => sound &= fields.entry(key.name).is_none() && key.default != Absent::Required,
             }
@@ -192,13 +240,7 @@ impl<'r, 'a> Building<'r, 'a> {
     }
 
     /// The value of one key, or its default; `None` where it has neither, and where an error was said.
-    fn argument(
-        &mut self,
-        key: &'static Key,
-        fields: &Fields<'r, 'a>,
-        id: ShapeId,
-        may_nest: bool,
-    ) -> Option<Argument> {
+    fn argument(&mut self, key: &'static Key, fields: &Fields<'r, 'a>, id: ShapeId) -> Option<Argument> {
         let (name, path) = (key.name, fields.full(key.name));
         Some(match key.kind {
             Kind::Number => Argument::Number(fields.number(name)?),
@@ -213,10 +255,10 @@ impl<'r, 'a> Building<'r, 'a> {
             Kind::Choice(_) => Argument::Choice(fields.choice(name)?),
             Kind::Formula => Argument::Formula(self.formula(&path, fields.value(name)?)?),
             Kind::Path => Argument::File(self.file(name, fields)?),
-            Kind::Shape => Argument::Shape(self.operand(&path, Node::Shape(id), fields.value(name)?, may_nest)?),
-            Kind::Shapes(least) => Argument::Shapes(self.operands(name, least, fields, id, may_nest)?),
-            Kind::Cells => Argument::Cells(self.cells_reference(&path, id, fields.value(name)?, may_nest)?),
-            Kind::Copies => Argument::Copies(self.copies(&path, id, fields.value(name)?, may_nest)?),
+            Kind::Shape => Argument::Shape(self.operand(&path, Node::Shape(id), fields.value(name)?)?),
+            Kind::Shapes(least) => Argument::Shapes(self.operands(name, least, fields, id)?),
+            Kind::Cells => Argument::Cells(self.cells_reference(&path, id, fields.value(name)?)?),
+            Kind::Copies => Argument::Copies(self.copies(&path, id, fields.value(name)?)?),
             Kind::Counts => Argument::Counts(self.counts(&path, fields.value(name)?)?),
             Kind::Places => Argument::Places(self.places(name, fields)?),
             Kind::Direction => Argument::Vector(Box::new(self.direction(name, fields)?)),
@@ -261,6 +303,18 @@ impl<'r, 'a> Building<'r, 'a> {
         self.reader.formula_of_space(text, value.span)
     }
 
+    /// The key of the operation that makes a shape, and those of its parameters that the shape gives.
+    fn own_keys(&self, entry: &'r Entry, table: &'r Table) -> Vec<&'r str> {
+        let operation = self.operation_of(entry).and_then(Option::as_ref);
+        let is_own = |other: &&Entry| match operation {
+            Some(operation) => operation.parameters.iter().any(|parameter| parameter.name == other.key),
+            // Nothing is known of an operation that is wrong.
+            None => true,
+        };
+        let others = table.0.iter().filter(|other| other.key != entry.key).filter(is_own);
+        std::iter::once(entry).chain(others).map(|entry| entry.key.as_str()).collect()
+    }
+
     /// The shapes of a list.
     pub(super) fn operands(
         &mut self,
@@ -268,40 +322,45 @@ impl<'r, 'a> Building<'r, 'a> {
         least: usize,
         fields: &Fields<'r, 'a>,
         id: ShapeId,
-        may_nest: bool,
     ) -> Option<Vec<ShapeId>> {
         let value = fields.value(key)?;
-        let path = fields.full(key);
+        self.operand_list(&fields.full(key), value, least, id)
+    }
+
+    /// The shapes of a list, at least so many.
+    pub(super) fn operand_list(
+        &mut self,
+        path: &str,
+        value: &'r Value,
+        least: usize,
+        id: ShapeId,
+    ) -> Option<Vec<ShapeId>> {
         let Some(list) = value.list() else {
-            self.reader.wrong_kind(&path, "a list of shapes", value);
+            self.reader.wrong_kind(path, "a list of shapes", value);
             return None;
         };
         if list.len() < least {
             let wanted = if least == 1 { "one shape" } else { "two shapes" };
-            self.reader.say(Diagnostic::error(value.span, format!("`{}` needs at least {wanted}", clip(&path))));
+            self.reader.say(Diagnostic::error(value.span, format!("`{}` needs at least {wanted}", clip(path))));
             return None;
         }
         let ids: Vec<Option<ShapeId>> = list
             .iter()
             .enumerate()
-            .map(|(i, value)| self.operand(&format!("{path}[{i}]"), Node::Shape(id), value, may_nest))
+            .map(|(i, value)| self.operand(&format!("{path}[{i}]"), Node::Shape(id), value))
             .collect();
         ids.into_iter().collect()
     }
 
     /// A shape by name, or written in place.
-    pub(super) fn operand(&mut self, path: &str, from: Node, value: &'r Value, may_nest: bool) -> Option<ShapeId> {
+    pub(super) fn operand(&mut self, path: &str, from: Node, value: &'r Value) -> Option<ShapeId> {
         let id = match value.table() {
             None => self.resolve("shape", &self.shape_ids, value, path)?,
-            Some(_) if !may_nest => {
-                let problem = Diagnostic::error(value.span, "a shape in place cannot hold another one");
-                self.reader.say(problem.help("give it a name: [shape.NAME]"));
-                return None;
-            }
             Some(table) => {
                 let id = ShapeId(self.shapes.len());
                 self.shapes.push(None);
-                self.shapes[id.0] = self.read_shape(path, value.span, table, id, false);
+                let shape = self.within(value.span, |building| building.read_shape(path, value.span, table, id));
+                self.shapes[id.0] = shape;
                 id
             }
         };
@@ -311,24 +370,13 @@ impl<'r, 'a> Building<'r, 'a> {
 
     /// A shape that `[morph]` or `[output]` names.
     pub(super) fn shape_reference(&mut self, path: &str, value: &'r Value) -> Option<ShapeId> {
-        let id = match value.table() {
-            None => self.resolve("shape", &self.shape_ids, value, path)?,
-            Some(table) => {
-                let id = ShapeId(self.shapes.len());
-                self.shapes.push(None);
-                self.shapes[id.0] = self.read_shape(path, value.span, table, id, false);
-                id
-            }
-        };
-        self.links.push(Link { from: Node::Output, to: Node::Shape(id), span: value.span });
-        Some(id)
+        self.operand(path, Node::Output, value)
     }
 
-    fn copies(&mut self, path: &str, id: ShapeId, value: &'r Value, may_nest: bool) -> Option<Copies> {
+    fn copies(&mut self, path: &str, id: ShapeId, value: &'r Value) -> Option<Copies> {
         let keys = keys::COPIES.iter().collect();
         let fields = Fields::of_value(self.reader, path, NO_OWNER, value.span, value, keys)?;
-        let cells =
-            fields.value("cells").and_then(|value| self.cells_reference(&fields.full("cells"), id, value, may_nest));
+        let cells = fields.value("cells").and_then(|value| self.cells_reference(&fields.full("cells"), id, value));
         let pick = fields.constant("pick").unwrap_or(1.0);
         let seed = self.seed_of(fields.whole("seed"), path);
         Some(Copies { cells: cells?, pick, seed })
