@@ -21,7 +21,7 @@ pub static SRGB: Source<3> = Source {
 pub static VALUE: Source<1> = Source {
     key: Key::new("value", Kind::Number, Required, ""),
     build: |source| {
-        Ok(match source.arguments().get("value") {
+        Ok(match source.arguments().get("value").cloned() {
             Some(Argument::Numbers(value)) => Paint::solid([value[0]]),
             Some(Argument::Components(component)) => {
                 Paint::shared(Arc::new(FieldValue(source.component(&component[0])?)))
@@ -34,8 +34,8 @@ pub static VALUE: Source<1> = Source {
 
 /// A colour of three numbers or formulas.
 pub(crate) fn of_components(source: &mut dyn Sourcing<3>, key: &str, meaning: Components) -> Result<Paint<3>, Problem> {
-    Ok(match source.arguments().get(key) {
-        Some(Argument::Colour(colour)) => Paint::solid(*colour),
+    Ok(match source.arguments().get(key).cloned() {
+        Some(Argument::Colour(colour)) => Paint::solid(colour),
         Some(Argument::Components(components)) => {
             let [a, b, c] = &components[..] else { unreachable!("a colour has three") };
             let components = [source.component(a)?, source.component(b)?, source.component(c)?];

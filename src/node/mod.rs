@@ -34,6 +34,7 @@ pub(crate) mod placed;
 pub(crate) mod profile;
 pub(crate) mod promises;
 mod read;
+pub(crate) mod reading;
 mod reference;
 mod schema;
 pub(crate) mod solid;
@@ -52,6 +53,8 @@ mod names_tests;
 mod nesting_tests;
 #[cfg(test)]
 mod operation_tests;
+#[cfg(test)]
+mod reading_tests;
 #[cfg(test)]
 mod row_tests;
 #[cfg(test)]

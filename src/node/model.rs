@@ -106,6 +106,8 @@ pub struct Shape {
     pub colour: Option<ShapeColour>,
     /// Its own scalars, by the names of their grids.
     pub scalars: BTreeMap<String, ShapeScalar>,
+    /// The shapes whose distances its formulas read, by the names that they have there.
+    pub reads: BTreeMap<String, ShapeId>,
 }
 
 /// Something that is done to a shape.

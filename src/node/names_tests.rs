@@ -79,7 +79,7 @@ fn names_that_are_wrong() {
         ("let = 3", "3:7 `shape.a.let` must be a table, such as { r = \"length(x, y)\" }"),
         ("let.r = 'x'\nmove = ['r', 0, 0]", "4:10 `r` differs from place to place, and one number is needed here"),
         ("let.r = 1\nattribute.r = 2", "3:5 `r` is the name of an attribute of the shape already; choose another name"),
-        ("attribute.q = \"attr(r)\"", "3:21 the name of an attribute stands in quotes: `attr('name')`"),
+        ("attribute.q = \"attr(r)\"", "3:21 the name stands in quotes: `attr('name')`"),
     ];
     for (keys, wanted) in cases {
         let found = problems(&shape(keys));

@@ -192,11 +192,13 @@ impl Solids {
         Ok(Arc::new(field))
     }
 
-    pub fn component(&self, component: &Component) -> Result<Arc<dyn Field>, Problem> {
+    /// A number or formula as a field; `id`: the shape whose formula it is, if it may read others.
+    pub fn component(&mut self, id: Option<ShapeId>, component: &Component) -> Result<Arc<dyn Field>, Problem> {
         let mut graph = Graph::new();
-        let node = match component {
-            Component::Number(number) => graph.constant(self.number(number)?),
-            Component::Formula(formula) => formula.node(&mut graph, self.moment()),
+        let node = match (component, id) {
+            (Component::Number(number), _) => graph.constant(self.number(number)?),
+            (Component::Formula(formula), Some(id)) => self.reading(id, formula)?.node(&mut graph),
+            (Component::Formula(formula), None) => formula.node_of(&mut graph, self.moment(), &[]),
         };
         Ok(Arc::new(Expression::new(&graph, node).keeping_values()))
     }
@@ -219,8 +221,8 @@ impl<const N: usize, W: Asked<N>> Sourcing<N> for Painting<'_, W> {
         self.arguments
     }
 
-    fn component(&self, component: &Component) -> Result<Arc<dyn Field>, Problem> {
-        self.solids.component(component)
+    fn component(&mut self, component: &Component) -> Result<Arc<dyn Field>, Problem> {
+        self.solids.component(Some(self.id), component)
     }
 
     fn solid(&mut self) -> Result<Arc<dyn Field>, Problem> {

@@ -224,7 +224,7 @@ pub(crate) fn striped<const N: usize, M: Mix<N> + 'static>(
 }
 
 /// What a ramp's number is read from.
-fn by<const N: usize>(source: &dyn Sourcing<N>) -> Result<Arc<dyn Field>, Problem> {
+fn by<const N: usize>(source: &mut dyn Sourcing<N>) -> Result<Arc<dyn Field>, Problem> {
     let formula = source.arguments().formula("by").expect("it must be there").clone();
     source.component(&Component::Formula(formula))
 }

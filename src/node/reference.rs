@@ -78,7 +78,7 @@ each stands in a list), shapes are made of shapes at most 200 levels deep and of
 it is used, and a scene has at most 16 MiB. A scene is a file: a pipe is refused.
 
 **Errors** name file, line and column, mark the text and propose the nearest name, or list what there is; all of a scene
-come together.
+come together. [These](mistakes.md) are easily made.
 ";
 
 const FORMULAS: &str = "
@@ -95,6 +95,9 @@ Division by 0 is infinite, and 0/0, roots and logarithms of negative numbers and
 whole are not a number. A number over time must be finite in every frame, a colour or attribute a number where the surface is, and
 a shape's formula wherever the shape is looked for, in its `bounds` and around them: else an error names frame and place.
 Keep arguments in range, as in `sqrt(max(x, 0))`. Functions that jump make a surface where they do.
+
+`dist('ball')` in a formula of a shape's space is the distance of another shape where it stands, positive inside, measured
+first where that shape's F is none; `attr('rib')` is an attribute of the shape itself, see [below](#names-in-formulas-let-attributes).
 
 | function | what it gives |
 |---|---|

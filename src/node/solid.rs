@@ -20,9 +20,11 @@ use crate::node::extent::{box_of, solid_box};
 use crate::node::id::Stage;
 use crate::node::measured::{BESIDE_SURFACE, Distances, Purpose, SLACK, told};
 use crate::node::model::{CellsId, Fill, Model, Placement, Shape, ShapeId};
+use crate::node::reading::Reading;
 use crate::node::spec::{Build, Imported, Spec};
 use crate::node::variation::Variation;
 use crate::text::diagnostic::Diagnostic;
+use crate::text::formula::Formula;
 use crate::text::frames::sampled_frames;
 use crate::text::key::Key;
 use crate::text::moment::Moment;
@@ -457,6 +459,10 @@ impl Build for Making<'_> {
 
     fn over_shot(&self, number: &Number) -> Result<Interval, Problem> {
         self.solids.over_shot(number)
+    }
+
+    fn reading(&mut self, formula: &Formula) -> Result<Reading, Problem> {
+        self.solids.reading(self.id, formula)
     }
 
     fn inner(&mut self) -> Result<Node, Problem> {

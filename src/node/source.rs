@@ -85,7 +85,7 @@ pub trait Sourcing<const N: usize> {
     /// The values of its keys.
     fn arguments(&self) -> &Arguments;
     /// A number or formula as a field.
-    fn component(&self, component: &Component) -> Result<Arc<dyn Field>, Problem>;
+    fn component(&mut self, component: &Component) -> Result<Arc<dyn Field>, Problem>;
     /// The shape in its own space, before `displace`.
     fn solid(&mut self) -> Result<Arc<dyn Field>, Problem>;
     /// A voxel's edge in the shape's space.

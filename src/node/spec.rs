@@ -14,7 +14,9 @@ use crate::field::{Aabb, Field, Graph, Interval, Node};
 use crate::node::argument::Arguments;
 use crate::node::bend::Bend;
 use crate::node::id::{CellsId, ShapeId};
+use crate::node::reading::Reading;
 use crate::text::diagnostic::Diagnostic;
+use crate::text::formula::Formula;
 use crate::text::key::{Absent, Key, LEAST};
 use crate::text::moment::Moment;
 use crate::text::number::Number;
@@ -174,6 +176,8 @@ pub trait Build {
     fn moment(&self) -> &Moment;
     /// What a number is over the whole shot.
     fn over_shot(&self, number: &Number) -> Result<Interval, Problem>;
+    /// A formula of this shape at the moment.
+    fn reading(&mut self, formula: &Formula) -> Result<Reading, Problem>;
     /// The shape so far, for what is done to one.
     fn inner(&mut self) -> Result<Node, Problem>;
     /// How this step bends space.

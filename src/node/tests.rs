@@ -170,7 +170,10 @@ fn names_that_point_nowhere() {
         "8:17 there is no `palette.p`",
     );
     only("[shape.m]\nmesh='cub.obj'\n", "2:7 there is no file `cub.obj`; did you mean `cube.obj`?");
-    only("[shape.m]\nmesh='$SHOTS/cube.obj'\n", "2:7 the variable `$SHOTS` is not set");
+    only(
+        "[shape.m]\nmesh='$SHOTS/cube.obj'\n",
+        "2:7 the variable `$SHOTS` is not set; variables are those of the environment; `$$` is a dollar sign",
+    );
     only(
         "[shape.m]\nmesh='$SHOT/cube.obj'\n",
         "2:7 there is no file `/shots/010/cube.obj`; there is no folder `/shots/010`",

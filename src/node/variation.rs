@@ -73,24 +73,26 @@ impl Variation {
         let shape = model.shape(id);
         // Parts that move change the shape itself.
         model.needs(id).into_iter().any(|part| self.painted[part.0])
-            || shape.given_arguments().any(|arguments| self.source_varies(model, arguments))
+            || shape.given_arguments().any(|arguments| self.source_varies(model, id, arguments))
     }
 
-    fn source_varies(&self, model: &Model, arguments: &Arguments) -> bool {
+    fn source_varies(&self, model: &Model, id: ShapeId, arguments: &Arguments) -> bool {
         arguments.numbers().any(|number| model.varies(number))
             || arguments.formulas().any(|formula| model.formula_varies(formula))
             || arguments.all_shapes().any(|part| self.placed[part.0] || self.painted[part.0])
+            || model.read_by(id, arguments).any(|part| self.placed[part.0])
     }
 
     /// Whether what a shape's node is made from changes.
     fn arguments_vary(&self, model: &Model, id: ShapeId, arguments: &Arguments) -> bool {
         let scalar_varies = |by: &ScalarName| match model.shape(id).scalars.get(&by.name) {
-            Some(given) => self.source_varies(model, &given.arguments),
+            Some(given) => self.source_varies(model, id, &given.arguments),
             None => model.needs(id).into_iter().any(|part| self.painted[part.0]),
         };
         arguments.numbers().any(|number| model.varies(number))
             || arguments.formulas().any(|formula| model.formula_varies(formula))
             || model.shapes_of(arguments).any(|part| self.placed[part.0])
+            || model.read_by(id, arguments).any(|part| self.placed[part.0])
             || arguments.scalars().any(scalar_varies)
     }
 }
@@ -103,7 +105,15 @@ fn placement_varies(model: &Model, id: ShapeId) -> bool {
 impl Model {
     /// The shapes that a shape is made from, directly.
     pub fn needs(&self, id: ShapeId) -> Vec<ShapeId> {
-        self.shape(id).all_arguments().flat_map(|arguments| self.shapes_of(arguments)).collect()
+        let shape = self.shape(id);
+        let named = shape.all_arguments().flat_map(|arguments| self.shapes_of(arguments));
+        named.chain(shape.reads.values().copied()).collect()
+    }
+
+    /// The shapes whose distances formulas among some arguments of a shape read.
+    fn read_by<'m>(&'m self, id: ShapeId, arguments: &'m Arguments) -> impl Iterator<Item = ShapeId> + 'm {
+        let names = arguments.formulas().flat_map(Formula::distances);
+        names.filter_map(move |(_, name)| self.shape(id).reads.get(name).copied())
     }
 
     /// The shapes that arguments name, and those that their cells stand around.

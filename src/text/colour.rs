@@ -5,7 +5,8 @@ use crate::attribute::{Components, LinearRgb, from_srgb};
 use crate::text::diagnostic::{Diagnostic, clip, nearest};
 use crate::text::key::Limit;
 use crate::text::reader::Reader;
-use crate::text::value::Value;
+use crate::text::source::Span;
+use crate::text::value::{Data, Value};
 
 /// The colour of a shape without one beside coloured ones: sRGB `#cccccc`.
 pub const GREY: &str = "#cccccc";
@@ -24,6 +25,9 @@ pub fn css(text: &str) -> Option<LinearRgb> {
 /// The error about a text that is no colour, with the nearest of the scene's names and CSS's.
 pub fn not_a_colour(text: &str, value: &Value, names: &[String]) -> Diagnostic {
     let diagnostic = Diagnostic::error(value.span, format!("`{}` is not a colour", clip(text)));
+    if css(&format!("#{text}")).is_some() {
+        return diagnostic.help(format!("did you mean \"#{text}\"?"));
+    }
     let css = csscolorparser::NAMED_COLORS.entries().map(|(name, _)| name.as_str());
     match nearest(text, names.iter().map(String::as_str).chain(css)) {
         Some(name) => diagnostic.help(format!("did you mean `{name}`?")),
@@ -46,6 +50,10 @@ pub fn limits(meaning: Components) -> [Limit; 3] {
 /// A colour of three numbers that stand still.
 pub fn constant(reader: &Reader<'_>, name: &str, value: &Value, meaning: Components) -> Option<LinearRgb> {
     let three = reader.three(name, value)?;
+    if let Some(problem) = of_bytes(name, three, value.span).filter(|_| meaning == Components::Srgb) {
+        reader.say(problem);
+        return None;
+    }
     let mut numbers = [0.0; 3];
     let mut sound = true;
     for ((number, part), limit) in numbers.iter_mut().zip(three).zip(limits(meaning)) {
@@ -66,6 +74,20 @@ pub fn constant(reader: &Reader<'_>, name: &str, value: &Value, meaning: Compone
         }
     }
     sound.then(|| meaning.colour(numbers))
+}
+
+/// The error about three whole numbers up to 255 that are hardly meant as shares.
+fn of_bytes(name: &str, three: &[Value; 3], span: Span) -> Option<Diagnostic> {
+    let mut bytes = [0; 3];
+    for (byte, part) in bytes.iter_mut().zip(three) {
+        let Data::Integer(whole) = part.data else { return None };
+        *byte = u8::try_from(whole).ok()?;
+    }
+    let [red, green, blue] = bytes;
+    (bytes.iter().filter(|byte| **byte > 1).count() > 1).then(|| {
+        Diagnostic::error(span, format!("`{}` must be from 0 to 1, not to 255", clip(name)))
+            .help(format!("write \"#{red:02x}{green:02x}{blue:02x}\""))
+    })
 }
 
 #[cfg(test)]

@@ -40,7 +40,9 @@ pub type Variables = Arc<dyn Fn(&str) -> Option<String> + Send + Sync>;
 
 /// Finds the file that a scene names; it must be there.
 pub fn find(text: &str, span: Span, base: &Base, variables: &Variables) -> Result<FileReference, Diagnostic> {
-    let expanded = expand(text, variables.as_ref()).map_err(|problem| Diagnostic::error(span, problem))?;
+    let expanded = expand(text, variables.as_ref()).map_err(|problem| {
+        Diagnostic::error(span, problem).help("variables are those of the environment; `$$` is a dollar sign")
+    })?;
     if expanded.is_empty() {
         return Err(Diagnostic::error(span, "the file has no name"));
     }

@@ -45,28 +45,34 @@ pub enum NamedValue {
 
 /// A formula that was read and whose names are all known.
 #[derive(Clone, Debug)]
-pub struct Formula {
-    parsed: Arc<field::Formula>,
-    scope: Arc<Scope>,
+pub struct Formula(Arc<Read>);
+
+#[derive(Debug)]
+struct Read {
+    parsed: field::Formula,
+    scope: Scope,
+    span: Span,
 }
 
 impl Formula {
     /// A formula of t, frame, time, and what else has a name.
-    pub fn of_time(text: &str, scope: Scope) -> Result<Self, Vec<FormulaProblem>> {
-        let formula = Self::parse(text, scope);
+    pub fn of_time(text: &str, span: Span, scope: Scope) -> Result<Self, Vec<FormulaProblem>> {
+        let formula = Self::parse(text, span, scope);
         let checked = formula.check(&mut Graph::new(), field::Names::new());
         checked.map_err(|errors| problems(errors.into_iter().map(|error| formula.explained(error, text)).collect()))?;
         Ok(formula)
     }
 
-    /// A formula of x, y, z, t, frame, time, and what else has a name.
-    pub fn of_space(text: &str, scope: Scope) -> Result<Self, Vec<FormulaProblem>> {
-        Self::of_values(text, scope, &[])
+    /// A formula of x, y, z, t, frame, time, distances of shapes, and what else has a name.
+    pub fn of_space(text: &str, span: Span, scope: Scope) -> Result<Self, Vec<FormulaProblem>> {
+        let distances: Vec<String> =
+            Self::parse(text, span, scope.clone()).distances().map(|(name, _)| name.to_owned()).collect();
+        Self::of_values(text, span, scope, &distances)
     }
 
-    /// The same with more names, each a number that differs from place to place.
-    pub fn of_values(text: &str, scope: Scope, values: &[String]) -> Result<Self, Vec<FormulaProblem>> {
-        let formula = Self::parse(text, scope);
+    /// A formula of space with more names, each a number that differs from place to place.
+    pub fn of_values(text: &str, span: Span, scope: Scope, values: &[String]) -> Result<Self, Vec<FormulaProblem>> {
+        let formula = Self::parse(text, span, scope);
         let mut graph = Graph::new();
         let space = field::Names::space(&mut graph);
         let any = graph.x();
@@ -75,19 +81,33 @@ impl Formula {
         Ok(formula)
     }
 
-    fn parse(text: &str, scope: Scope) -> Self {
-        Self { parsed: Arc::new(field::Formula::parse(text)), scope: Arc::new(scope) }
+    fn parse(text: &str, span: Span, scope: Scope) -> Self {
+        Self(Arc::new(Read { parsed: field::Formula::parse(text), scope, span }))
+    }
+
+    /// Where the scene has it.
+    pub fn span(&self) -> Span {
+        self.0.span
+    }
+
+    /// The distances that it reads: each by its name in the formula, and the name of the shape.
+    pub fn distances(&self) -> impl Iterator<Item = (&str, &str)> {
+        self.names().filter_map(|name| Some((name, name.strip_prefix("dist('")?.strip_suffix("')")?)))
     }
 
     /// At some moment: which one does not matter.
     fn check(&self, graph: &mut Graph, space: field::Names) -> Result<(), Vec<FormulaError>> {
-        self.compile(graph, space, &Moment::any(&self.scope.parameters)).map(|_| ())
+        self.compile(graph, space, &Moment::any(&self.0.scope.parameters)).map(|_| ())
     }
 
     /// An error of a formula of time, in words that say why a name that is known elsewhere is not known here.
     fn explained(&self, error: FormulaError, text: &str) -> FormulaError {
         let name = text.get(error.span.clone()).unwrap_or_default();
-        if self.scope.named.iter().all(|named| named.name != name) {
+        if name.starts_with("dist") && name.ends_with(')') {
+            let message = "`dist` reads a place, and one number is needed here".to_owned();
+            return FormulaError { message, suggestion: None, ..error };
+        }
+        if self.0.scope.named.iter().all(|named| named.name != name) {
             return error;
         }
         let message = format!("`{name}` differs from place to place, and one number is needed here");
@@ -97,10 +117,10 @@ impl Formula {
     fn compile(&self, graph: &mut Graph, space: field::Names, moment: &Moment) -> Result<Node, Vec<FormulaError>> {
         let time = space.number("t", moment.t).number("frame", moment.frame).number("time", moment.time);
         let values = moment.parameters.iter().copied();
-        let parameters = self.scope.parameters.iter().zip(values);
+        let parameters = self.0.scope.parameters.iter().zip(values);
         let mut known = parameters.fold(time, |known, (name, value)| known.number(name, value));
         let used: BTreeSet<&str> = self.names().collect();
-        for Named { name, value } in self.scope.named.iter().filter(|named| used.contains(named.name.as_str())) {
+        for Named { name, value } in self.0.scope.named.iter().filter(|named| used.contains(named.name.as_str())) {
             known = match value {
                 NamedValue::Formula(formula) => match formula.compile(graph, &known) {
                     Ok(node) => known.node(name, node),
@@ -110,13 +130,13 @@ impl Formula {
                 NamedValue::Number(number) => known.number(name, number.at(moment).unwrap_or(f64::NAN)),
             };
         }
-        self.parsed.compile(graph, &known)
+        self.0.parsed.compile(graph, &known)
     }
 
     /// The names in it and in what these stand for, functions not among them.
     pub fn names(&self) -> impl Iterator<Item = &str> {
-        let mut names = self.parsed.names();
-        for named in self.scope.named.iter().rev() {
+        let mut names = self.0.parsed.names();
+        for named in self.0.scope.named.iter().rev() {
             if let NamedValue::Formula(formula) = &named.value
                 && names.contains(named.name.as_str())
             {
@@ -129,14 +149,14 @@ impl Formula {
     /// The scene's parameters among its names, by their place.
     pub fn parameters(&self) -> impl Iterator<Item = usize> {
         let used: BTreeSet<&str> = self.names().collect();
-        let places = self.scope.parameters.iter().enumerate();
+        let places = self.0.scope.parameters.iter().enumerate();
         places.filter(move |(_, name)| used.contains(name.as_str())).map(|(place, _)| place)
     }
 
     /// The numbers that its names stand for.
     pub fn numbers(&self) -> impl Iterator<Item = &Number> {
         let used: BTreeSet<&str> = self.names().collect();
-        self.scope.named.iter().filter_map(move |named| match &named.value {
+        self.0.scope.named.iter().filter_map(move |named| match &named.value {
             NamedValue::Number(number) if used.contains(named.name.as_str()) => Some(number),
             _ => None,
         })
@@ -150,12 +170,7 @@ impl Formula {
         value.filter(|value| value.is_finite()).unwrap_or(f64::NAN)
     }
 
-    /// As a node of a graph, in its own x, y, z.
-    pub fn node(&self, graph: &mut Graph, moment: &Moment) -> Node {
-        self.node_of(graph, moment, &[])
-    }
-
-    /// The same of values with names.
+    /// As a node of a graph, in its own x, y, z, with values of names that it knows beside those of its scope.
     pub fn node_of(&self, graph: &mut Graph, moment: &Moment, values: &[(&str, Node)]) -> Node {
         let space = field::Names::space(graph);
         let known = values.iter().fold(space, |known, (name, node)| known.node(name, *node));

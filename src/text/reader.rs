@@ -2,7 +2,7 @@
 
 use std::cell::RefCell;
 
-use crate::text::diagnostic::{Diagnostic, clip, first_of, listed, nearest};
+use crate::text::diagnostic::{Diagnostic, Severity, clip, first_of, listed, nearest};
 use crate::text::formula::{Formula, FormulaProblem, Scope};
 use crate::text::frames::FrameRange;
 use crate::text::key::{Absent, Key, Kind, Limit};
@@ -59,7 +59,12 @@ impl<'a> Reader<'a> {
 
     /// A formula of space in a string; `None` where what is wrong with it was said.
     pub fn formula_of_space(&self, text: &str, string: Span) -> Option<Formula> {
-        Formula::of_space(text, self.scope()).map_err(|problems| self.say_all(problems, string, text)).ok()
+        Formula::of_space(text, string, self.scope()).map_err(|problems| self.say_all(problems, string, text)).ok()
+    }
+
+    /// Whether an error was noted.
+    pub fn has_errors(&self) -> bool {
+        self.diagnostics.borrow().iter().any(|diagnostic| diagnostic.severity == Severity::Error)
     }
 
     /// Whether so much was noted that what comes is only counted: then nobody looks for the nearest names.
@@ -105,7 +110,7 @@ impl<'a> Reader<'a> {
                 self.check_limit(name, limit, constant, value.span);
                 number(NumberValue::Constant(constant))
             }
-            Data::Text(text) => match Formula::of_time(text, self.scope()) {
+            Data::Text(text) => match Formula::of_time(text, value.span, self.scope()) {
                 Ok(formula) => number(NumberValue::Formula(formula)),
                 Err(problems) => {
                     self.say_all(problems, value.span, text);
@@ -149,7 +154,18 @@ impl<'a> Reader<'a> {
                     Diagnostic::error(value.span, format!("`{}` must be three numbers", clip(name)))
                         .label(format!("these are {}", list.len())),
                 ),
-                None => self.wrong_kind(name, "three numbers", value),
+                None => match value.number() {
+                    Some(_) => {
+                        let text = self.sources.text(value.span);
+                        let problem = Diagnostic::error(value.span, format!("`{}` must be three numbers", clip(name)));
+                        self.say(
+                            problem
+                                .label("this is one")
+                                .help(format!("such as [0, 0, {}], for x, y and z", clip(text))),
+                        );
+                    }
+                    None => self.wrong_kind(name, "three numbers", value),
+                },
             }
         }
         three

@@ -177,6 +177,9 @@ pub fn parse_toml(text: &str, source: usize, origin: Origin) -> Result<Table, Di
             toml_span::ErrorKind::UnquotedString => diagnostic.help("text stands in quotes"),
             toml_span::ErrorKind::DottedKeyInvalidType { .. } => diagnostic
                 .help("a point in a key opens a table; a key with a point of its own stands in quotes: \"12.5\""),
+            toml_span::ErrorKind::Wanted { found: "a comment", .. } => {
+                diagnostic.help("what begins with # is a comment: a colour stands in quotes, \"#d7263d\"")
+            }
             toml_span::ErrorKind::ExceededDepthLimit => nested_too_deeply(span),
             _ => diagnostic,
         }

@@ -12,6 +12,12 @@ const DEEPEST: usize = 200;
 /// How tightly the sign before a term binds: tighter than `*`, looser than `^`.
 const SIGN: u8 = 7;
 
+/// What a name in quotes is known as.
+type Called = fn(&str) -> String;
+
+/// Functions of a name in quotes: an attribute's is a name as any other, that of a shape one that no other name can be.
+const QUOTED: [(&str, Called); 2] = [("attr", str::to_owned), ("dist", |shape| format!("dist('{shape}')"))];
+
 struct Parser<'a> {
     text: &'a str,
     at: usize,
@@ -69,6 +75,7 @@ impl Parser<'_> {
             None => Ok(()),
             Some(')') => Err(self.error_here("this `)` closes nothing")),
             Some('=') => Err(self.error_here("one `=` sets nothing here: `==` compares")),
+            Some('?' | ':') => Err(self.error_here("a choice is written `if(condition, a, b)`")),
             Some('&' | '|' | '!') => {
                 Err(self.error_here("`(a)*(b)` is both of two conditions, `max(a, b)` either, `1 - a` not"))
             }
@@ -159,6 +166,7 @@ impl Parser<'_> {
             }
             Some(first) if first.is_ascii_digit() || first == '.' => self.number(),
             Some(first) if first.is_alphabetic() || first == '_' => self.name(),
+            Some('*') if self.text[..self.at].ends_with('*') => Err(self.error_here("a power is written `x^2`")),
             Some(_) => Err(self.error_here("a number, name or `(` is expected here")),
         }
     }
@@ -174,19 +182,19 @@ impl Parser<'_> {
         }
     }
 
-    /// `attr('name')`: the name in quotes.
-    fn attribute(&mut self, start: usize) -> Result<usize, FormulaError> {
+    /// `attr('name')`: the name in quotes. `called`: how names of its kind are known.
+    fn quoted(&mut self, start: usize, function: &str, called: &Called) -> Result<usize, FormulaError> {
         let open = self.at;
         self.at += 1;
         let quote = self.peek().filter(|quote| matches!(quote, '\'' | '"'));
         let rest = &self.text[(self.at + 1).min(self.text.len())..];
         let Some(length) = quote.and_then(|quote| rest.find(quote)) else {
-            return Err(self.error_here("the name of an attribute stands in quotes: `attr('name')`"));
+            return Err(self.error_here(&format!("the name stands in quotes: `{function}('name')`")));
         };
         let name = rest[..length].to_owned();
         self.at += length + 2;
         self.close(open)?;
-        Ok(self.push(What::Name(name), start..self.at))
+        Ok(self.push(What::Name(called(&name)), start..self.at))
     }
 
     fn number(&mut self) -> Result<usize, FormulaError> {
@@ -220,8 +228,10 @@ impl Parser<'_> {
         self.at += self.word_length();
         let span = start..self.at;
         let name = &self.text[span.clone()];
-        if name == "attr" && self.peek() == Some('(') {
-            return self.attribute(start);
+        if let Some((_, called)) = QUOTED.iter().find(|(function, _)| *function == name)
+            && self.peek() == Some('(')
+        {
+            return self.quoted(start, name, called);
         }
         if self.peek() != Some('(') {
             return Ok(self.push(What::Name(name.to_owned()), span));

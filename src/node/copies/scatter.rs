@@ -84,11 +84,14 @@ pub const NODE: Spec = Spec {
         let node = build.shape(host)?;
         let solid = build.solid_box(node)?;
         let field = Expression::new(build.graph(), node).keeping_values();
-        let density = arguments.formula("density").map(|formula| {
-            let mut graph = Graph::new();
-            let node = formula.node(&mut graph, build.moment());
-            Expression::new(&graph, node)
-        });
+        let density = match arguments.formula("density") {
+            None => None,
+            Some(formula) => {
+                let mut graph = Graph::new();
+                let node = build.reading(formula)?.node(&mut graph);
+                Some(Expression::new(&graph, node))
+            }
+        };
         let scattering = Scattering { field, solid, on_surface, density, apart: build.constant("apart"), count };
         let mut chance = Chance::new(*arguments.seed("seed").expect("it has a default"));
         let spots = scattering.spots(&mut chance);

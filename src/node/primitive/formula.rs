@@ -16,8 +16,8 @@ pub const NODE: Spec = Spec {
     is_endless: true,
     build: |build| {
         let formula = build.arguments().formula("formula").expect("it must be there").clone();
-        let moment = build.moment().clone();
-        Ok(formula.node(build.graph(), &moment))
+        let reading = build.reading(&formula)?;
+        Ok(reading.node(build.graph()))
     },
     ..Spec::PLAIN
 };

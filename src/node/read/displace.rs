@@ -15,7 +15,11 @@ impl<'r, 'a> Building<'r, 'a> {
     pub(super) fn scalar_name(&self, fields: &Fields<'r, 'a>, key: &str) -> Option<ScalarName> {
         let value = fields.value(key)?;
         let Some(name) = value.text() else {
-            self.reader.wrong_kind(&fields.full(key), "the name of an attribute", value);
+            let problem = format!("`{}` must be the name of an attribute", clip(&fields.full(key)));
+            let given = if value.number().is_some() { self.reader.sources.text(value.span) } else { "0.1" };
+            let help = format!("give the shape one, attribute.bumps = {}, and name it: {key} = \"bumps\"", clip(given));
+            let label = format!("this is {}", value.kind());
+            self.reader.say(Diagnostic::error(value.span, problem).label(label).help(help));
             return None;
         };
         Some(ScalarName { name: name.into(), span: value.span })

@@ -25,7 +25,7 @@ use crate::node::operation::Operation;
 use crate::node::promises;
 use crate::node::spec::Spec;
 use crate::node::table;
-use crate::text::diagnostic::{Diagnostic, Diagnostics, Severity, clip};
+use crate::text::diagnostic::{Diagnostic, Diagnostics, Severity, clip, nearest};
 use crate::text::files::{Base, Variables};
 use crate::text::formula::Scope;
 use crate::text::frames::{FrameRange, Shot};
@@ -127,7 +127,10 @@ struct Parts {
 impl Parts {
     /// `None` only where an error was said.
     fn read(root: &Table, surroundings: &Surroundings, reader: &Reader<'_>) -> Option<Self> {
-        let top = Fields::new(reader, "", NO_OWNER, Span::default(), root, keys::SCENE.iter().collect());
+        let misplaced: Vec<&str> =
+            root.0.iter().filter(|entry| say_misplaced(reader, entry)).map(|entry| entry.key.as_str()).collect();
+        let keys = keys::SCENE.iter().collect();
+        let top = Fields::beside(reader, "", NO_OWNER, Span::default(), root, keys, misplaced);
         if top.whole("hfvdb").is_some() && top.entry("hfvdb").is_none() {
             let note = Diagnostic::without_place("the scene does not say `hfvdb = 1`: it is read as format 1");
             reader.say(Diagnostic { severity: Severity::Note, ..note });
@@ -171,6 +174,29 @@ impl Parts {
             output,
         })
     }
+}
+
+/// Says of what stands at the top without its family where it belongs, if that is plain to see.
+fn say_misplaced(reader: &Reader<'_>, Entry { key, key_span, value }: &Entry) -> bool {
+    let names: Vec<&str> = keys::SCENE.iter().map(|key| key.name).collect();
+    if names.contains(&key.as_str())
+        || keys::SCENE.iter().any(|known| known.is_called(key))
+        || nearest(key, names).is_some()
+    {
+        return false;
+    }
+    let family = match &value.data {
+        Data::Table(inner) if inner.0.iter().any(|entry| table::maker(&entry.key).is_some()) => {
+            "a shape stands in its family: [shape."
+        }
+        Data::Integer(_) | Data::Float(_) => "a number with a name is a parameter: [param] with ",
+        _ => return false,
+    };
+    let end =
+        if value.table().is_some() { "]".to_owned() } else { format!(" = {}", clip(reader.sources.text(value.span))) };
+    let problem = format!("unknown key `{}` at the top of a scene", clip(key));
+    reader.say(Diagnostic::error(*key_span, problem).help(format!("{family}{}{end}", clip(key))));
+    true
 }
 
 /// The entries of a family such as `shape`.

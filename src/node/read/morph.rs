@@ -170,7 +170,15 @@ impl<'r, 'a> Building<'r, 'a> {
                 let number = self.reader.constant(PATH, Limit::Within(0.0, 0.95), value);
                 Component::Number(Number::constant(number, PATH, span))
             }
-            Some(text) => Component::Formula(self.reader.formula_of_space(text, span)?),
+            Some(text) => {
+                let formula = self.reader.formula_of_space(text, span)?;
+                if formula.distances().next().is_some() {
+                    let problem = Diagnostic::error(span, "`dist` is for formulas of shapes");
+                    self.reader.say(problem.help("delay = { shape = …, attribute = … } goes by what a shape has"));
+                    return None;
+                }
+                Component::Formula(formula)
+            }
         };
         Some(MorphDelay { source: DelaySource::Space(component), span })
     }
@@ -299,6 +307,8 @@ impl<'r, 'a> Building<'r, 'a> {
         let mut free = self.shape_ids.iter().filter(|(name, id)| is_own(name) && !used.contains(&Node::Shape(**id)));
         match (free.next(), free.next()) {
             (Some((_, id)), None) => Some(Content::Shape(*id)),
+            // What is asked of a scene that is otherwise wrong may be answered once it is right.
+            _ if self.reader.has_errors() => None,
             (None, _) if self.shape_ids.is_empty() => {
                 if self.root.get("shape").is_some_and(|entry| entry.value.table().is_none()) {
                     return None;

@@ -58,7 +58,7 @@ impl<'r, 'a> Building<'r, 'a> {
             self.reader.wrong_kind(&fields.full("formula"), "a formula in quotes", value);
             return None;
         };
-        let formula = Formula::of_values(text, self.reader.scope(), &all)
+        let formula = Formula::of_values(text, value.span, self.reader.scope(), &all)
             .map_err(|problems| self.reader.say_all(problems, value.span, text))
             .ok()?;
         let place = |name: &str| fields.entry(name).map_or(entry.key_span, |entry| entry.value.span);

@@ -118,6 +118,7 @@ impl Building<'_, '_> {
             placement,
             colour: None,
             scalars: Default::default(),
+            reads: Default::default(),
         };
         self.shapes.push(Some(lifted));
         ShapeId(self.shapes.len() - 1)

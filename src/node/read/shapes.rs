@@ -1,5 +1,7 @@
 //! Shapes: one maker each, its parameters, the modifiers.
 
+use std::collections::BTreeMap;
+
 use glam::DVec3;
 
 use crate::field::Aabb;
@@ -19,7 +21,7 @@ use crate::text::key::GREATEST;
 use crate::text::key::{Absent, Key, Kind, Limit};
 use crate::text::reader::{Fields, NO_OWNER};
 use crate::text::source::Span;
-use crate::text::value::{Entry, Table, Value};
+use crate::text::value::{Data, Entry, Origin, Table, Value};
 
 /// What makes a shape.
 #[derive(Clone, Copy)]
@@ -140,7 +142,33 @@ impl<'r, 'a> Building<'r, 'a> {
             .map(|value| self.scalars(&fields.full("attribute"), value, host))
             .unwrap_or_default();
         let name = path.trim_start_matches("shape.").into();
-        Some(Shape { name, span, spec: spec?, arguments: arguments?, modifiers, placement, colour, scalars })
+        let mut shape = Shape {
+            name,
+            span,
+            spec: spec?,
+            arguments: arguments?,
+            modifiers,
+            placement,
+            colour,
+            scalars,
+            reads: BTreeMap::new(),
+        };
+        shape.reads = self.reads(&shape, id);
+        Some(shape)
+    }
+
+    /// The shapes whose distances the formulas of a shape read.
+    fn reads(&mut self, shape: &Shape, id: ShapeId) -> BTreeMap<String, ShapeId> {
+        let mut found = BTreeMap::new();
+        let formulas = shape.all_arguments().chain(shape.given_arguments()).flat_map(Arguments::formulas);
+        for (formula, name) in formulas.flat_map(|formula| formula.distances().map(move |(_, name)| (formula, name))) {
+            let name = Value { data: Data::Text(name.to_owned()), span: formula.span(), origin: Origin::Scene };
+            if let Some(other) = self.resolve("shape", &self.shape_ids, &name, "dist") {
+                self.links.push(Link { from: Node::Shape(id), to: Node::Shape(other), span: formula.span() });
+                found.insert(name.text().unwrap_or_default().to_owned(), other);
+            }
+        }
+        found
     }
 
     /// Says which keys could be parameters of two nodes of one shape. `own`: the operation of the scene's own that makes
@@ -336,7 +364,9 @@ impl<'r, 'a> Building<'r, 'a> {
         id: ShapeId,
     ) -> Option<Vec<ShapeId>> {
         let Some(list) = value.list() else {
-            self.reader.wrong_kind(path, "a list of shapes", value);
+            let problem = Diagnostic::error(value.span, format!("`{}` must be a list of shapes", clip(path)));
+            let help = value.text().map_or_else(String::new, |name| format!("[\"{}\"]", clip(name)));
+            self.reader.say(problem.label(format!("this is {}", value.kind())).help(help));
             return None;
         };
         if list.len() < least {

@@ -64,8 +64,8 @@ pub(crate) fn components(build: &mut dyn Build, key: &str) -> Result<[Way; 3], P
                 Way(Arc::new(move |graph: &mut Graph| graph.constant(value)))
             }
             Component::Formula(formula) => {
-                let moment = moment.clone();
-                Way(Arc::new(move |graph: &mut Graph| formula.node(graph, &moment)))
+                let reading = build.reading(&formula)?;
+                Way(Arc::new(move |graph: &mut Graph| reading.node(graph)))
             }
         });
     }
