@@ -3,9 +3,12 @@
 //! The distance is that to the nearest piece; inside is where a ray towards +x crosses the outline an odd number of times.
 //! Solids of revolution are outlines over the distance from the axis; an edge on the axis then bounds nothing.
 
+use std::sync::OnceLock;
+
 use glam::{DVec2, DVec3};
 
 use super::parts::{Parts, Sample};
+use super::rows::Rows;
 use super::{Aabb, Slope};
 
 /// A piece of an outline, with the inside on its left.
@@ -48,6 +51,8 @@ pub struct Outline {
     max: DVec2,
     /// Twice the area of the loop that is drawn.
     area: f64,
+    /// Where the crossings are, once asked for.
+    rows: OnceLock<Rows>,
 }
 
 impl Outline {
@@ -71,6 +76,14 @@ impl Outline {
         self.close();
     }
 
+    /// One more loop of straight edges that has the inside of the region on its left: clockwise around a hole.
+    pub fn draw_loop(&mut self, corners: impl IntoIterator<Item = DVec2>) {
+        for corner in corners {
+            self.line(corner);
+        }
+        self.end();
+    }
+
     /// One more loop: a circle.
     pub fn draw_circle(&mut self, centre: DVec2, radius: f64) {
         self.line(centre + DVec2::X * radius);
@@ -86,6 +99,7 @@ impl Outline {
     /// An edge to a point; where a loop has not begun, that begins there.
     pub fn line(&mut self, to: DVec2) -> &mut Self {
         self.reached(to);
+        self.rows.take();
         let Some((start, from)) = self.pen else {
             self.pen = Some((to, to));
             self.loop_begins = self.pieces.len();
@@ -150,24 +164,28 @@ impl Outline {
         self
     }
 
-    /// Ends the loop, with an edge where its ends do not meet.
+    /// Ends the loop, with an edge where its ends do not meet. Its inside becomes that of its pieces.
     pub fn close(&mut self) -> &mut Self {
-        if let Some((start, from)) = self.pen.take() {
-            if from.distance(start) > 1e-12 * (self.max - self.min).length() {
-                self.pen = Some((start, from));
-                self.line(start);
-                self.pen = None;
-            } else if from != start {
-                // Rounding left a gap, through which a ray must not slip.
-                self.crossings.push(Crossing { from, to: start, arc: None });
+        self.end();
+        if self.area < 0.0 {
+            for piece in &mut self.pieces[self.loop_begins..] {
+                *piece = piece.reversed();
             }
-            if self.area < 0.0 {
-                for piece in &mut self.pieces[self.loop_begins..] {
-                    *piece = piece.reversed();
-                }
-            }
+            self.area = -self.area;
         }
         self
+    }
+
+    fn end(&mut self) {
+        let Some((start, from)) = self.pen.take() else { return };
+        if from.distance(start) > 1e-12 * (self.max - self.min).length() {
+            self.pen = Some((start, from));
+            self.line(start);
+            self.pen = None;
+        } else if from != start {
+            // Rounding left a gap, through which a ray must not slip.
+            self.crossings.push(Crossing { from, to: start, arc: None });
+        }
     }
 
     /// The region as one over the distance from an axis at x = 0: edges on it bound nothing.
@@ -185,7 +203,16 @@ impl Outline {
 
     /// Whether a point is inside.
     pub fn contains(&self, point: DVec2) -> bool {
-        self.crossings.iter().filter(|crossing| crossing.is_right_of(point)).count() % 2 == 1
+        /// Fewer are faster looked at one by one.
+        const MANY: usize = 32;
+        let crossed = if self.crossings.len() < MANY {
+            self.crossings.iter().filter(|crossing| crossing.is_right_of(point)).count()
+        } else {
+            let span = |crossing: &Crossing| (crossing.from.y.min(crossing.to.y), crossing.from.y.max(crossing.to.y));
+            let rows = self.rows.get_or_init(|| Rows::new(&self.crossings.iter().map(span).collect::<Vec<_>>()));
+            rows.at(point.y).iter().filter(|index| self.crossings[**index as usize].is_right_of(point)).count()
+        };
+        crossed % 2 == 1
     }
 }
 
@@ -282,6 +309,13 @@ impl Parts for Outline {
     fn carrier(&self, index: usize, position: DVec3) -> Sample {
         let (value, gradient) = self.pieces[index].carrier(position.truncate());
         (value, gradient.extend(0.0))
+    }
+
+    fn core(&self, index: usize) -> Option<(Aabb, f64)> {
+        Some(match self.pieces[index] {
+            Piece::Edge { from, to } => (Aabb::new(from.min(to).extend(0.0), from.max(to).extend(0.0)), 0.0),
+            Piece::Arc { centre, radius, .. } => (Aabb::new(centre.extend(0.0), centre.extend(0.0)), radius),
+        })
     }
 
     fn bounding_box(&self) -> Option<Aabb> {

@@ -10,6 +10,7 @@ use std::sync::Arc;
 use glam::DVec3;
 
 use super::candidates::Candidates;
+use super::part_tree::PartTree;
 use super::{Aabb, BATCH, Evaluator, Field, Gradients, Hint, Hints, Interval, Points, Slope};
 
 /// How far a region may reach, in cubes that repeat, to be seen as one: no part beyond the cubes around is then the best.
@@ -17,6 +18,12 @@ pub(super) const WITHIN: f64 = 0.45;
 
 /// More parts of a region than this are more work at each point than a look into the tree.
 const MOST_LISTED: usize = 6;
+
+/// More parts than this are found by a tree of boxes, where they have any.
+const MANY: usize = 64;
+
+/// So many parts of a region are listed where there is a tree; of more, the tree is asked at each point.
+const MOST_OF_TREE: usize = 16;
 
 /// A value and its gradient.
 pub type Sample = (f64, DVec3);
@@ -40,6 +47,12 @@ pub trait Parts: Send + Sync {
         self.part(index, position)
     }
 
+    /// A box, and the radius that a part reaches beyond it: its value is nowhere more than the radius minus the distance to
+    /// the box. For parts that may be very many.
+    fn core(&self, _index: usize) -> Option<(Aabb, f64)> {
+        None
+    }
+
     /// A box that holds the solid.
     fn bounding_box(&self) -> Option<Aabb>;
 
@@ -61,6 +74,9 @@ pub trait Parts: Send + Sync {
 /// The field of some parts.
 pub struct Joined<P> {
     parts: P,
+    /// Of many parts, where they have boxes.
+    tree: Option<PartTree>,
+    /// Of others.
     candidates: Option<Candidates>,
 }
 
@@ -74,8 +90,25 @@ impl<P: Parts + 'static> Joined<P> {
 impl<P: Parts> Joined<P> {
     /// The field of parts.
     pub fn new(parts: P) -> Self {
-        let candidates = Candidates::new(&parts);
-        Self { parts, candidates }
+        let has_many = parts.count() > MANY && parts.period().is_none();
+        let tree = has_many.then(|| PartTree::new(&parts)).flatten();
+        let candidates = if tree.is_some() { None } else { Candidates::new(&parts) };
+        Self { parts, tree, candidates }
+    }
+
+    /// Which part is the best at a position, the first where several are.
+    pub fn best_part(&self, position: DVec3) -> usize {
+        let own = self.own(position);
+        if let Some(tree) = &self.tree {
+            // Of what is no number the first stands for all.
+            return (tree.best(&self.parts, own).0 as usize).min(self.parts.count() - 1);
+        }
+        let mut best = (f64::NEG_INFINITY, 0);
+        for index in 0..self.parts.count() {
+            let value = self.parts.part(index, own).0;
+            best = if value > best.0 { (value, index) } else { best };
+        }
+        best.1
     }
 
     /// Those that may be the best in a region, as the parts see it.
@@ -119,8 +152,13 @@ impl<P: Parts> Field for Joined<P> {
     }
 
     fn reference(&self, position: DVec3) -> f64 {
-        // All of them, one by one: the judge of what is left out.
+        /// So many that one by one they would take milliseconds.
+        const VERY_MANY: usize = 50_000;
         let position = self.own(position);
+        if let Some(tree) = self.tree.as_ref().filter(|_| self.parts.count() > VERY_MANY) {
+            return self.signed(tree.best(&self.parts, position).1, self.parts.inside(position)).0;
+        }
+        // All of them, one by one: the judge of what is left out.
         let mut best = (f64::NEG_INFINITY, DVec3::ZERO);
         for index in 0..self.parts.count() {
             let sample = self.parts.part(index, position);
@@ -142,6 +180,8 @@ struct Region {
     /// What is taken from positions; `None` where they are folded one by one.
     shift: Option<DVec3>,
     few: Vec<u32>,
+    /// Whether these are all that can be the best; of more the tree knows them.
+    is_whole: bool,
     /// F at the centre.
     value: f64,
     inside: Option<bool>,
@@ -159,15 +199,22 @@ impl<P: Parts> JoinedEvaluator<'_, P> {
     fn sample(&self, position: DVec3) -> Sample {
         let joined = self.joined;
         let (own, few, inside) = match self.regions.last() {
-            Some(Region { shift: Some(shift), few, inside, .. }) => {
+            Some(Region { shift: Some(shift), few, is_whole, inside, .. }) => {
                 let own = self.flat(position - *shift);
-                // Of many the tree knows the few of the point.
-                let tree = joined.candidates.as_ref().filter(|_| few.len() > MOST_LISTED);
-                (own, tree.map_or(&few[..], |tree| tree.at(own)), *inside)
+                if let Some(tree) = joined.tree.as_ref().filter(|_| !is_whole) {
+                    let (_, best) = tree.best(&joined.parts, own);
+                    return joined.signed(best, inside.or_else(|| joined.parts.inside(own)));
+                }
+                // Of many the cubes know the few of the point.
+                let cubes = joined.candidates.as_ref().filter(|_| few.len() > MOST_LISTED);
+                (own, cubes.map_or(&few[..], |cubes| cubes.at(own)), *inside)
             }
             // In a region where no single cube repeats each point has parts of its own.
             _ => {
                 let own = joined.own(position);
+                if let Some(tree) = &joined.tree {
+                    return joined.signed(tree.best(&joined.parts, own).1, joined.parts.inside(own));
+                }
                 let few = joined.candidates.as_ref().map_or(&self.all[..], |candidates| candidates.at(own));
                 (own, few, None)
             }
@@ -185,7 +232,7 @@ impl<P: Parts> JoinedEvaluator<'_, P> {
         const MOST: usize = 12;
         let Some(region) = self.regions.last() else { return &[] };
         region.carriers.get_or_init(|| {
-            let Some(shift) = region.shift else { return Vec::new() };
+            let Some(shift) = region.shift.filter(|_| region.is_whole) else { return Vec::new() };
             let centre = self.flat(region.centre - shift);
             let near = |index: &&u32| {
                 let (value, _) = self.joined.parts.part(**index as usize, centre);
@@ -216,25 +263,36 @@ impl<P: Parts> Evaluator for JoinedEvaluator<'_, P> {
         let shift = outer.map_or(shift, |outer| outer.shift);
         let own = shift.map_or_else(|| self.joined.own(centre), |shift| self.flat(centre - shift));
         let known = outer.and_then(|outer| outer.inside);
-        let (mut value, mut inside) = (f64::NAN, None);
+        let (mut value, mut inside, mut is_whole) = (f64::NAN, None, self.joined.tree.is_none());
         if own.is_finite() {
             let around = Aabb::new(own, own);
+            let tree = self.joined.tree.as_ref().filter(|_| outer.is_none_or(|outer| !outer.is_whole));
             let candidates = match (outer, shift) {
+                _ if tree.is_some() => &[],
                 (Some(outer), _) => &outer.few[..],
                 (None, Some(_)) => self.joined.candidates(&around.grown(reach), &self.all),
                 (None, None) => self.joined.candidates(&around, &self.all),
             };
-            let best = self.joined.best(candidates, own);
+            let best = match tree {
+                Some(tree) => tree.best(parts, own).1,
+                None => self.joined.best(candidates, own),
+            };
             let here = known.or_else(|| parts.inside(own));
             value = self.joined.signed(best, here).0;
             // Pieces of a boundary that is farther away leave the side as it is.
             inside = known.or_else(|| here.filter(|_| value.abs() > reach));
             if shift.is_some() {
                 let least = best.0 - 2.0 * reach - 1e-9 * (best.0.abs() + reach);
-                few.extend(candidates.iter().filter(|index| parts.part(**index as usize, own).0 >= least));
+                match tree {
+                    Some(tree) => is_whole = tree.at_least(parts, own, least, MOST_OF_TREE, &mut few),
+                    None => {
+                        few.extend(candidates.iter().filter(|index| parts.part(**index as usize, own).0 >= least));
+                        is_whole = true;
+                    }
+                }
             }
         }
-        self.regions.push(Region { centre, reach, shift, few, value, inside, carriers: OnceCell::new() });
+        self.regions.push(Region { centre, reach, shift, few, is_whole, value, inside, carriers: OnceCell::new() });
     }
 
     fn bounds(&mut self) -> Interval {
@@ -351,7 +409,12 @@ mod tests {
         let mut outline = Outline::polygon(&(0..31).map(corner).collect::<Vec<_>>());
         outline.draw_circle(glam::DVec2::ZERO, 0.3);
         let outline = Joined::new(outline);
-        for field in [&lattice as &dyn Field, &line as &dyn Field, &outline as &dyn Field] {
+        let mut fine =
+            Outline::polygon(&(0..400).map(|i| corner(i) * (1.0 + 0.001 * f64::from(i))).collect::<Vec<_>>());
+        fine.draw_circle(glam::DVec2::ZERO, 0.3);
+        let fine = Joined::new(fine);
+        assert!(fine.tree.is_some() && outline.tree.is_none());
+        for field in [&lattice as &dyn Field, &line as &dyn Field, &outline as &dyn Field, &fine as &dyn Field] {
             let mut evaluator = field.evaluator();
             for step in 0..60 {
                 let centre = DVec3::new(0.03, -0.041, 0.027) * f64::from(step);
