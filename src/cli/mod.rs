@@ -16,9 +16,12 @@ mod files;
 mod info;
 mod job;
 mod morph;
+mod new;
+mod nodes;
 mod options;
 mod paths;
 mod preview;
+mod probe;
 mod progress;
 mod report;
 mod scenes;
@@ -48,7 +51,8 @@ First steps:
   hfvdb bake cubism -o out/cubism.####.vdb       48 frames of a coloured morph
   hfvdb morph a.obj b.ply -o out/m.####.vdb      a morph of two meshes, no scene file
   hfvdb convert fox.glb -o fox.vdb               a mesh with its colours, no scene file
-  hfvdb scenes heart > mine.toml                 a scene to start from
+  hfvdb new mine.toml                            a first scene, with remarks
+  hfvdb nodes lattice                            what scenes are made of, searched
   hfvdb verify out                               whether all frames are there and whole
 
 Exit codes: 0 done; 1 the input or the work failed; 2 the command line is wrong; 3 more memory is needed than
@@ -74,6 +78,12 @@ enum Command {
     Info(info::Arguments),
     /// List the built-in scenes, or print one to start from
     Scenes(scenes::Arguments),
+    /// Search the nodes that scenes are made of, or show one with its keys, formula and example
+    Nodes(nodes::Arguments),
+    /// Read F at one place, node by node: value, slope, distance, colour
+    Probe(probe::Arguments),
+    /// Write a first scene to change: one shape, a morph, or two meshes
+    New(new::Arguments),
     /// Print the JSON Schema of the scene format, from which editors complete and check scenes
     Schema,
     /// Hold frames against their manifest: missing, foreign, or a single bit flipped
@@ -105,6 +115,9 @@ pub fn run() -> ExitCode {
         Command::Check(arguments) => check::run(&arguments, &global),
         Command::Info(arguments) => info::run(&arguments, &global),
         Command::Scenes(arguments) => scenes::run(&arguments, &global),
+        Command::Nodes(arguments) => nodes::run(&arguments, &global),
+        Command::Probe(arguments) => probe::run(&arguments, &global),
+        Command::New(arguments) => new::run(&arguments, &global),
         Command::Schema => schema::run(),
         Command::Verify(arguments) => verify::run(&arguments, &global),
         Command::Preview(arguments) => preview::run(&arguments, &global),

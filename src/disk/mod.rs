@@ -1,6 +1,6 @@
 //! Files on the disk that are whole or not there, and locks that go with their process.
 //!
-//! * [`write_whole`] makes a small file under a temporary name, syncs and renames it.
+//! * [`write_whole`] and [`write_new`] make a small file under a temporary name, syncs and renames it.
 //! * [`stage`] does so for a large one, up to what waits for the disk: [`Staged::commit`].
 //! * [`FileLock`] is a lock of the operating system: however a process ends, its locks end with it.
 //! * [`remove_registered`] takes away the temporaries and locks of this process, just before it ends by force.
@@ -23,7 +23,7 @@ pub use read::{open, read};
 pub use register::remove_registered;
 pub use space::free_bytes;
 pub use staged::{Staged, Written, check_target, stage};
-pub use temporary::{Temporary, folder_of, temporary_target, write_whole};
+pub use temporary::{Temporary, folder_of, temporary_target, write_new, write_whole};
 
 #[cfg(test)]
 mod tests;

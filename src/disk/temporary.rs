@@ -70,10 +70,22 @@ impl Temporary {
 /// # Errors
 /// When the system refuses.
 pub fn write_whole(target: &Path, bytes: &[u8]) -> Result<(), Error> {
+    write(target, bytes, true)
+}
+
+/// The same where there is no file of that name.
+///
+/// # Errors
+/// [`Error::Exists`] where there is one, and when the system refuses.
+pub fn write_new(target: &Path, bytes: &[u8]) -> Result<(), Error> {
+    write(target, bytes, false)
+}
+
+fn write(target: &Path, bytes: &[u8], overwrite: bool) -> Result<(), Error> {
     let mut temporary = Temporary::beside(target)?;
     let file = temporary.file_mut();
     file.write_all(bytes).and_then(|()| file.sync_all()).map_err(|error| Error::system(target, "write it", error))?;
-    temporary.persist(target, true)
+    temporary.persist(target, overwrite)
 }
 
 /// The final name that a temporary's name was made from; `None` for other names.

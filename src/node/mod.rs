@@ -7,6 +7,7 @@ pub(crate) mod assets;
 pub(crate) mod attributes;
 pub(crate) mod bend;
 pub(crate) mod blending;
+mod catalogue;
 pub(crate) mod copied;
 pub(crate) mod corners;
 pub(crate) mod curves;
@@ -31,6 +32,7 @@ pub(crate) mod paint;
 pub(crate) mod painted;
 pub(crate) mod pattern;
 pub(crate) mod placed;
+mod probe;
 pub(crate) mod profile;
 pub(crate) mod promises;
 mod read;
@@ -64,15 +66,17 @@ mod tests;
 #[cfg(test)]
 mod trap_tests;
 
+pub use catalogue::{Entry, Parameter, catalogue, nodes_page};
 pub use example::{node_names, node_scene};
 pub use load::{Source, load, mesh_as_it_is, morph_of_meshes};
 pub use model::*;
+pub use probe::{Probe, Reading};
 pub use reference::reference;
 pub use schema::schema;
 
 /// Tables of nodes, each row a file with a `NODE`: a line is all that a new one needs.
 macro_rules! nodes {
-    ($($(#[$doc:meta])* $table:ident: $row:ty = { $($room:ident: $($file:ident)*;)* })*) => {
+    ($($(#[$doc:meta])* $table:ident: $row:ty = { $($room:ident $title:literal: $($file:ident)*;)* })*) => {
         $($(
             pub(crate) mod $room {
                 $(pub(crate) mod $file;)*
@@ -82,6 +86,11 @@ macro_rules! nodes {
         pub(crate) mod list {
             use super::{source::Source, spec::Spec};
             $($(#[$doc])* pub static $table: &[$row] = &[$($(super::$room::$file::NODE,)*)*];)*
+
+            /// The rooms: each one's table, its title, and the names of its nodes.
+            pub static ROOMS: &[(&str, &str, &[&str])] = &[$($(
+                (stringify!($table), $title, &[$(super::$room::$file::NODE.key.name,)*]),
+            )*)*];
         }
     };
 }
@@ -89,7 +98,7 @@ macro_rules! nodes {
 nodes! {
     /// What a shape can be: exactly one of these. In the order of the documentation.
     MAKERS: Spec = {
-        primitive:
+        primitive "Solids":
             sphere
             cuboid
             ellipsoid
@@ -130,7 +139,7 @@ nodes! {
             elliptic_cylinder
             heart
             formula;
-        polyhedron:
+        polyhedron "Polyhedra":
             tetrahedron
             octahedron
             dodecahedron
@@ -146,7 +155,7 @@ nodes! {
             frustum
             hull
             planes;
-        planar:
+        planar "Shapes of the plane":
             circle
             ellipse
             rectangle
@@ -177,12 +186,12 @@ nodes! {
             stairs
             gear
             superellipse;
-        lift:
+        lift "Solids of shapes of the plane":
             extrude
             revolve
             lathe
             sweep;
-        periodic:
+        periodic "Periodic surfaces and lattices":
             gyroid
             schwarz_p
             schwarz_d
@@ -202,19 +211,19 @@ nodes! {
             fluorite
             isotruss
             honeycomb;
-        curve:
+        curve "Tubes along curves":
             polyline
             bezier
             b_spline
             catmull_rom;
-        soft:
+        soft "Soft objects":
             metaballs
             blobby
             convolution;
-        import:
+        import "Objects from files":
             mesh
             vdb;
-        combine:
+        combine "Set operations and blends":
             union
             intersection
             difference
@@ -241,17 +250,17 @@ nodes! {
             groove
             tongue
             clearance;
-        structure:
+        structure "Structures":
             facet;
     }
 
     /// What can be done to a shape, in the order of work whatever the order of the text.
     MODIFIERS: Spec = {
-        level:
+        level "Levels":
             isovalue;
-        cut:
+        cut "Cuts":
             bounds;
-        copies:
+        copies "Copies":
             at
             array
             polar
@@ -259,7 +268,7 @@ nodes! {
             along
             places
             scatter;
-        space:
+        space "Bends of space":
             elongate
             mirror
             shear
@@ -275,7 +284,7 @@ nodes! {
             rotate_about
             quaternion
             look_at;
-        surface:
+        surface "Offsets, walls and edges":
             round
             fillet
             offset
@@ -286,7 +295,7 @@ nodes! {
 
     /// What else can be done to a shape in a list of its own order. Beside a shape these keys are one placement.
     PLACERS: Spec = {
-        place:
+        place "Placement":
             scale
             rotate
             translate;
@@ -294,7 +303,7 @@ nodes! {
 
     /// Where a colour written as a table can come from.
     COLOURS: Source<3> = {
-        color:
+        color "Colours":
             linear
             hsv
             palette
@@ -319,7 +328,7 @@ nodes! {
 
     /// Where a scalar written as a table can come from.
     SCALARS: Source<1> = {
-        number:
+        number "Numbers":
             values
             range
             noise

@@ -3,12 +3,11 @@
 use std::fmt::Write;
 
 use crate::field::functions;
+use crate::node::catalogue::table_of;
 use crate::node::keys;
 use crate::node::list;
-use crate::node::source::Source;
-use crate::node::spec::Spec;
 use crate::text::builtin::{builtin_line, builtin_names};
-use crate::text::key::{Absent, Key, Limit};
+use crate::text::key::Key;
 use crate::text::keyframes;
 
 const BEGINNING: &str = "\
@@ -61,8 +60,8 @@ the ends hold.
 
 **Distances.** `offset`, `shell`, `displace`, `bands`, `blend_radius` and `seam` are distances. Where a shape's F is not
 the distance on the side that they use, the distance is measured first, which takes from a tenth of a second to some
-seconds, for a shape that changes in every frame. F is the distance where it is given below as the signed distance or as a
-length, outside of unions of such shapes, and inside what is cut from them. What has no end cannot be measured: give it
+seconds, for a shape that changes in every frame. F is the distance where it is given as the signed distance or as a
+length in [nodes.md](nodes.md), outside of unions of such shapes, and inside what is cut from them. What has no end cannot be measured: give it
 `bounds`. Of a blend of three, what the first two make counts by its F.
 
 **The plane.** `circle`, `polygon`, `star` and others are shapes of the xy plane. `extrude`, `revolve` and `sweep` make
@@ -121,6 +120,20 @@ The operation's name is a key of shapes, its parameters are keys beside it; neit
 the formula of the shapes' F where they stand. Colours and attributes go along as those of `blend`, by weights that add up to
 1, and so does motion. `rises_in` and `lipschitz` are checked by samples of the fields from −100 to 100, with the numbers of
 each shape; where one is not kept, the error names the fields' values.";
+
+const SHAPES: &str = "
+## `[shape.NAME]`: what a shape is
+
+A shape has exactly one of these keys, and beside it the parameters that [nodes.md](nodes.md) lists with it.
+
+";
+
+const MODIFIERS: &str = "
+## What can be done to a shape
+
+In this order, whatever the order of the text.
+
+";
 
 const COLOURS: &str = "
 ## Colours as tables
@@ -229,19 +242,19 @@ pub fn reference() -> String {
         let _ = writeln!(out, "| `{usage}` | {text} |");
     }
     section(&mut out, "The top of a scene", "", keys::SCENE);
-    out.push_str("\n## `[shape.NAME]`: what a shape is\n\nA shape has exactly one of these keys.\n\n");
-    specs(&mut out, list::MAKERS);
-    out.push_str("\n## What can be done to a shape\n\nIn this order, whatever the order of the text.\n\n");
-    specs(&mut out, list::MODIFIERS);
+    out.push_str(SHAPES);
+    names(&mut out, "MAKERS");
+    out.push_str(MODIFIERS);
+    names(&mut out, "MODIFIERS");
     section(&mut out, "Every shape", "Beside what it is and what is done to it.", keys::SHAPE);
     section(&mut out, "`bounds` as a table", "", keys::BOUNDS);
     section(&mut out, "`at`: copies", "", keys::COPIES);
     section(&mut out, "`[cells.NAME]`", "", keys::CELLS);
     section(&mut out, "`[operation.NAME]`: operations of your own", OPERATIONS, keys::OPERATION);
     out.push_str(COLOURS);
-    sources(&mut out, list::COLOURS, "c");
+    names(&mut out, "COLOURS");
     out.push_str(SCALARS);
-    sources(&mut out, list::SCALARS, "a");
+    names(&mut out, "SCALARS");
     section(&mut out, "A key as a table", KEY, keyframes::KEY);
     section(&mut out, "`[param]`: a parameter as a table", "", keys::PARAMETER);
     section(&mut out, "`[morph]`", "", keys::MORPH);
@@ -265,86 +278,25 @@ fn section(out: &mut String, title: &str, text: &str, keys: &[Key]) {
     if !text.is_empty() {
         let _ = write!(out, "{text}\n\n");
     }
-    table(out, keys.iter());
+    table_of(out, keys.iter());
 }
 
-fn table<'k>(out: &mut String, keys: impl Iterator<Item = &'k Key>) {
-    out.push_str("| key | takes | when left out | what it does |\n|---|---|---|---|\n");
-    for key in keys {
-        let also = key.also.iter().map(|name| format!(", `{name}`")).collect::<String>();
-        let _ = writeln!(out, "| `{}`{also} | {} | {} | {} |", key.name, takes(key), left_out(key), key.text);
-    }
-}
-
-/// Kind, range and unit.
-fn takes(key: &Key) -> String {
-    let mut words = vec![key.kind.words()];
-    if !matches!(key.limit, Limit::Any) {
-        words.push(key.limit.words());
-    }
-    if !key.unit.is_empty() {
-        words.push(key.unit.into());
-    }
-    words.join(", ")
-}
-
-fn left_out(key: &Key) -> String {
-    match key.default {
-        Absent::Required => "must be there".into(),
-        Absent::Nothing => "–".into(),
-        Absent::Number(value) => format!("{value}"),
-        Absent::Vector([x, y, z]) => format!("[{x}, {y}, {z}]"),
-        Absent::Text(text) => format!("`{text}`"),
-        Absent::Of(other, share) => format!("{share} · `{other}`"),
-        Absent::Words(words) => words.into(),
-    }
-}
-
-/// Rows of the table of nodes.
-fn specs(out: &mut String, specs: &'static [Spec]) {
-    for spec in specs {
-        let left_out = match spec.key.default {
-            Absent::Required | Absent::Nothing => String::new(),
-            _ => format!(" When left out: {}.", left_out(&spec.key)),
-        };
-        let also: Vec<String> = spec.key.also.iter().map(|name| format!("`{name}`")).collect();
-        let also = if also.is_empty() { String::new() } else { format!(" Also called {}.", also.join(", ")) };
-        let (name, text) = (spec.key.name, spec.key.text);
-        let _ = write!(out, "### `{name}`\n\n{text} Takes: {}.{left_out}{also}\n", takes(&spec.key));
-        match (spec.formula, spec.source) {
-            ("", "") => {}
-            (formula, "") => _ = write!(out, "\nF = {formula}\n"),
-            ("", source) => _ = write!(out, "\nAfter {source}.\n"),
-            (formula, source) => _ = write!(out, "\nF = {formula} ({source})\n"),
+/// The nodes of a table by their names, each a link to what [`super::catalogue`] says of it.
+fn names(out: &mut String, table: &str) {
+    let mut met: Vec<&str> = Vec::new();
+    for (of, group, names) in list::ROOMS {
+        let mut links = Vec::new();
+        for name in *names {
+            // Headings of one name are told apart by a number from the second on.
+            let before = met.iter().filter(|other| *other == name).count();
+            let number = if before == 0 { String::new() } else { format!("-{before}") };
+            links.push(format!("[`{name}`](nodes.md#{name}{number})"));
+            met.push(name);
         }
-        let _ = write!(out, "\n```toml\n{}\n```\n\n", spec.example);
-        let _ = write!(out, "![{0}](images/nodes/{0}.png)\n\n", spec.key.name);
-        if !spec.parameters.is_empty() {
-            table(out, spec.parameters.iter());
-            out.push('\n');
+        if *of == table {
+            let _ = writeln!(out, "- {group}: {}", links.join(", "));
         }
     }
-    out.truncate(out.trim_end().len());
-    out.push('\n');
-}
-
-fn sources<const N: usize>(out: &mut String, sources: &'static [Source<N>], symbol: &str) {
-    for source in sources {
-        let _ = write!(out, "### `{}`\n\n{} Takes: {}.\n", source.key.name, source.key.text, takes(&source.key));
-        if !source.formula.is_empty() {
-            let _ = write!(out, "\n{symbol} = {}\n", source.formula);
-        }
-        if !source.example.is_empty() {
-            let _ = write!(out, "\n`{}`\n", source.example);
-        }
-        out.push('\n');
-        if !source.parameters.is_empty() {
-            table(out, source.parameters.iter());
-            out.push('\n');
-        }
-    }
-    out.truncate(out.trim_end().len());
-    out.push('\n');
 }
 
 #[cfg(test)]
