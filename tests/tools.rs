@@ -56,3 +56,41 @@ fn a_place_is_probed() {
     let ends = json(&place.hfvdb("probe cube-to-heart 0 0 0 --frame 12 --json").ok().stdout);
     assert_eq!(ends["shapes"].as_array().map(Vec::len), Some(2));
 }
+
+#[test]
+fn parameters_make_a_grid() {
+    let place = Workplace::new();
+    place.write(
+        "ball.toml",
+        "[param]\nr = 1\ngap = 3\n[shape.s]\nunion = [{ sphere = 'r' }, { sphere = 0.5, move = ['gap', 0, 0] }]\n",
+    );
+    let made = place.hfvdb(
+        "preview ball.toml --vary r=0.5,1 --vary gap=0,2,3 -o grid.png --csv grid.csv --size 48 --resolution 48",
+    );
+    assert_eq!(made.ok().stdout, "grid.png\ngrid.csv\n");
+    let table = fs::read_to_string(place.path("grid.csv")).unwrap();
+    let rows: Vec<Vec<&str>> = table.lines().map(|line| line.split(',').collect()).collect();
+    assert_eq!(rows.len(), 7, "{table}");
+    assert_eq!(rows[0], ["frame", "volume", "area", "pieces", "change"]);
+    assert_eq!((rows[1][0], rows[1][3]), ("r=0.5 gap=0", "1"));
+    assert_eq!((rows[6][0], rows[6][3]), ("r=1 gap=3", "2"));
+    let number = |row: usize, column: usize| rows[row][column].parse::<f64>().unwrap();
+    let exact = 4.0 * std::f64::consts::PI * (1.0 + 0.25);
+    assert!((number(6, 2) / exact - 1.0).abs() < 0.02, "{}", number(6, 2));
+    assert!((number(6, 1) / (4.0 / 3.0 * std::f64::consts::PI * 1.125) - 1.0).abs() < 0.02);
+    place.hfvdb("preview ball.toml --vary r=1,0 -o grid.png").fails(1, &["r=0", "greater than 0"]);
+    place.hfvdb("preview ball.toml --vary r -o grid.png").fails(2, &["NAME=VALUE"]);
+    place.hfvdb("preview ball.toml --vary r=1,2 --vary none=1 -o grid.png").fails(1, &["none"]);
+}
+
+#[test]
+fn slices_of_f_go_beyond_the_band() {
+    let place = Workplace::new();
+    place.write("ball.toml", "[shape.s]\nsphere = 1\n");
+    for what in ["f", "gradient"] {
+        place.hfvdb(&format!("preview ball.toml --slice z=0 --slice-of {what} -o {what}.png --size 96")).ok();
+    }
+    place.hfvdb("preview ball.toml --slice-of f -o f.png").fails(2, &["--slice"]);
+    place.hfvdb("bake ball.toml -o ball.vdb --resolution 24").ok();
+    place.hfvdb("preview ball.vdb --slice z=0 --slice-of f -o f.png").fails(2, &["F of a scene"]);
+}

@@ -12,6 +12,7 @@
 mod animation;
 mod camera;
 mod error;
+mod field_slice;
 mod ground;
 mod image;
 mod layers;
@@ -32,4 +33,5 @@ pub use image::Image;
 pub use layers::Layers;
 pub use picture::{Lighting, Look, Quality, Scene, render, render_layers};
 pub use sheet::{ContactSheet, SheetFrame};
+pub use field_slice::Shows;
 pub use slice::{Fill, Plane, Slice};

@@ -17,17 +17,17 @@ use crate::{
     grid::Band,
 };
 
-const PAPER: [u8; 3] = [206, 209, 214];
+pub(super) const PAPER: [u8; 3] = [206, 209, 214];
 const INK: [u8; 3] = [26, 30, 38];
 const CHALK: [u8; 3] = [255; 3];
 /// Colours darker than this (linear luminance) have light lines.
 const DARK: f32 = 0.18;
 /// The inside's colour where nothing is known of it: that of sRGB `#cccccc`, lighter than the paper is dark.
-const CLAY: [f32; 3] = [0.604; 3];
+pub(super) const CLAY: [f32; 3] = [0.604; 3];
 /// Room around the object's box, as a share of its larger side: outside, too, there are lines to see.
 const MARGIN: f64 = 0.12;
 /// Samples of a pixel each way.
-const SAMPLES: usize = 2;
+pub(super) const SAMPLES: usize = 2;
 /// Half the thickness of the surface's line and of the others, in pixels.
 const HALF_LINES: [f64; 2] = [1.1, 0.5];
 /// How strongly lines are drawn, other than the surface's.
@@ -36,7 +36,7 @@ const FAINT: f32 = 0.45;
 const LEAST_APART: f64 = 7.0;
 const MOST_LINES: f64 = 10.0;
 /// Pictures smaller than this have no caption.
-const LEAST_CAPTIONED: usize = 320;
+pub(super) const LEAST_CAPTIONED: usize = 320;
 
 /// A plane across one axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -131,7 +131,7 @@ impl Slice {
     }
 
     /// The world position of a place in the picture, in pixels from its top left.
-    fn world(&self, place: DVec2) -> DVec3 {
+    pub(super) fn world(&self, place: DVec2) -> DVec3 {
         let (right, up) = self.plane.axes();
         let mut position = (self.bounds.min + self.bounds.max) * 0.5;
         position[self.plane.axis] = self.plane.at;
@@ -160,22 +160,25 @@ impl Slice {
             }
         });
         if self.size >= LEAST_CAPTIONED {
-            let row = self.size - LINE - 8;
-            text::draw(&mut image, 8, row as i64, &self.caption(), Style::Plain, Align::Left, INK);
+            sign(&mut image, &self.caption());
         }
         image
     }
 
-    /// One row of pixels.
-    fn row(&self, volume: &Volume<'_>, known: f64, fill: Fill<'_>, row: usize) -> Vec<[u8; 4]> {
+    /// The places of the samples of a row, pixel by pixel.
+    pub(super) fn places(&self, row: usize) -> impl Iterator<Item = DVec2> {
         let within = |sample: usize| (sample as f64 + 0.5) / SAMPLES as f64;
-        let places = (0..self.size).flat_map(|column| {
+        (0..self.size).flat_map(move |column| {
             let place = move |sample: usize| {
                 DVec2::new(column as f64 + within(sample % SAMPLES), row as f64 + within(sample / SAMPLES))
             };
             (0..SAMPLES * SAMPLES).map(place)
-        });
-        let positions: Vec<DVec3> = places.map(|place| self.world(place)).collect();
+        })
+    }
+
+    /// One row of pixels.
+    fn row(&self, volume: &Volume<'_>, known: f64, fill: Fill<'_>, row: usize) -> Vec<[u8; 4]> {
+        let positions: Vec<DVec3> = self.places(row).map(|place| self.world(place)).collect();
         let distances: Vec<f64> =
             positions.iter().map(|&position| volume.distance(position / volume.voxel_size())).collect();
         let inside: Vec<DVec3> =
@@ -196,7 +199,7 @@ impl Slice {
     }
 
     /// A pixel of a linear colour, with what lines there are in it; `known` is the greatest distance that has one.
-    fn with_lines(&self, colour: [f32; 3], samples: &[f64], known: f64) -> [u8; 4] {
+    pub(super) fn with_lines(&self, colour: [f32; 3], samples: &[f64], known: f64) -> [u8; 4] {
         let distance = samples.iter().sum::<f64>() / samples.len() as f64;
         let mut pixel = colour.map(encode_srgb);
         // How much the distance changes across a pixel; where it hardly does, a line would be a stain.
@@ -219,6 +222,12 @@ impl Slice {
         }
         [pixel[0], pixel[1], pixel[2], 255]
     }
+}
+
+/// Writes a caption at a picture's lower edge.
+pub(super) fn sign(image: &mut Image, caption: &str) {
+    let row = image.height() - LINE - 8;
+    text::draw(image, 8, row as i64, caption, Style::Plain, Align::Left, INK);
 }
 
 /// The colours at some world positions.

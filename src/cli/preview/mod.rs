@@ -2,8 +2,10 @@
 
 mod picture;
 mod source;
+mod table;
 mod target;
 mod terminal;
+mod vary;
 mod watch;
 
 use std::path::PathBuf;
@@ -17,9 +19,10 @@ use super::progress::Progress;
 use super::{files, job, paths, signals};
 use crate::bake::{Frames, Interrupt};
 use crate::grid::{Band, measure};
-use crate::render::{self, ContactSheet, Plane, SheetFrame, View};
+use crate::render::{self, ContactSheet, Plane, SheetFrame, Shows, View};
 use picture::Painter;
 use source::Source;
+use table::Table;
 use target::{Kind, Target, Writer};
 
 /// Arguments of `hfvdb preview`.
@@ -40,7 +43,9 @@ Examples:
   hfvdb preview my.toml -o my.png --watch --open     follow what is saved, in a browser
   hfvdb preview my.toml --terminal --frames 12       without any file
   hfvdb preview cubism -o inside.png --slice z=0     colours inside, lines of equal distance
+  hfvdb preview cubism -o f.png --slice z=0 --slice-of f --frames 24    F far from the surface
   hfvdb preview 'out/cubism.####.vdb' -o cubism.apng files that are there, of any maker
+  hfvdb preview my.toml -o grid.png --vary size=0.5,1,2 --vary seed=1,2   a grid of parameters
   hfvdb preview a.vdb b.vdb -o both.png              files of several names, side by side")]
 pub struct Arguments {
     /// A scene file, the name of a built-in scene, or .vdb files, by name or frame pattern (several are a sequence)
@@ -80,6 +85,11 @@ pub struct Arguments {
     #[arg(long, value_name = "AXIS=PLACE", conflicts_with_all = ["view", "turn"])]
     slice: Option<Plane>,
 
+    /// What a slice shows: distances of the band; F itself, as far as the picture goes; or how steep F is (white 1, red
+    /// more, blue less). Of F and its slope, places where F is no number or steeper than declared are magenta
+    #[arg(long, value_enum, value_name = "WHAT", default_value_t = SliceOf::Distance, requires = "slice")]
+    slice_of: SliceOf,
+
     /// Edge of a picture in pixels [default: 800; 480 of an .apng, 220 each of a contact sheet]
     #[arg(long, value_name = "PIXELS", value_parser = clap::value_parser!(u32).range(16..=8192))]
     size: Option<u32>,
@@ -96,6 +106,16 @@ pub struct Arguments {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     pictures: Option<u32>,
 
+    /// Show one frame with each of these values of a [param] name or any key, as `--set` takes them; of several, each
+    /// combination, the last in rows; may be repeated
+    #[arg(long, value_name = "NAME=VALUE,…", conflicts_with = "watch")]
+    vary: Vec<String>,
+
+    /// Write what is counted beside the pictures as a table: volume, area of the surface, pieces, and the change since
+    /// the frame before
+    #[arg(long, value_name = "FILE.csv", value_parser = paths::path())]
+    csv: Option<PathBuf>,
+
     /// Show nothing where a frame of the scene has no surface, or all files have no inside, instead of failing
     #[arg(long)]
     allow_empty: bool,
@@ -104,6 +124,17 @@ pub struct Arguments {
     changes: SceneChanges,
     #[command(flatten)]
     sampling: Sampling,
+}
+
+/// What a slice shows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum SliceOf {
+    /// Distances, as they are written, and the colours inside
+    Distance,
+    /// F
+    F,
+    /// The length of the gradient of F
+    Gradient,
 }
 
 /// How much work goes into a picture.
@@ -137,12 +168,21 @@ pub fn run(arguments: &Arguments, global: &Global) -> Result<(), Failure> {
         if arguments.watch {
             return Err(Failure::usage("--watch follows a scene, not .vdb files"));
         }
+        if !arguments.vary.is_empty() {
+            return Err(Failure::usage("--vary changes a scene, not .vdb files"));
+        }
+        if arguments.shows().is_some() {
+            return Err(Failure::usage("--slice-of shows F of a scene; a .vdb file has its distances alone"));
+        }
         return source::of_files(arguments, global, |source, progress| {
             show(arguments, &target, source, &interrupt, progress, global)
         });
     }
     if files > 0 || arguments.inputs.len() > 1 {
         return Err(Failure::usage("preview takes one scene, or any number of .vdb files, not both"));
+    }
+    if !arguments.vary.is_empty() {
+        return vary::run(arguments, &target, &interrupt, global);
     }
     let once = || {
         source::of_scene(arguments, &target, &interrupt, global, |source, progress| {
@@ -160,6 +200,15 @@ pub fn run(arguments: &Arguments, global: &Global) -> Result<(), Failure> {
 }
 
 impl Arguments {
+    /// What of a field a slice shows; none where it is of distances.
+    fn shows(&self) -> Option<Shows> {
+        match self.slice_of {
+            SliceOf::Distance => None,
+            SliceOf::F => Some(Shows::Values),
+            SliceOf::Gradient => Some(Shows::Gradient),
+        }
+    }
+
     /// How much work goes into a picture.
     fn quality(&self, target: &Target) -> Quality {
         let usual = if target.kind == Kind::Exr { Quality::Final } else { Quality::Draft };
@@ -190,15 +239,16 @@ fn show(
     let mut sheet = ContactSheet {
         title: source.name.clone(),
         frames: Vec::with_capacity(count),
-        columns: arguments.columns.map(|columns| columns as usize),
+        columns: arguments.columns.map(|columns| columns as usize).or(source.columns),
     };
+    let mut table = Table::new();
     let mut last: Option<Band> = None;
     let mut hollow = Vec::new();
     for place in 0..count {
         progress.stage(&format!("frame {} of {count}", place + 1));
         progress.at(place, 0.0);
         let with_picture = pictured.contains(&place);
-        if !with_picture && !writer.wants_sheet() {
+        if !with_picture && !writer.wants_sheet() && arguments.csv.is_none() {
             continue;
         }
         let shown = (source.compute)(place)?;
@@ -222,22 +272,32 @@ fn show(
         if with_picture {
             image = writer.take(&mut painter, &shown, source.numbers[place])?;
         }
-        if writer.wants_sheet() {
-            sheet.frames.push(SheetFrame {
+        if writer.wants_sheet() || arguments.csv.is_some() {
+            let label = source.labels.as_ref().map(|labels| labels[place].clone());
+            let frame = SheetFrame {
                 frame: source.numbers[place],
-                label: source.labels.as_ref().map(|labels| labels[place].clone()),
+                label,
                 image,
                 volume: measure::volume(&shown.band),
+                // What differs in more than time has no change from one to the next.
                 change: last.as_ref().and_then(|last| measure::change(last, &shown.band)),
                 pieces: measure::pieces(&shown.band).len(),
-            });
-            last = Some(shown.band);
+            };
+            if arguments.csv.is_some() {
+                table.add(&frame, measure::area(&shown.band));
+            }
+            sheet.frames.push(frame);
+            last = source.labels.is_none().then_some(shown.band);
         }
     }
     if let Some(caption) = painter.caption() {
         sheet.title = format!("{}: {caption}", sheet.title);
     }
-    let paths = writer.finish(&sheet)?;
+    let mut paths = writer.finish(&sheet)?;
+    if let Some(file) = &arguments.csv {
+        table.write(file)?;
+        paths.push(file.clone());
+    }
     report(&paths, &sheet, global)
 }
 

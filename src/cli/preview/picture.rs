@@ -3,7 +3,8 @@
 use super::source::{Inside, Shown, Source};
 use super::{Arguments, Quality};
 use crate::cli::failure::Failure;
-use crate::render::{Camera, Fill, Image, Layers, Look, Scene, Slice, render, render_layers};
+use crate::field::Field;
+use crate::render::{Camera, Fill, Image, Layers, Look, Scene, Shows, Slice, render, render_layers};
 
 /// Takes pictures that all show the same part of the world.
 pub struct Painter<'a> {
@@ -38,8 +39,21 @@ impl<'a> Painter<'a> {
         };
         // Lines are equally far apart in all frames.
         let reach = f64::from(shown.band.background());
-        let new = || Slice::new(plane, self.source.bounds, self.size, reach);
-        let slice = *self.slice.get_or_insert_with(new);
+        let new = || {
+            let slice = Slice::new(plane, self.source.bounds, self.size, reach);
+            match self.of_field(shown) {
+                Some((field, _)) => slice.for_field(field),
+                None => slice,
+            }
+        };
+        let slice = match self.slice {
+            Some(slice) => slice,
+            None => new(),
+        };
+        self.slice = Some(slice);
+        if let Some((field, shows)) = self.of_field(shown) {
+            return slice.draw_field(field, shows);
+        }
         match &shown.inside {
             Inside::None => slice.draw(&shown.band, Fill::None),
             Inside::Everywhere(colour) => slice.draw(&shown.band, Fill::Everywhere(&**colour)),
@@ -54,7 +68,15 @@ impl<'a> Painter<'a> {
 
     /// What there is to say about all pictures.
     pub fn caption(&self) -> Option<String> {
-        self.slice.map(|slice| slice.caption())
+        self.slice.map(|slice| match self.arguments.shows() {
+            Some(shows) => slice.caption_of_field(shows),
+            None => slice.caption(),
+        })
+    }
+
+    /// The field that a slice shows, and what of it, where it shows one.
+    fn of_field<'s>(&self, shown: &'s Shown) -> Option<(&'s dyn Field, Shows)> {
+        Some((&**shown.field.as_ref()?, self.arguments.shows()?))
     }
 
     fn scene<'s>(&self, shown: &'s Shown) -> Scene<'s> {

@@ -9,14 +9,15 @@ use glam::{DVec3, IVec3};
 use super::target::Target;
 use super::{Arguments, Quality};
 use crate::attribute::{Colour, LinearRgb};
-use crate::bake::{self, Interrupt};
+use crate::bake::{self, Bytes, Interrupt};
 use crate::cli::failure::Failure;
 use crate::cli::files;
 use crate::cli::job;
 use crate::cli::options::{Global, Sampling, SceneArguments};
 use crate::cli::progress::Progress;
-use crate::field::Aabb;
+use crate::field::{Aabb, Field};
 use crate::grid::{Band, Channel, block_origin, is_active, measure, node_origin, voxel_offset};
+use crate::shot::Prepared;
 use crate::vdb::{self, MetadataValue, SparseBlocks, Voxels};
 
 /// Voxels along the longest side where nobody says otherwise: enough for a picture, in a fraction of a bake's time.
@@ -37,6 +38,8 @@ pub struct Source<'a> {
     pub numbers: Vec<i64>,
     /// Their names, where they are no frames of one sequence.
     pub labels: Option<Vec<String>>,
+    /// Pictures in a row, where that is given by what they are of.
+    pub columns: Option<usize>,
     /// The box that holds the object in all of them.
     pub bounds: Aabb,
     /// Gives the frame at a place in the list.
@@ -57,6 +60,8 @@ pub struct Shown {
     pub colour: Option<Channel<LinearRgb>>,
     /// Known only where a slice was asked for.
     pub inside: Inside,
+    /// F itself, of a scene of which a slice was asked for.
+    pub field: Option<Arc<dyn Field>>,
     pub fps: f64,
 }
 
@@ -80,37 +85,58 @@ pub fn of_scene(
     let frames = job::frames(arguments.frames.as_ref(), &model, global)?;
     let numbers = frames.numbers().to_vec();
     let progress = Progress::new(numbers.len(), global);
+    let default = default_resolution(arguments, target, numbers.len());
+    let sampling = sampling(arguments);
+    let prepared = job::prepare(&model, &sampling, default, interrupt, &progress, global)?;
+    let limit = job::limit(&sampling);
+    let compute = |place: usize| {
+        frame_of(arguments, &prepared, numbers[place], limit, interrupt, &|share| progress.at(place, share))
+    };
+    let (name, bounds) = (arguments.inputs[0].clone(), prepared.extent);
+    let source = Source { name, numbers: numbers.clone(), labels: None, columns: None, bounds, compute: &compute };
+    show(&source, &progress)
+}
+
+/// Voxels along the longest side for pictures of so many frames, where nobody says otherwise.
+pub fn default_resolution(arguments: &Arguments, target: &Target, count: usize) -> Option<u32> {
     let enough = match arguments.quality(target) {
         // Voxels smaller than two pixels show nothing more, and the object fills some 0.7 of the picture.
         Quality::Draft if arguments.slice.is_none() => {
-            let shown = arguments.size(target, numbers.len()) as u32 * 7 / 20;
+            let shown = arguments.size(target, count) as u32 * 7 / 20;
             shown.clamp(LEAST_RESOLUTION, RESOLUTION)
         }
         _ => RESOLUTION,
     };
-    let default = arguments.sampling.voxel_size.is_none().then_some(enough);
+    arguments.sampling.voxel_size.is_none().then_some(enough)
+}
+
+/// How finely a scene is sampled for pictures.
+pub fn sampling(arguments: &Arguments) -> Sampling {
     let of_slice = arguments.slice.map(|_| SLICE_HALF_WIDTH);
     let half_width = arguments.sampling.half_width.or(of_slice);
-    let sampling = Sampling { half_width, ..arguments.sampling.clone() };
-    let prepared = job::prepare(&model, &sampling, default, interrupt, &progress, global)?;
-    let limit = job::limit(&sampling);
-    let compute = |place: usize| {
-        let frame = numbers[place];
-        let failed = |error: bake::Error| job::failure_of(error, interrupt);
-        let computed = bake::compute_frame(&prepared, frame, 1, limit, interrupt, &|share| progress.at(place, share));
-        let computed = match computed {
-            Err(error) if arguments.allow_empty && error.is_empty_frame() => bake::empty(&prepared),
-            computed => computed.map_err(failed)?,
-        };
-        let inside = match arguments.slice {
-            Some(_) => prepared.frame(frame).map_err(|error| job::failure_of(error, interrupt))?.colour,
-            None => None,
-        };
-        let inside = inside.map_or(Inside::None, Inside::Everywhere);
-        Ok(Shown { band: computed.band, colour: computed.colour, inside, fps: model.shot.fps })
+    Sampling { half_width, ..arguments.sampling.clone() }
+}
+
+/// A frame of a scene, computed in memory.
+pub fn frame_of(
+    arguments: &Arguments,
+    prepared: &Prepared,
+    frame: i64,
+    limit: Bytes,
+    interrupt: &Interrupt,
+    done: &(dyn Fn(f64) + Sync),
+) -> Result<Shown, Failure> {
+    let computed = match bake::compute_frame(prepared, frame, 1, limit, interrupt, done) {
+        Err(error) if arguments.allow_empty && error.is_empty_frame() => bake::empty(prepared),
+        computed => computed.map_err(|error| job::failure_of(error, interrupt))?,
     };
-    let (name, bounds) = (arguments.inputs[0].clone(), prepared.extent);
-    show(&Source { name, numbers: numbers.clone(), labels: None, bounds, compute: &compute }, &progress)
+    let content = match arguments.slice {
+        Some(_) => Some(prepared.frame(frame).map_err(|error| job::failure_of(error, interrupt))?),
+        None => None,
+    };
+    let (field, inside) = content.map_or((None, None), |content| (Some(content.field), content.colour));
+    let inside = inside.map_or(Inside::None, Inside::Everywhere);
+    Ok(Shown { band: computed.band, colour: computed.colour, inside, field, fps: prepared.model().shot.fps })
 }
 
 /// Calls `show` with files of any maker, read one after the other.
@@ -147,7 +173,7 @@ pub fn of_files(
         (title, (1..=inputs.len() as i64).collect(), Some(labels))
     };
     let compute = |place: usize| read(&inputs[place]);
-    show(&Source { name, numbers, labels, bounds, compute: &compute }, &progress)
+    show(&Source { name, numbers, labels, columns: None, bounds, compute: &compute }, &progress)
 }
 
 /// A file's name without its extension.
@@ -184,10 +210,10 @@ fn read(path: &str) -> Result<Shown, Failure> {
     let found = contents.grids.iter().position(is_colour);
     let origin = level_set.transform.world(DVec3::ZERO).unwrap_or_default();
     let Some(grid) = found.map(|place| contents.grids.swap_remove(place)) else {
-        return Ok(Shown { band, colour: None, inside: Inside::None, fps });
+        return Ok(Shown { band, colour: None, inside: Inside::None, field: None, fps });
     };
     let Voxels::Vectors(blocks) = grid.voxels else {
-        return Ok(Shown { band, colour: None, inside: Inside::None, fps });
+        return Ok(Shown { band, colour: None, inside: Inside::None, field: None, fps });
     };
     let colours = VoxelColours::new(blocks, origin, band.lattice.voxel_size.get());
     // A level set's blocks may be shifted, the colours' are as the file has them.
@@ -196,7 +222,7 @@ fn read(path: &str) -> Result<Shown, Failure> {
     let of_block = |place: &IVec3| colours.places.get(&(*place - shift)).map_or(none, |&at| colours.blocks.values[at]);
     let of_blocks = band.origins.iter().map(of_block);
     let colour = Channel::of_blocks(grid.name, &band.active, of_blocks, colours.blocks.background);
-    Ok(Shown { band, colour: Some(colour), inside: Inside::Voxels(Box::new(colours)), fps })
+    Ok(Shown { band, colour: Some(colour), inside: Inside::Voxels(Box::new(colours)), field: None, fps })
 }
 
 /// Colours that a file has, wherever it has them.
