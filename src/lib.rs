@@ -43,7 +43,7 @@
 //!
 //! # Layers
 //!
-//! `cli → bake, render → shot → node → text; node → morph, attribute → distance, mesh → field, grid`; `vdb → grid`. An arrow never points
+//! `cli → bake, render → shot → node → text; node → morph, attribute → distance, mesh → field, grid`; `node → lettering, svg → field → raster`; `vdb → grid`. An arrow never points
 //! the other way. Whatever reads or writes files uses `disk`, whatever prints text of others `terminal`.
 
 pub mod attribute;
@@ -54,11 +54,14 @@ pub mod disk;
 pub mod distance;
 pub mod field;
 pub mod grid;
+pub mod lettering;
 pub mod mesh;
 pub mod morph;
 pub mod node;
+pub mod raster;
 pub mod render;
 pub mod shot;
+pub mod svg;
 pub mod terminal;
 pub mod text;
 pub mod vdb;

@@ -5,6 +5,7 @@
 //! [`SpaceMap`].
 
 mod affine;
+mod ball_colour;
 mod bands;
 mod cells;
 mod colour_space;
@@ -17,9 +18,11 @@ mod mix;
 mod parts;
 mod ramp;
 mod scalar_field;
+mod surface;
 mod voxels;
 
 pub use affine::AffineVector;
+pub use ball_colour::BallColours;
 pub use bands::Bands;
 pub use cells::{ByCell, CellIndex, Choice, CubeLattice};
 pub use colour_space::{ColourSpace, LUMINANCE, from_srgb, to_srgb};
@@ -31,6 +34,7 @@ pub use mix::{Mix, Mixer, Straight, Turn};
 pub use parts::{Overlap, Part, Parts, Rule};
 pub use ramp::{Ramp, RampEase};
 pub use scalar_field::ScalarField;
+pub use surface::{Curvature, Facing};
 pub use voxels::{Outside, POWERS, Power, RELATIVE_ERROR, ValueBlocks, VoxelValues};
 
 use crate::field::{Aabb, BATCH, Gradients, Interval, Points};

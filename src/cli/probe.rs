@@ -28,7 +28,7 @@ pub struct Arguments {
     scene: SceneArguments,
 
     /// The place, in the scene's units
-    #[arg(value_names = ["X", "Y", "Z"], required = true, allow_negative_numbers = true, value_parser = coordinate)]
+    #[arg(num_args = 3, value_names = ["X", "Y", "Z"], required = true, allow_negative_numbers = true, value_parser = coordinate)]
     place: Vec<f64>,
 
     /// The frame [default: the first of the shot]

@@ -4,7 +4,7 @@
 //! * [`stage`] does so for a large one, up to what waits for the disk: [`Staged::commit`].
 //! * [`FileLock`] is a lock of the operating system: however a process ends, its locks end with it.
 //! * [`remove_registered`] takes away the temporaries and locks of this process, just before it ends by force.
-//! * [`read()`] and [`open`] read regular files, and nothing else.
+//! * [`read()`], [`read_at_most`] and [`open`] read regular files, and nothing else.
 //! * [`free_bytes`] is the room that is left.
 //!
 //! What files hold is not known here.
@@ -19,7 +19,7 @@ mod temporary;
 
 pub use error::Error;
 pub use lock::FileLock;
-pub use read::{open, read};
+pub use read::{open, read, read_at_most};
 pub use register::remove_registered;
 pub use space::free_bytes;
 pub use staged::{Staged, Written, check_target, stage};

@@ -4,6 +4,7 @@
 //! gradients, and the smooth branches that meet at creases. Expressions implement it here; distance objects,
 //! meshes and morphs implement it in their own rooms.
 
+mod balls;
 mod batch;
 mod bounds;
 mod branch;
@@ -12,6 +13,7 @@ pub mod cells;
 mod combine;
 mod copies;
 mod distances;
+mod drawing;
 mod ellipse;
 mod expression;
 mod extent;
@@ -19,6 +21,7 @@ pub mod facet;
 mod facts;
 mod formula;
 mod graph;
+mod heights;
 mod interval;
 mod kernel;
 mod kernel_gradient;
@@ -44,14 +47,17 @@ pub(crate) mod testing;
 pub(crate) mod tests;
 mod width;
 
+pub use balls::Balls;
 pub use batch::{BATCH, Gradients, Points};
 pub use combine::{Blend, BlendBounds, Kernel, SetSystem};
 pub use copies::{Copies, CopyPlace};
 pub use distances::Side;
+pub use drawing::{Drawing, Fill, outline};
 pub use ellipse::Ellipse;
 pub use expression::{Expression, ExpressionEvaluator};
 pub use formula::{Formula, FormulaError, Names, functions};
 pub use graph::{Graph, Node};
+pub use heights::Heights;
 pub use interval::{Aabb, Interval};
 pub use noise::{Fold, Fractal, GradientNoise, Near, Noise, NoiseField, Simplex, ValueNoise, Worley};
 pub use outline::Outline;

@@ -6,6 +6,7 @@
 //! colours to scene-linear once, and nowhere else.
 
 mod closest;
+mod cloud;
 mod contact;
 mod convex;
 mod copies;
@@ -39,6 +40,7 @@ mod solid_tests;
 #[cfg(test)]
 mod tests;
 
+pub use cloud::{Cloud, read_cloud};
 pub use distance::{Holes, MeshDistance, Nearest};
 pub use error::{Element, MeshError, Problem};
 pub use evaluator::MeshEvaluator;

@@ -8,6 +8,7 @@ use ply_rs_bw::ply::{
 };
 
 use super::Problem;
+use super::cloud::Cloud;
 use super::error::Element;
 use super::faces::{Faces, VertexPaint};
 use super::read::{About, Conventions, Encoding, Imported, Located, Place, Remark, shown, without_mark};
@@ -16,14 +17,7 @@ use super::triangles::LARGEST_COORDINATE;
 /// Reads a PLY file's content.
 pub(super) fn parse(content: &[u8], conventions: &Conventions) -> Result<Imported, Located> {
     let content = without_mark(content)?;
-    if content.starts_with(b"ply\r") && !content.starts_with(b"ply\r\n") {
-        return Err(Problem::malformed("its header's lines end in CR alone, as on old Macs; save it with LF").into());
-    }
-    let mut reader = Reader::new(content);
-    let header = Parser::<Skipped>::new().read_header(&mut reader);
-    let header = header.map_err(|error| header_problem(content, &error))?;
-    check_names(content)?;
-    check_sizes(&header, content.len())?;
+    let (mut reader, header) = begun(content)?;
     let is_text = header.encoding == Form::Ascii;
     let mut positions = Vec::new();
     let mut colours = None;
@@ -75,6 +69,51 @@ pub(super) fn parse(content: &[u8], conventions: &Conventions) -> Result<Importe
     let paint = VertexPaint { colours, places: None };
     let mesh = faces.mesh(positions, paint, conventions, &mut remarks)?;
     Ok(Imported { mesh, materials: Vec::new(), remarks })
+}
+
+/// Reads the points of a PLY file: its vertices, whatever faces there are.
+pub(super) fn cloud(content: &[u8], encoding: Encoding) -> Result<Cloud, Located> {
+    let content = without_mark(content)?;
+    let (mut reader, header) = begun(content)?;
+    let is_text = header.encoding == Form::Ascii;
+    for (name, element) in &header.elements {
+        let first = reader.line();
+        let line = |i: usize| is_text.then_some(Place::Line(first + i));
+        let broken = |error: ParseError| payload_problem(content, &header, element, &error);
+        if name != "vertex" {
+            Parser::<Skipped>::new().read_payload_for_element(&mut reader, element, &header).map_err(broken)?;
+            continue;
+        }
+        check_positions(element)?;
+        let (named, types) = with_usual_colours(element);
+        let vertices =
+            Parser::<Vertex>::new().read_payload_for_element(&mut reader, &named, &header).map_err(broken)?;
+        let of = |number| Element::Vertex { number, first: 0 };
+        let positions = usable_positions(&vertices, line)?;
+        let colours = decoded(types, encoding, vertices.iter().map(|vertex| vertex.colour), line, of)?;
+        let has_radius = scalar(element, "radius").is_some();
+        let unusable = |vertex: &Vertex| !(vertex.radius > 0.0 && vertex.radius <= LARGEST_COORDINATE);
+        if let Some(i) = vertices.iter().position(unusable).filter(|_| has_radius) {
+            let problem = format!("a radius must be greater than 0, and is {}", vertices[i].radius);
+            return Err(Located { place: line(i), problem: Problem::malformed(problem) });
+        }
+        let radii = has_radius.then(|| vertices.iter().map(|vertex| vertex.radius).collect());
+        return Ok(Cloud { positions, radii, colours });
+    }
+    Ok(Cloud::default())
+}
+
+/// The header, checked, and the reader behind it.
+fn begun(content: &[u8]) -> Result<(Reader<&[u8]>, Header), Located> {
+    if content.starts_with(b"ply\r") && !content.starts_with(b"ply\r\n") {
+        return Err(Problem::malformed("its header's lines end in CR alone, as on old Macs; save it with LF").into());
+    }
+    let mut reader = Reader::new(content);
+    let header = Parser::<Skipped>::new().read_header(&mut reader);
+    let header = header.map_err(|error| header_problem(content, &error))?;
+    check_names(content)?;
+    check_sizes(&header, content.len())?;
+    Ok((reader, header))
 }
 
 /// A line of a file for messages, counted from 1.
@@ -257,11 +296,12 @@ fn with_usual_colours(element: &ElementDef) -> (ElementDef, Option<[ScalarType; 
 struct Vertex {
     position: [f64; 3],
     colour: [f64; 3],
+    radius: f64,
 }
 
 impl PropertyAccess for Vertex {
     fn new() -> Self {
-        Self { position: [f64::NAN; 3], colour: [0.0; 3] }
+        Self { position: [f64::NAN; 3], colour: [0.0; 3], radius: f64::NAN }
     }
 
     fn set_property(&mut self, name: &str, property: Property) -> PropertyAccessResult {
@@ -269,6 +309,7 @@ impl PropertyAccess for Vertex {
             "x" => &mut self.position[0],
             "y" => &mut self.position[1],
             "z" => &mut self.position[2],
+            "radius" => &mut self.radius,
             _ => match channel(&mut self.colour, name) {
                 Some(channel) => channel,
                 None => return PropertyAccessResult::Ignored,

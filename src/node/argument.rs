@@ -213,6 +213,14 @@ impl Arguments {
         }
     }
 
+    /// Text, and where it stands.
+    pub fn text(&self, key: &str) -> Option<(&str, Span)> {
+        match self.get(key)? {
+            Argument::Text(text, span) => Some((text, *span)),
+            other => unreachable!("`{key}` is {other:?}"),
+        }
+    }
+
     /// Whether any of them is a number or formula of space.
     pub fn has_components(&self) -> bool {
         self.0.iter().any(|(_, value)| matches!(value, Argument::Components(_)))

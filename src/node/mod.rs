@@ -107,6 +107,7 @@ nodes! {
             cone
             wedge
             torus
+            supertoroid
             capsule
             half_space
             slab
@@ -138,6 +139,7 @@ nodes! {
             pipe
             elliptic_cylinder
             heart
+            spheres
             formula;
         polyhedron "Polyhedra":
             tetrahedron
@@ -185,7 +187,10 @@ nodes! {
             tunnel
             stairs
             gear
-            superellipse;
+            superellipse
+            text
+            svg
+            image;
         lift "Solids of shapes of the plane":
             extrude
             revolve
@@ -222,7 +227,9 @@ nodes! {
             convolution;
         import "Objects from files":
             mesh
-            vdb;
+            vdb
+            points
+            height_field;
         combine "Set operations and blends":
             union
             intersection
@@ -320,6 +327,8 @@ nodes! {
             angle
             waves
             stripes
+            curvature
+            facing
             ramp
             bands
             parts
@@ -342,6 +351,8 @@ nodes! {
             angle
             waves
             stripes
+            curvature
+            facing
             ramp
             bands
             parts

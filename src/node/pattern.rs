@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
-use crate::attribute::{ColourSpace, FieldValue, LinearRgb, Mix, Mixer, Ramp, RampEase, Straight};
+use crate::attribute::{ColourSpace, FieldValue, LinearRgb, Mix, Mixer, Ramp, RampEase, Scalar, ScalarField, Straight};
 use crate::field::{Expression, Field, Fold, Fractal, Graph, Near, Node, Noise, NoiseField, Worley};
 use crate::node::argument::{Arguments, Component};
 use crate::node::keys::{COLOUR_SPACES, seed};
@@ -136,6 +136,18 @@ fn direction(arguments: &Arguments) -> Option<DVec3> {
     DVec3::new(x?, y?, z?).try_normalize()
 }
 
+/// The direction of a key, of length 1.
+pub(crate) fn direction_of<const N: usize>(source: &dyn Sourcing<N>, key: &str) -> Result<DVec3, Problem> {
+    let constant = |number: &crate::text::number::Number| number.as_constant();
+    let parts = source.arguments().vector(key).map(|vector| vector.each_ref().map(constant));
+    let direction = match parts {
+        Some([Some(x), Some(y), Some(z)]) => DVec3::new(x, y, z).try_normalize(),
+        _ => None,
+    };
+    direction
+        .ok_or_else(|| source.problem(&format!("`{key}` must be three numbers that stand still, not all of them 0")))
+}
+
 /// The problem of a direction that is none.
 fn check_direction<const N: usize>(source: &dyn Sourcing<N>) -> Result<(), Problem> {
     match direction(source.arguments()) {
@@ -185,11 +197,22 @@ pub(crate) fn number(source: &mut dyn Sourcing<1>, main: &str, making: Making) -
 pub(crate) fn colour(source: &mut dyn Sourcing<3>, main: &str, making: Making) -> Result<Paint<3>, Problem> {
     check_direction(source)?;
     let arguments = source.arguments();
+    let by = field(|graph| making(arguments, graph, main));
+    Ok(evenly(arguments, by, [0.0, 1.0]))
+}
+
+/// A colour by a scalar, from the number of the first colour to that of the last. `step`: over what its slope is taken.
+pub(crate) fn colour_from(source: &dyn Sourcing<3>, scalar: Arc<Scalar>, ends: [f64; 2], step: f64) -> Paint<3> {
+    evenly(source.arguments(), Arc::new(ScalarField { scalar, most: f64::INFINITY, step }), ends)
+}
+
+/// The colours of a row, even between two numbers.
+fn evenly(arguments: &Arguments, by: Arc<dyn Field>, [from, to]: [f64; 2]) -> Paint<3> {
     let colours = arguments.colours("colors").cloned().unwrap_or_default();
     let last = colours.len().saturating_sub(1).max(1) as f64;
-    let stops = colours.iter().enumerate().map(|(i, colour)| (i as f64 / last, *colour)).collect();
-    let by = field(|graph| making(arguments, graph, main));
-    Ok(Paint::of(coloured(arguments, by, stops)))
+    let at = |i: usize| from + (to - from) * i as f64 / last;
+    let stops = colours.iter().enumerate().map(|(i, colour)| (at(i), *colour)).collect();
+    Paint::of(coloured(arguments, by, stops))
 }
 
 fn ease(arguments: &Arguments) -> RampEase {

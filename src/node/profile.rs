@@ -2,11 +2,11 @@
 
 use std::sync::Arc;
 
-use glam::{DVec2, DVec3};
+use glam::{DAffine3, DVec2, DVec3};
 
-use super::spec::{Build, Spec};
+use super::spec::{Build, Imported, Spec};
 use super::table;
-use crate::field::{Aabb, Field, Joined, Node, Outline, SetSystem};
+use crate::field::{Aabb, Field, Joined, Node, Outline, Parts, SetSystem};
 use crate::mesh::{Holes, MeshDistance, hull};
 use crate::text::problem::Problem;
 
@@ -21,6 +21,21 @@ pub fn extrude() -> &'static Spec {
 /// A shape of the plane by its outline: the exact distance.
 pub fn flat(build: &mut dyn Build, outline: Outline) -> Node {
     build.graph().field(Joined::shared(outline))
+}
+
+/// A shape of the plane by the outline that its file gives.
+pub fn flat_import(outline: Outline) -> Imported {
+    /// An edge, its crossing, and their places in trees.
+    const BYTES_A_PIECE: u64 = 250;
+    Imported {
+        place: DAffine3::IDENTITY,
+        solid: outline.bounding_box().expect("an outline has one"),
+        bytes: outline.count() as u64 * BYTES_A_PIECE,
+        half_spaces: None,
+        colours: None,
+        warnings: Vec::new(),
+        distance: Joined::shared(outline),
+    }
 }
 
 /// A solid of revolution about z by its outline over the distance from z and z: the exact distance.

@@ -46,7 +46,7 @@ to = \"heart\"
 | shape | its name, `\"ball\"`; or one written in place, `{ sphere = 1, move = [1, 0, 0] }`, with all keys of a shape, other shapes in place among them |
 | cells | their name, or `{ octree = … }` in place |
 | box | an edge length or three, around the origin; or `[[least x, y, z], [greatest x, y, z]]` |
-| file | relative to the scene; `$NAME` and `${NAME}` are variables of the environment, and must be set; `$$` is a dollar sign. `cube.obj`, where there is no such file beside the scene, is the built-in cube of edge 1.6 |
+| file | relative to the scene; `$NAME` and `${NAME}` are variables of the environment, and must be set; `$$` is a dollar sign. `cube.obj`, where there is no such file beside the scene, is the built-in cube of edge 1.6; so are `logo.svg`, `leaf.png`, `relief.png` and `points.csv`, of the examples |
 
 Lengths are in `unit`, angles in degrees; only keys in voxels say so. F is positive inside. Numbers reach from −1e15 to
 1e15; one that must be greater than 0 is at least 1e-15.

@@ -14,6 +14,7 @@ use super::{Model, Source as From, load};
 use crate::field::tests::{Samples, slope_at};
 use crate::field::{Aabb, Expression, Field, Slope};
 use crate::text::Overrides;
+use crate::text::problem::Problem;
 
 fn loaded(text: &str) -> Result<Model, String> {
     let scene = From::Text { name: "shapes.toml".into(), text: text.into(), folder: ".".into() };
@@ -26,17 +27,21 @@ fn problem(keys: &str) -> String {
         Ok(model) => Arc::new(model),
         Err(problems) => return problems,
     };
-    let assets = Assets::load(&model, &[ShapeId(0)], None).unwrap_or_else(|problem| panic!("{problem:?}\n{keys}"));
+    let told = |problem: &Problem| {
+        assert!(problem.0.span.is_some_and(|span| span != Default::default()), "no place: {}", problem.0.message);
+        assert!(!problem.0.help.is_empty(), "no way out: {}", problem.0.message);
+        format!("{}; {}", problem.0.message, problem.0.help)
+    };
+    let assets = match Assets::load(&model, &[ShapeId(0)], None) {
+        Ok(assets) => assets,
+        Err(problem) => return told(&problem),
+    };
     let cancel = Arc::new(AtomicBool::new(false));
     let mut solids = Solids::new(&model, &Arc::new(assets), model.moment(1.0), 64.0, &cancel);
     let Content::Shape(id) = model.content else { panic!("it is a shape") };
     match solids.values(id) {
         Ok(_) => panic!("nothing is wrong with\n{keys}"),
-        Err(problem) => {
-            assert!(problem.0.span.is_some_and(|span| span != Default::default()), "no place: {}", problem.0.message);
-            assert!(!problem.0.help.is_empty(), "no way out: {}", problem.0.message);
-            format!("{}; {}", problem.0.message, problem.0.help)
-        }
+        Err(problem) => told(&problem),
     }
 }
 
@@ -106,6 +111,26 @@ fn parameters_that_make_no_shape_are_errors_with_a_way_out() {
         ("metaballs = [[0, 0, 0, -1]]", "the fourth number of a ball"),
         ("convolution = [[0, 0, 0], [0, 0, 0]]", "are the same"),
         ("sphere = 1\nat = { cells = { octree = { circle = 1 } } }", "a shape of the plane"),
+        ("text = \"\"", "draws nothing; give it letters"),
+        ("text = \" \\n \"", "draws nothing"),
+        ("text = 7", "must be text"),
+        ("text = \"a\u{4e2d}\"", "no glyph for '\u{4e2d}' (U+4E2D); leave it out, or name a font"),
+        ("text = \"a\"\nfont = \"none.ttf\"", "there is no file `none.ttf`"),
+        ("text = \"a\"\nfont = \"Cargo.toml\"", "Cargo.toml: it is no font that can be read; a TrueType"),
+        ("text = \"a\"\nfont = \"fonts\"", "is a folder"),
+        ("text = \"a\"\nalign = \"middle\"", "`left`, `center` and `right`"),
+        ("svg = \"none.svg\"", "there is no file `none.svg`"),
+        ("svg = \"Cargo.toml\"", "Cargo.toml: it is no SVG drawing: "),
+        ("svg = \"logo.svg\"\nwidth = 0", "must be greater than 0"),
+        ("image = \"none.png\"", "there is no file `none.png`"),
+        ("image = \"Cargo.toml\"", "Cargo.toml: it is no PNG picture"),
+        ("image = \"leaf.png\"\nthreshold = 1", "nothing in it is above 1; another `threshold`"),
+        ("image = \"leaf.png\"\nchannel = \"alpha\"", "no alpha channel"),
+        ("height_field = \"Cargo.toml\"", "Cargo.toml: it is no PNG picture"),
+        ("points = \"Cargo.toml\"\nradius = 1", "Cargo.toml"),
+        ("points = \"points.csv\"", "have no radius; give `radius`"),
+        ("spheres = [[0, 0, 0, 0]]", "a radius must be greater than 0, and is 0"),
+        ("spheres = [[0, 0]]", "lists of 3 or 4 numbers"),
     ] {
         let said = problem(keys);
         assert!(said.contains(words), "{keys}\n{said}");

@@ -61,8 +61,14 @@ const SCENES: &[BuiltIn] = &[
     },
 ];
 
-const FILES: &[(&str, &[u8])] =
-    &[("cube.obj", include_bytes!("../../scenes/cube.obj")), ("ball.vdb", include_bytes!("../../scenes/ball.vdb"))];
+const FILES: &[(&str, &[u8])] = &[
+    ("ball.vdb", include_bytes!("../../scenes/ball.vdb")),
+    ("cube.obj", include_bytes!("../../scenes/cube.obj")),
+    ("leaf.png", include_bytes!("../../scenes/leaf.png")),
+    ("logo.svg", include_bytes!("../../scenes/logo.svg")),
+    ("points.csv", include_bytes!("../../scenes/points.csv")),
+    ("relief.png", include_bytes!("../../scenes/relief.png")),
+];
 
 /// The names of the built-in scenes, simple ones first.
 pub fn builtin_names() -> impl Iterator<Item = &'static str> {

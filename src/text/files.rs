@@ -6,6 +6,7 @@ use std::sync::Arc;
 use crate::disk;
 use crate::terminal;
 use crate::text::diagnostic::{Diagnostic, clip, nearest};
+use crate::text::problem::Problem;
 use crate::text::source::Span;
 
 /// What a file is read from.
@@ -139,6 +140,25 @@ impl FileReference {
                 Ok(crate::text::builtin::file(name).map_or_else(Vec::new, |(_, bytes)| bytes.to_vec()))
             }
         }
+    }
+}
+
+impl FileReference {
+    /// The file's bytes, at most so many.
+    ///
+    /// # Errors
+    /// Why it cannot be read, with its name.
+    pub fn read_at_most(&self, most: u64) -> Result<Vec<u8>, Problem> {
+        let bytes = match &self.place {
+            FilePlace::Disk(path) => disk::read_at_most(path, most),
+            FilePlace::BuiltIn(_) => self.read(),
+        };
+        bytes.map_err(|error| self.problem(format!("it cannot be read: {error}")))
+    }
+
+    /// What is wrong with the file, after its name.
+    pub fn problem(&self, problem: impl std::fmt::Display) -> Problem {
+        Problem::new(self.span, format!("{}: {problem}", self.name()))
     }
 }
 

@@ -142,7 +142,8 @@ fn is_gltf_file(file: &FileReference) -> bool {
     matches!(&file.place, FilePlace::Disk(path) if is_gltf(path))
 }
 
-fn conventions(import: &Import<'_>, file: &FileReference) -> Conventions {
+/// What the keys say of the file.
+pub fn conventions(import: &Import<'_>, file: &FileReference) -> Conventions {
     let (arguments, scene) = (import.arguments, import.up);
     let is_gltf = is_gltf_file(file);
     let own_up = if is_gltf { "y" } else { scene };
