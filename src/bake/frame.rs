@@ -37,7 +37,7 @@ pub fn compute_frame(
         colour: content.colour.as_deref().map(|colour| (name, colour)),
         scalars: &content.scalars,
         movement: content.movement.as_ref(),
-        interior: output.fills_inside().then(|| Interior { density: output.density, limit }),
+        interior: output.fills_inside().then_some(Interior { density: output.density, limit }),
     };
     let of_grid = |grid: &str, error: ComputeError| {
         let problem = format!("frame {frame}: {error}");

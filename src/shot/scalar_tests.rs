@@ -243,7 +243,6 @@ fn scalars_that_are_wrong_are_refused_with_their_place() {
     );
     wrong(&scene("attribute.wear = 1\n[output]\ngrids = ['surface', 'waer']"), "5:22 `output.grids` cannot be `waer`");
     wrong(&scene("[output]\nmax_speed = 0"), "4:13 `output.max_speed` must be greater than 0");
-    wrong(&scene("[output]\ngrids = ['surface', 'density']"), "4:22 `output.grids` cannot be `density`");
     wrong(&scene("[output]\ngrids = ['Cd']"), "4:9 `output.grids` has no `surface`, on whose voxels all others stand");
     wrong(&scene("attribute.wear = 1\n[output]\ncolor_name = 'wear'"), "5:15 a grid cannot be called `wear`");
 }
