@@ -100,7 +100,8 @@ pub const NODE: Spec = Spec {
 
 fn import(import: &Import<'_>) -> Result<Imported, Problem> {
     let file = import.arguments.file("mesh").expect("it must be there");
-    let any_surface = import.arguments.get("thickness").is_some() || import.arguments.choice("sign") == Some(&"winding");
+    let any_surface =
+        import.arguments.get("thickness").is_some() || import.arguments.choice("sign") == Some(&"winding");
     let holes = if any_surface { Holes::Allow } else { Holes::Refuse };
     let (mesh, materials, remarks) = load(file, &conventions(import, file), holes)?;
     let mut warnings: Vec<Diagnostic> =

@@ -67,11 +67,11 @@ fn import(import: &Import<'_>) -> Result<Imported, Problem> {
         _ => (None, file.span),
     };
     let opened = volume::opened(file)?;
-    let layout = chosen(&opened, named).map_err(|(problem, help)| {
-        Problem::new(span, format!("{}: {problem}", file.name())).help(help)
-    })?;
+    let layout = chosen(&opened, named)
+        .map_err(|(problem, help)| Problem::new(span, format!("{}: {problem}", file.name())).help(help))?;
     let wrong = |what: &str| Problem::new(span, format!("grid '{}' of {} {what}", layout.name, file.name()));
-    let bytes = opened.layout.tree(layout).map_or(0, |tree| tree.leaves.saturating_mul(2 * BYTES_A_BLOCK)) + opened.size();
+    let bytes =
+        opened.layout.tree(layout).map_or(0, |tree| tree.leaves.saturating_mul(2 * BYTES_A_BLOCK)) + opened.size();
     let limit = import.memory_limit.unwrap_or(volume::MEMORY_LIMIT) as u64;
     if bytes > limit {
         let text = format!("would take about {} MB of memory, and the limit is {} MB", bytes >> 20, limit >> 20);
@@ -168,8 +168,7 @@ fn band(blocks: SparseBlocks<f32>, level: f64, scale: f64) -> Result<Band, Strin
         *value = found.clamp(-half_width, half_width);
     }
     let inside = tiles.iter().filter(|tile| moved(tile.value) > 0.0);
-    let inside_tiles =
-        inside.map(|tile| InsideTile { origin: tile.origin, edge: tile.edge }).collect();
+    let inside_tiles = inside.map(|tile| InsideTile { origin: tile.origin, edge: tile.edge }).collect();
     let voxel_size = VoxelSize::new(1.0).expect("1 is a size");
     Ok(Band { lattice: Lattice { voxel_size }, half_width, origins, distances: values, active, inside_tiles })
 }
