@@ -159,7 +159,7 @@ mod tests {
                 text().replacen(" endloop", "vertex 0 0 0\n endloop", 1).into_bytes(),
                 "line 8: a facet has three corners",
             ),
-            (text()[..text().find("endloop").unwrap()].as_bytes().to_vec(), "cut short"),
+            (text().as_bytes()[..text().find("endloop").unwrap()].to_vec(), "cut short"),
         ] {
             let error = mesh(&content).unwrap_err();
             assert!(error.contains(part), "{error}");
