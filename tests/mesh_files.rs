@@ -445,8 +445,8 @@ fn frames_as_polygons_are_closed_and_sharp() {
     for line in text.lines().filter_map(|line| line.strip_prefix("v ")) {
         let along: Vec<f64> = line.split(' ').take(3).map(|word| word.parse().expect("a number")).collect();
         let radius = along.iter().map(|x| x * x).sum::<f64>().sqrt();
-        // A cell's planes touch the ball at its edges, and meet outside of it by h²/8 along each of two axes.
-        assert!((radius - 1.0).abs() < 0.0025, "{radius}");
+        // A cell's planes touch the ball where its edges do, at most half of its diagonal away: (√3/2·h)²/2 outside of it.
+        assert!((-1e-6..0.00375).contains(&(radius - 1.0)), "{radius}");
         vertices += 1;
     }
     assert!(vertices > 1000, "{vertices}");

@@ -6,8 +6,8 @@ use crate::field::{Aabb, CopyPlace};
 use crate::node::id::{CellsId, ShapeId};
 use crate::node::operation::Applied;
 use crate::text::files::FileReference;
-use crate::text::formula::Formula;
 use crate::text::number::Number;
+use crate::text::number::formula::Formula;
 use crate::text::source::Span;
 
 /// The value of one key.

@@ -7,8 +7,8 @@ use crate::node::extent::box_of;
 use crate::node::id::ShapeId;
 use crate::node::measured::Purpose;
 use crate::node::solid::Solids;
-use crate::text::formula::Formula;
 use crate::text::moment::Moment;
+use crate::text::number::formula::Formula;
 use crate::text::problem::Problem;
 
 /// A formula at one moment, with the distances that it reads.

@@ -24,11 +24,11 @@ use crate::node::reading::Reading;
 use crate::node::spec::{Build, Imported, Spec};
 use crate::node::variation::Variation;
 use crate::text::diagnostic::Diagnostic;
-use crate::text::formula::Formula;
 use crate::text::frames::sampled_frames;
 use crate::text::key::Key;
 use crate::text::moment::Moment;
 use crate::text::number::Number;
+use crate::text::number::formula::Formula;
 use crate::text::problem::Problem;
 use crate::text::source::Span;
 

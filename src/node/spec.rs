@@ -16,10 +16,10 @@ use crate::node::bend::Bend;
 use crate::node::id::{CellsId, ShapeId};
 use crate::node::reading::Reading;
 use crate::text::diagnostic::Diagnostic;
-use crate::text::formula::Formula;
 use crate::text::key::{Absent, Key, LEAST};
 use crate::text::moment::Moment;
 use crate::text::number::Number;
+use crate::text::number::formula::Formula;
 use crate::text::problem::Problem;
 use crate::text::source::Span;
 

@@ -2,7 +2,7 @@
 
 use crate::node::argument::{Arguments, ScalarName};
 use crate::node::model::{Model, Placement, ShapeId};
-use crate::text::formula::Formula;
+use crate::text::number::formula::Formula;
 use crate::text::number::{Number, NumberValue};
 
 /// Which shapes change over time.

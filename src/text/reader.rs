@@ -3,9 +3,9 @@
 use std::cell::RefCell;
 
 use crate::text::diagnostic::{Diagnostic, Severity, clip, first_of, listed, nearest};
-use crate::text::formula::{Formula, FormulaProblem, Scope};
 use crate::text::frames::FrameRange;
 use crate::text::key::{Absent, Key, Kind, Limit};
+use crate::text::number::formula::{Formula, FormulaProblem, Scope};
 use crate::text::number::{Number, NumberValue};
 use crate::text::source::{Sources, Span};
 use crate::text::value::{Data, Entry, Origin, Table, Value};

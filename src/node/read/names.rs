@@ -7,8 +7,8 @@ use super::Building;
 use super::parameters::check_name;
 use crate::field;
 use crate::text::diagnostic::{Diagnostic, clip};
-use crate::text::formula::{Named, NamedValue, RESERVED, Scope};
 use crate::text::key::Limit;
+use crate::text::number::formula::{Named, NamedValue, RESERVED, Scope};
 use crate::text::source::Span;
 use crate::text::value::{Data, Entry, Table, Value};
 

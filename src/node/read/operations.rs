@@ -11,7 +11,7 @@ use crate::node::model::{Parameter, ShapeId};
 use crate::node::operation::{Applied, Operation, Promises};
 use crate::node::table;
 use crate::text::diagnostic::{Diagnostic, clip, listed};
-use crate::text::formula::Formula;
+use crate::text::number::formula::Formula;
 use crate::text::reader::{Fields, NO_OWNER};
 use crate::text::source::Span;
 use crate::text::value::{Entry, Table, Value};

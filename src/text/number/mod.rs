@@ -1,11 +1,14 @@
 //! Numbers of a scene: constants, formulas of time, [keys](crate::text::keyed); and the moments at which they are asked.
+//! Formulas may name numbers, so they stand here.
+
+pub(crate) mod formula;
 
 use std::sync::Arc;
 
-use crate::text::formula::Formula;
 use crate::text::key::Limit;
 use crate::text::keyed::Keys;
 use crate::text::moment::Moment;
+use crate::text::number::formula::Formula;
 use crate::text::source::Span;
 
 /// A number that may change over time.
