@@ -3,8 +3,8 @@
 
 use crate::attribute::LinearRgb;
 use crate::field::{Aabb, CopyPlace};
+use crate::node::applied::Applied;
 use crate::node::id::{CellsId, ShapeId};
-use crate::node::operation::Applied;
 use crate::text::files::FileReference;
 use crate::text::number::Number;
 use crate::text::number::formula::Formula;

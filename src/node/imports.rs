@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use crate::node::keys::SCENE;
-use crate::node::load::{Source, text_of};
+use crate::node::origin::{Source, text_of};
 use crate::terminal;
 use crate::text::diagnostic::{Diagnostic, clip};
 use crate::text::files::{self, Base, FilePlace, Variables};

@@ -1,51 +1,22 @@
 //! A scene by its path or name, with overrides, as a checked model.
 
-use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use super::read::{self, Surroundings};
-use crate::disk;
 use crate::node::example::{node_names, node_scene};
 use crate::node::imports;
 use crate::node::keys::SCENE;
 use crate::node::model::Model;
+use crate::node::origin::{Source, text_of};
 use crate::terminal;
 use crate::text::builtin::{builtin_names, builtin_text};
-use crate::text::diagnostic::{Diagnostic, Diagnostics, clip, nearest};
+use crate::text::diagnostic::{Diagnostic, Diagnostics, clip};
 use crate::text::files::{Base, Variables};
 use crate::text::frames::FrameRange;
 use crate::text::overrides::{self, Overrides};
 use crate::text::source::Sources;
 use crate::text::value::{Origin, parse_json, parse_toml};
-
-/// Where a scene comes from.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Source {
-    /// A file: TOML, or JSON where its name ends in `.json`.
-    Path(PathBuf),
-    /// A scene inside the program, or a node as a scene of its own.
-    Builtin(String),
-    /// A text that is no file.
-    Text {
-        /// What messages call it; JSON where it ends in `.json`.
-        name: String,
-        /// All of it.
-        text: String,
-        /// Where relative paths in it begin.
-        folder: PathBuf,
-    },
-}
-
-impl Source {
-    /// What an argument of the command line means: a built-in scene's name, or a node's, where no such file exists. (A folder is none.)
-    pub fn of_argument(argument: &str) -> Self {
-        let path = Path::new(argument);
-        let is_known = builtin_text(argument).is_some() || node_scene(argument).is_some();
-        let is_name = is_known && (path.is_dir() || !path.exists());
-        if is_name { Self::Builtin(argument.into()) } else { Self::Path(argument.into()) }
-    }
-}
 
 /// Reads and checks a scene. Touches no file but the scene itself (files it names must exist, and are not read).
 pub fn load(source: &Source, overrides: &Overrides) -> Result<Model, Diagnostics> {
@@ -122,37 +93,5 @@ fn fetch(source: &Source) -> Result<(String, String, Base), Diagnostic> {
             let folder = path.parent().map(Path::to_owned).unwrap_or_default();
             Ok((terminal::path(path), text_of(path)?, Base::Folder(folder)))
         }
-    }
-}
-
-/// The text of a scene's file.
-pub(crate) fn text_of(path: &Path) -> Result<String, Diagnostic> {
-    /// No scene that a person or a script writes is as large; a VDB given by mistake is.
-    const MOST_BYTES: u64 = 16 << 20;
-    let shown = terminal::path(path);
-    let failed = |error: std::io::Error| match error.kind() {
-        std::io::ErrorKind::NotFound => not_found(&shown),
-        _ => Diagnostic::without_place(format!("the scene `{}` cannot be read: {error}", clip(&shown))),
-    };
-    let file = disk::open(path).map_err(failed)?;
-    let mut bytes = Vec::new();
-    file.take(MOST_BYTES + 1).read_to_end(&mut bytes).map_err(failed)?;
-    if bytes.len() as u64 > MOST_BYTES {
-        return Err(Diagnostic::without_place(format!(
-            "`{}` is too large to be a scene, which has {} MiB at most",
-            clip(&shown),
-            MOST_BYTES >> 20
-        )));
-    }
-    let text = String::from_utf8(bytes)
-        .map_err(|_| Diagnostic::without_place(format!("`{}` is not a text in UTF-8", clip(&shown))))?;
-    Ok(text.strip_prefix('\u{feff}').map(str::to_owned).unwrap_or(text))
-}
-
-fn not_found(shown: &str) -> Diagnostic {
-    let problem = Diagnostic::without_place(format!("there is no scene `{}`", clip(shown)));
-    match nearest(shown, builtin_names().chain(node_names())) {
-        Some(name) => problem.help(format!("did you mean the built-in scene `{name}`?")),
-        None => problem.help("`hfvdb scenes` lists the built-in scenes"),
     }
 }

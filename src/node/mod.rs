@@ -2,6 +2,7 @@
 //!
 //! [`load`] checks a scene's text against [`keys`] into a [`Model`]. Knows no frames, no voxels, and writes no files.
 
+pub(crate) mod applied;
 pub(crate) mod argument;
 pub(crate) mod assets;
 pub(crate) mod attributes;
@@ -27,9 +28,11 @@ pub(crate) mod measured;
 pub(crate) mod minimal;
 pub(crate) mod model;
 pub(crate) mod operation;
+mod origin;
 pub(crate) mod own_box;
 pub(crate) mod paint;
 pub(crate) mod painted;
+pub(crate) mod parameter;
 pub(crate) mod pattern;
 pub(crate) mod placed;
 mod probe;
@@ -68,8 +71,9 @@ mod trap_tests;
 
 pub use catalogue::{Entry, Parameter, catalogue, nodes_page};
 pub use example::{node_names, node_scene};
-pub use load::{Source, load, mesh_as_it_is, morph_of_meshes};
+pub use load::{load, mesh_as_it_is, morph_of_meshes};
 pub use model::*;
+pub use origin::Source;
 pub use probe::{Probe, Reading};
 pub use reference::reference;
 pub use schema::schema;

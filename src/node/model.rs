@@ -8,6 +8,7 @@ use crate::attribute::{Outside, Overlap, Power};
 use crate::distance::without::Keep;
 
 use crate::node::argument::{Argument, Arguments, Bounds};
+use crate::node::parameter::Parameter;
 use crate::node::source::Given;
 use crate::node::spec::{Carries, Spec};
 use crate::text::diagnostic::Diagnostics;
@@ -54,17 +55,6 @@ pub struct Model {
     /// The scene as it was given, with its overrides and what it imports.
     pub(crate) document: Table,
     pub(crate) sources: Arc<Sources>,
-}
-
-/// A number with a name.
-#[derive(Clone, Debug)]
-pub struct Parameter {
-    /// Its name.
-    pub name: String,
-    /// Its value.
-    pub value: Number,
-    /// What it is, in the scene's words.
-    pub text: Option<String>,
 }
 
 /// What is baked.

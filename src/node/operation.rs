@@ -1,52 +1,12 @@
 //! Operations of a scene's own: F as a formula of the F of some shapes.
 
-use std::sync::Arc;
-
 use crate::field::{Aabb, Graph, Interval, Node, Side, Slope};
-use crate::node::model::Parameter;
+use crate::node::applied::{Applied, Promises};
 use crate::node::spec::{Build, Carries, Spec};
 use crate::text::key::Absent::Required;
 use crate::text::key::{Key, Kind};
 use crate::text::moment::Moment;
-use crate::text::number::formula::Formula;
-use crate::text::number::{BadNumber, Number};
 use crate::text::problem::Problem;
-use crate::text::source::Span;
-
-/// An `[operation.NAME]`.
-#[derive(Clone, Debug)]
-pub struct Operation {
-    /// Its name.
-    pub name: String,
-    /// Names of the shapes' F in the formula, in the order of the shapes.
-    pub fields: Vec<String>,
-    /// F of the whole.
-    pub formula: Formula,
-    /// Numbers of its own, each with what holds where a shape leaves it out.
-    pub parameters: Vec<Parameter>,
-    /// What it is declared to do, and where.
-    pub promises: Promises,
-    /// How far from their surfaces the shapes' F must be distances; `None` where any F will do.
-    pub reach: Option<f64>,
-}
-
-/// What an operation declares, each with its place.
-#[derive(Clone, Debug, Default)]
-pub struct Promises {
-    /// The fields with which F rises, by their place.
-    pub rises_in: Option<(Vec<usize>, Span)>,
-    /// How much F changes at most where no field changes by more than 1.
-    pub lipschitz: Option<(f64, Span)>,
-}
-
-/// An operation with the numbers that a shape gives it.
-#[derive(Clone, Debug)]
-pub struct Applied {
-    /// The operation.
-    pub operation: Arc<Operation>,
-    /// The value of each of its parameters.
-    pub numbers: Vec<Number>,
-}
 
 /// The row of all shapes that are made by an operation of the scene's own. No scene can name it: its key is the operation's.
 pub static OPERATION: Spec = Spec {
@@ -56,19 +16,6 @@ pub static OPERATION: Spec = Spec {
     build,
     ..Spec::PLAIN
 };
-
-impl Applied {
-    /// F of the whole, from that of the shapes.
-    pub fn node(&self, graph: &mut Graph, fields: &[Node], moment: &Moment) -> Result<Node, BadNumber> {
-        let Operation { fields: names, parameters, formula, .. } = &*self.operation;
-        let mut known: Vec<(&str, Node)> = Vec::with_capacity(names.len() + parameters.len());
-        for (parameter, number) in parameters.iter().zip(&self.numbers) {
-            known.push((&parameter.name, graph.constant(number.at(moment)?)));
-        }
-        known.extend(names.iter().map(String::as_str).zip(fields.iter().copied()));
-        Ok(formula.node_of(graph, moment, &known))
-    }
-}
 
 fn build(build: &mut dyn Build) -> Result<Node, Problem> {
     let applied = build.arguments().applied().expect("it comes with the shapes").clone();

@@ -1,9 +1,9 @@
 //! Whether operations of a scene's own do what they declare: by samples, at the numbers of each shape that uses one.
 
 use crate::field::Graph;
+use crate::node::applied::{Applied, Promises};
 use crate::node::argument::Arguments;
 use crate::node::model::Model;
-use crate::node::operation::{Applied, Promises};
 use crate::text::diagnostic::{Diagnostic, clip};
 use crate::text::moment::Moment;
 

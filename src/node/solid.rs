@@ -414,6 +414,23 @@ impl Solids {
     }
 }
 
+impl Solids {
+    /// A formula of a shape at the moment.
+    pub fn reading(&mut self, id: ShapeId, formula: &Formula) -> Result<Reading, Problem> {
+        let model = self.model();
+        let mut distances: Vec<(String, Arc<dyn Field>)> = Vec::new();
+        for (name, shape) in formula.distances() {
+            let other = model.shape(id).reads[shape];
+            // As far as the shape is large on both sides; beyond, the measured distance goes on.
+            let size = box_of(&self.values(other)?).map_or(1.0, |aabb| aabb.size().length().max(f64::MIN_POSITIVE));
+            let purpose = Purpose { shape: model.shape(other), key: "dist", span: formula.span() };
+            let distance = self.distance_values(other, Interval::new(-size, size), &purpose)?;
+            distances.push((name.to_owned(), Arc::new(distance)));
+        }
+        Ok(Reading::new(formula.clone(), self.moment().clone(), distances))
+    }
+}
+
 /// One step of a shape while it is built.
 struct Making<'b> {
     solids: &'b mut Solids,

@@ -17,11 +17,12 @@ mod shapes;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
+use crate::node::applied::Operation;
 use crate::node::imports::Namespaces;
 use crate::node::keys::{self};
 use crate::node::list;
-use crate::node::model::{Cells, CellsId, Model, Parameter, Shape, ShapeId};
-use crate::node::operation::Operation;
+use crate::node::model::{Cells, CellsId, Model, Shape, ShapeId};
+use crate::node::parameter::Parameter;
 use crate::node::promises;
 use crate::node::spec::Spec;
 use crate::node::table;

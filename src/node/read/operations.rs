@@ -5,10 +5,11 @@ use std::sync::Arc;
 
 use super::parameters::{check_name, parameters};
 use super::{Building, family};
+use crate::node::applied::{Applied, Operation, Promises};
 use crate::node::argument::{Argument, Arguments};
 use crate::node::keys;
-use crate::node::model::{Parameter, ShapeId};
-use crate::node::operation::{Applied, Operation, Promises};
+use crate::node::model::ShapeId;
+use crate::node::parameter::Parameter;
 use crate::node::table;
 use crate::text::diagnostic::{Diagnostic, clip, listed};
 use crate::text::number::formula::Formula;

@@ -3,7 +3,8 @@
 use std::sync::Arc;
 
 use crate::node::keys;
-use crate::node::model::{Model, Parameter};
+use crate::node::model::Model;
+use crate::node::parameter::Parameter;
 use crate::text::diagnostic::{Diagnostic, clip};
 use crate::text::frames::sampled_frames;
 use crate::text::key::{GREATEST, Limit};
