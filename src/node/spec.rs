@@ -216,6 +216,18 @@ pub trait Build {
 }
 
 impl dyn Build + '_ {
+    /// What the node's file holds, where it stands in the shape's own space.
+    pub fn imported_field(&mut self) -> Result<Node, Problem> {
+        let file = self.imported();
+        let (name, span) = (self.name().to_owned(), self.span());
+        let graph = self.graph();
+        let node = graph.field(Arc::clone(&file.distance));
+        if file.place == DAffine3::IDENTITY {
+            return Ok(node);
+        }
+        graph.transform(node, &file.place).map_err(|error| Problem::new(span, format!("`{name}`: {error}")))
+    }
+
     /// The number of a key at the moment; where it is left out, its share of the key that its default refers to.
     pub fn number(&self, key: &str) -> Result<f64, Problem> {
         match (self.arguments().number(key), self.key(key).default) {

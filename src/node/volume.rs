@@ -15,7 +15,7 @@ use crate::text::files::{FilePlace, FileReference};
 use crate::text::problem::Problem;
 
 /// What a volume may take where nobody says, as an object that is measured.
-pub(crate) const MEMORY_LIMIT: usize = 4 << 30;
+const MEMORY_LIMIT: usize = 4 << 30;
 
 /// What is read from a grid: attributes of `N` numbers.
 pub(crate) struct Wanted<const N: usize> {
@@ -76,10 +76,8 @@ pub(crate) fn load<const N: usize>(
     // The file, its decoded leaves and these values are there at one time.
     let blocks = tree.leaves.saturating_mul(2).saturating_add(tiles);
     let needed = VoxelValues::<N>::bytes(blocks, tree.active_voxels, source.outside).saturating_add(opened.size());
-    let limit = memory_limit.unwrap_or(MEMORY_LIMIT) as u64;
-    if needed > limit {
-        let text = format!(" would take about {} MB of memory, and the limit is {} MB", needed >> 20, limit >> 20);
-        return Err(problem(&text).help("write it with larger voxels, or allow more memory"));
+    if let Some(text) = too_much(needed, memory_limit) {
+        return Err(problem(&format!(" {text}")).help(LESS));
     }
     let stored = opened.grid(layout).map_err(|error| Problem::new(source.file.span, error.to_string()))?;
     let found = stored.and_then(|StoredGrid { voxels, transform, .. }| Some(((wanted.blocks)(voxels)?, transform)));
@@ -97,6 +95,16 @@ pub(crate) fn load<const N: usize>(
         return Err(problem(" has active voxels without a finite value").help("write it again without them"));
     }
     VoxelValues::new(blocks, source.outside).ok_or_else(empty)
+}
+
+/// What to do about a volume that takes too much memory.
+pub(crate) const LESS: &str = "write it with larger voxels, or allow more memory";
+
+/// In words, where a volume would take more memory than the limit, in bytes.
+pub(crate) fn too_much(needed: u64, limit: Option<usize>) -> Option<String> {
+    let limit = limit.unwrap_or(MEMORY_LIMIT) as u64;
+    let text = || format!("would take about {} MB of memory, and the limit is {} MB", needed >> 20, limit >> 20);
+    (needed > limit).then(text)
 }
 
 /// A file, walked.

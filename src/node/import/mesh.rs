@@ -34,13 +34,7 @@ pub const NODE: Spec = Spec {
             Words("the scene's `up`; of glTF `\"y\"`"),
             "The axis that points up in the file: `\"y\"` for OBJ by Blender's default export. Where the scene's is another, the mesh is turned: (x, y, z) becomes (x, −z, y), or back.",
         ),
-        Key::new(
-            "vertex_colors",
-            Kind::Choice(&["srgb", "linear"]),
-            Text("srgb"),
-            "How the file's colours are encoded. `linear`: scene-linear Rec.709, which may be above 1.",
-        )
-        .also(&["vertex_colours"]),
+        VERTEX_COLORS,
         Key::new(
             "sign",
             Kind::Choice(&["closed", "winding"]),
@@ -78,25 +72,29 @@ pub const NODE: Spec = Spec {
         // What grows needs the distance: planes are none beside edges.
         let planes = mesh.half_spaces.as_ref().filter(|_| !build.needs_distance());
         if build.arguments().get("thickness").is_some() {
-            let thickness = build.number("thickness")?;
+            let (thickness, surface) = (build.number("thickness")?, build.imported_field()?);
             let graph = build.graph();
-            let surface = graph.field(Arc::clone(&mesh.distance));
             let depth = graph.abs(surface);
             let sheet = graph.linear(depth, -1.0, thickness / 2.0);
             return Ok(graph.bounded(sheet, mesh.solid.grown(thickness / 2.0)));
         }
+        let Some(planes) = planes else { return build.imported_field() };
         let graph = build.graph();
-        Ok(match planes {
-            Some(planes) => {
-                let faces: Vec<_> = planes.iter().map(|(normal, offset)| graph.half_space(*normal, *offset)).collect();
-                let solid = graph.intersection(SetSystem::MinMax, &faces);
-                graph.bounded(solid, mesh.solid)
-            }
-            None => graph.field(Arc::clone(&mesh.distance)),
-        })
+        let faces: Vec<_> = planes.iter().map(|(normal, offset)| graph.half_space(*normal, *offset)).collect();
+        let solid = graph.intersection(SetSystem::MinMax, &faces);
+        Ok(graph.bounded(solid, mesh.solid))
     },
     ..Spec::PLAIN
 };
+
+/// How colours of a file's vertices are to be read, as [`conventions`] takes it.
+pub const VERTEX_COLORS: Key = Key::new(
+    "vertex_colors",
+    Kind::Choice(&["srgb", "linear"]),
+    Text("srgb"),
+    "How the file's colours are encoded. `linear`: scene-linear Rec.709, which may be above 1.",
+)
+.also(&["vertex_colours"]);
 
 fn import(import: &Import<'_>) -> Result<Imported, Problem> {
     let file = import.arguments.file("mesh").expect("it must be there");
@@ -171,12 +169,10 @@ fn load(
         FilePlace::Disk(path) => read(path, conventions).map_err(|error| Problem::new(file.span, error.to_string()))?,
         FilePlace::BuiltIn(_) => {
             let bytes = file.read().unwrap_or_default();
-            read_obj(&bytes, conventions)
-                .map_err(|error| Problem::new(file.span, format!("{}: {error}", file.name())))?
+            read_obj(&bytes, conventions).map_err(|error| file.problem(error))?
         }
     };
-    let mesh = MeshDistance::new(imported.mesh, holes)
-        .map_err(|error| Problem::new(file.span, format!("{}: {error}", file.name())))?;
+    let mesh = MeshDistance::new(imported.mesh, holes).map_err(|error| file.problem(error))?;
     Ok((mesh, imported.materials, imported.remarks))
 }
 

@@ -8,10 +8,10 @@ use glam::DAffine3;
 use crate::attribute::{BallColours, Colour};
 use crate::field::{Balls, Field, Joined};
 use crate::mesh::read_cloud;
-use crate::node::import::mesh::conventions;
+use crate::node::import::mesh::{VERTEX_COLORS, conventions};
 use crate::node::keys::UNITS;
 use crate::node::spec::{Carries, ColoursOf, Import, Imported, Spec};
-use crate::text::key::Absent::{Required, Text, Words};
+use crate::text::key::Absent::{Required, Words};
 use crate::text::key::{Key, Kind, Limit};
 use crate::text::problem::Problem;
 
@@ -38,13 +38,7 @@ pub const NODE: Spec = Spec {
             Words("the scene's `up`"),
             "The axis that points up in the file. Where the scene's is another, the points are turned: (x, y, z) becomes (x, −z, y), or back.",
         ),
-        Key::new(
-            "vertex_colors",
-            Kind::Choice(&["srgb", "linear"]),
-            Text("srgb"),
-            "How the file's colours are encoded. `linear`: scene-linear Rec.709, which may be above 1.",
-        )
-        .also(&["vertex_colours"]),
+        VERTEX_COLORS,
         Key::new(
             "unit",
             Kind::Choice(UNITS),
@@ -56,10 +50,7 @@ pub const NODE: Spec = Spec {
     example: "points = \"points.csv\"\nradius = 0.09",
     carries: Carries::Import,
     import: Some(import),
-    build: |build| {
-        let balls = Arc::clone(&build.imported().distance);
-        Ok(build.graph().field(balls))
-    },
+    build: |build| build.imported_field(),
     ..Spec::PLAIN
 };
 

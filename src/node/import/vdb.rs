@@ -12,7 +12,7 @@ use crate::node::argument::Argument;
 use crate::node::model::VoxelSource;
 use crate::node::spec::{Carries, ColoursOf, Import, Imported, Spec};
 use crate::node::volume;
-use crate::text::diagnostic::{Diagnostic, listed, nearest};
+use crate::text::diagnostic::{Diagnostic, Severity, clip, listed, nearest};
 use crate::text::key::Absent::{Nothing, Required, Words};
 use crate::text::key::{Key, Kind};
 use crate::text::problem::Problem;
@@ -23,6 +23,8 @@ use crate::vdb::{Opened, SparseBlocks, StoredClass, StoredGrid, Transform, Voxel
 const THRESHOLD: f64 = 0.5;
 /// Grids that are a file's colour where it has one of them.
 const COLOURS: [&str; 2] = ["Cd", "color"];
+/// A block's values, and what finds them.
+const BYTES_A_BLOCK: u64 = 2048 + 128;
 
 /// A level set or fog of another program.
 pub const NODE: Spec = Spec {
@@ -50,13 +52,7 @@ pub const NODE: Spec = Spec {
     example: "vdb = \"ball.vdb\"",
     carries: Carries::Import,
     import: Some(import),
-    build: |build| {
-        let file = build.imported();
-        let (name, span) = (build.name().to_owned(), build.span());
-        let graph = build.graph();
-        let node = graph.field(Arc::clone(&file.distance));
-        graph.transform(node, &file.place).map_err(|error| Problem::new(span, format!("`{name}`: {error}")))
-    },
+    build: |build| build.imported_field(),
     ..Spec::PLAIN
 };
 
@@ -72,10 +68,8 @@ fn import(import: &Import<'_>) -> Result<Imported, Problem> {
     let wrong = |what: &str| Problem::new(span, format!("grid '{}' of {} {what}", layout.name, file.name()));
     let bytes =
         opened.layout.tree(layout).map_or(0, |tree| tree.leaves.saturating_mul(2 * BYTES_A_BLOCK)) + opened.size();
-    let limit = import.memory_limit.unwrap_or(volume::MEMORY_LIMIT) as u64;
-    if bytes > limit {
-        let text = format!("would take about {} MB of memory, and the limit is {} MB", bytes >> 20, limit >> 20);
-        return Err(wrong(&text).help("write it with larger voxels, or allow more memory"));
+    if let Some(text) = volume::too_much(bytes, import.memory_limit) {
+        return Err(wrong(&text).help(volume::LESS));
     }
     let stored = opened.grid(layout).map_err(|error| Problem::new(file.span, error.to_string()))?;
     let Some(StoredGrid { class, transform, voxels: Voxels::Floats(blocks), .. }) = stored else {
@@ -110,7 +104,7 @@ fn import(import: &Import<'_>) -> Result<Imported, Problem> {
     if class != StoredClass::LevelSet && threshold.is_none() {
         let note = format!("{}: fog '{}' is solid from {THRESHOLD} on", file.name(), layout.name);
         let mut note = Diagnostic::warning(span, note).help("`threshold` says another value");
-        note.severity = crate::text::diagnostic::Severity::Note;
+        note.severity = Severity::Note;
         warnings.push(note);
     }
     let mut colours = None;
@@ -125,9 +119,6 @@ fn import(import: &Import<'_>) -> Result<Imported, Problem> {
     Ok(Imported { distance: Arc::new(field), place, solid, half_spaces: None, colours, warnings, bytes })
 }
 
-/// A block's values, and what finds them.
-const BYTES_A_BLOCK: u64 = 2048 + 128;
-
 /// The grid of a name, or the one that is most likely meant.
 fn chosen<'o>(opened: &'o Opened, named: Option<&str>) -> Result<&'o GridLayout, (String, String)> {
     let grids = &opened.layout.grids;
@@ -135,7 +126,7 @@ fn chosen<'o>(opened: &'o Opened, named: Option<&str>) -> Result<&'o GridLayout,
         return grids.iter().find(|grid| grid.name == name).ok_or_else(|| {
             let near = nearest(name, grids.iter().map(|grid| grid.name.as_str()));
             let help = near.map_or_else(|| there_is(opened), |near| format!("did you mean `{near}`?"));
-            (format!("there is no grid '{}'", crate::text::diagnostic::clip(name)), help)
+            (format!("there is no grid '{}'", clip(name)), help)
         });
     }
     let numbers = || grids.iter().filter(|grid| ["float", "double"].contains(&grid.value_type()));
@@ -145,7 +136,6 @@ fn chosen<'o>(opened: &'o Opened, named: Option<&str>) -> Result<&'o GridLayout,
 }
 
 fn there_is(opened: &Opened) -> String {
-    let clip = crate::text::diagnostic::clip;
     let grid = |grid: &GridLayout| format!("{} ({})", clip(&grid.name), clip(grid.value_type()));
     let names: Vec<String> = opened.layout.grids.iter().map(grid).collect();
     let names: Vec<&str> = names.iter().map(String::as_str).collect();

@@ -1,7 +1,5 @@
 //! What is bright in a picture, or dark.
 
-use std::sync::Arc;
-
 use glam::DVec2;
 
 use crate::field::outline;
@@ -46,10 +44,7 @@ pub const NODE: Spec = Spec {
     example: "image = \"leaf.png\"\nwidth = 2\ninside = \"below\"",
     plane: Plane::Flat,
     import: Some(import),
-    build: |build| {
-        let shape = Arc::clone(&build.imported().distance);
-        Ok(build.graph().field(shape))
-    },
+    build: |build| build.imported_field(),
     ..Spec::PLAIN
 };
 

@@ -1,7 +1,5 @@
 //! What a drawing fills.
 
-use std::sync::Arc;
-
 use glam::DVec2;
 
 use crate::field::outline;
@@ -37,10 +35,7 @@ pub const NODE: Spec = Spec {
     example: "svg = \"logo.svg\"\nwidth = 2",
     plane: Plane::Flat,
     import: Some(import),
-    build: |build| {
-        let drawing = Arc::clone(&build.imported().distance);
-        Ok(build.graph().field(drawing))
-    },
+    build: |build| build.imported_field(),
     ..Spec::PLAIN
 };
 

@@ -1,7 +1,5 @@
 //! Letters of the plane.
 
-use std::sync::Arc;
-
 use crate::field::{Fill, outline};
 use crate::lettering::{Align, Error, Font, Setting, SizeOf};
 use crate::node::profile::flat_import;
@@ -60,10 +58,7 @@ pub const NODE: Spec = Spec {
     example: "text = \"So8\"\nsize = 0.9",
     plane: Plane::Flat,
     import: Some(import),
-    build: |build| {
-        let letters = Arc::clone(&build.imported().distance);
-        Ok(build.graph().field(letters))
-    },
+    build: |build| build.imported_field(),
     ..Spec::PLAIN
 };
 
