@@ -31,12 +31,13 @@ pub fn read(path: &Path) -> io::Result<Vec<u8>> {
 /// All bytes of a regular file that has at most so many.
 ///
 /// # Errors
-/// When the system refuses, it is something else, or it is larger.
+/// When the system refuses, it is something else, or it is larger ([`io::ErrorKind::FileTooLarge`]).
 pub fn read_at_most(path: &Path, most: u64) -> io::Result<Vec<u8>> {
     let mut bytes = Vec::new();
     open(path)?.take(most + 1).read_to_end(&mut bytes)?;
     if bytes.len() as u64 > most {
-        return Err(io::Error::other(format!("it is larger than {} MiB", most >> 20)));
+        let problem = format!("it is larger than {} MiB", most >> 20);
+        return Err(io::Error::new(io::ErrorKind::FileTooLarge, problem));
     }
     Ok(bytes)
 }

@@ -7,12 +7,12 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use crate::node::keys::SCENE;
-use crate::node::origin::{Source, text_of};
+use crate::node::origin::{Source, text_of, tree_of};
 use crate::terminal;
 use crate::text::diagnostic::{Diagnostic, clip};
 use crate::text::files::{self, Base, FilePlace, Variables};
 use crate::text::source::{Sources, Span};
-use crate::text::value::{Data, Entry, Origin, Table, Value, parse_json, parse_toml};
+use crate::text::value::{Data, Entry, Table, Value};
 
 /// Families whose members an imported file brings. All else in it is about itself as a scene.
 const FAMILIES: [&str; 7] = ["param", "palette", "color", "colour", "cells", "operation", "shape"];
@@ -172,9 +172,7 @@ impl Importing<'_> {
             }
         };
         let source = self.sources.add(name, text.as_str());
-        let is_json = name.to_ascii_lowercase().ends_with(".json");
-        let tree = if is_json { parse_json(&text, source) } else { parse_toml(&text, source, Origin::Scene) };
-        tree.map_err(|problem| self.problems.push(problem)).ok()
+        tree_of(name, &text, source).map_err(|problem| self.problems.push(problem)).ok()
     }
 
     /// What no scene has at its top is a mistake here too.

@@ -8,7 +8,7 @@ use crate::node::example::{node_names, node_scene};
 use crate::node::imports;
 use crate::node::keys::SCENE;
 use crate::node::model::Model;
-use crate::node::origin::{Source, text_of};
+use crate::node::origin::{Source, text_of, tree_of};
 use crate::terminal;
 use crate::text::builtin::{builtin_names, builtin_text};
 use crate::text::diagnostic::{Diagnostic, Diagnostics, clip};
@@ -16,7 +16,6 @@ use crate::text::files::{Base, Variables};
 use crate::text::frames::FrameRange;
 use crate::text::overrides::{self, Overrides};
 use crate::text::source::Sources;
-use crate::text::value::{Origin, parse_json, parse_toml};
 
 /// Reads and checks a scene. Touches no file but the scene itself (files it names must exist, and are not read).
 pub fn load(source: &Source, overrides: &Overrides) -> Result<Model, Diagnostics> {
@@ -61,10 +60,8 @@ fn quoted(path: &Path) -> String {
 pub(crate) fn load_with(source: &Source, overrides: &Overrides, variables: Variables) -> Result<Model, Diagnostics> {
     let (name, text, base) = fetch(source).map_err(alone)?;
     let mut sources = Sources::default();
-    let is_json = name.to_ascii_lowercase().ends_with(".json");
-    sources.add(name.as_str(), text.as_str());
-    let tree = if is_json { parse_json(&text, 0) } else { parse_toml(&text, 0, Origin::Scene) };
-    let mut root = match tree {
+    let first = sources.add(name.as_str(), text.as_str());
+    let mut root = match tree_of(&name, &text, first) {
         Ok(root) => root,
         Err(problem) => return Err(Diagnostics::new(vec![problem], Arc::new(sources))),
     };

@@ -1,6 +1,5 @@
 //! Where a scene's text comes from.
 
-use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use crate::disk;
@@ -8,6 +7,7 @@ use crate::node::example::{node_names, node_scene};
 use crate::terminal;
 use crate::text::builtin::{builtin_names, builtin_text};
 use crate::text::diagnostic::{Diagnostic, clip, nearest};
+use crate::text::value::{Origin, Table, parse_json, parse_toml};
 
 /// Where a scene comes from.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -37,6 +37,14 @@ impl Source {
     }
 }
 
+/// A scene's text, or that of a file that it imports, as a tree: JSON where its name ends in `.json`.
+pub(crate) fn tree_of(name: &str, text: &str, source: usize) -> Result<Table, Diagnostic> {
+    if name.to_ascii_lowercase().ends_with(".json") {
+        return parse_json(text, source);
+    }
+    parse_toml(text, source, Origin::Scene)
+}
+
 /// The text of a scene's file.
 pub(crate) fn text_of(path: &Path) -> Result<String, Diagnostic> {
     /// No scene that a person or a script writes is as large; a VDB given by mistake is.
@@ -44,18 +52,14 @@ pub(crate) fn text_of(path: &Path) -> Result<String, Diagnostic> {
     let shown = terminal::path(path);
     let failed = |error: std::io::Error| match error.kind() {
         std::io::ErrorKind::NotFound => not_found(&shown),
-        _ => Diagnostic::without_place(format!("the scene `{}` cannot be read: {error}", clip(&shown))),
-    };
-    let file = disk::open(path).map_err(failed)?;
-    let mut bytes = Vec::new();
-    file.take(MOST_BYTES + 1).read_to_end(&mut bytes).map_err(failed)?;
-    if bytes.len() as u64 > MOST_BYTES {
-        return Err(Diagnostic::without_place(format!(
+        std::io::ErrorKind::FileTooLarge => Diagnostic::without_place(format!(
             "`{}` is too large to be a scene, which has {} MiB at most",
             clip(&shown),
             MOST_BYTES >> 20
-        )));
-    }
+        )),
+        _ => Diagnostic::without_place(format!("the scene `{}` cannot be read: {error}", clip(&shown))),
+    };
+    let bytes = disk::read_at_most(path, MOST_BYTES).map_err(failed)?;
     let text = String::from_utf8(bytes)
         .map_err(|_| Diagnostic::without_place(format!("`{}` is not a text in UTF-8", clip(&shown))))?;
     Ok(text.strip_prefix('\u{feff}').map(str::to_owned).unwrap_or(text))

@@ -2,10 +2,10 @@
 //!
 //! Perlin, Improving noise, SIGGRAPH 2002, with unit directions.
 
-use glam::{DVec3, I64Vec3};
+use glam::DVec3;
 
 use super::hash::{direction, of_cell};
-use super::{Noise, fade};
+use super::{Noise, cell_of, corners};
 
 /// Gradient noise.
 #[derive(Clone, Copy, Debug)]
@@ -19,22 +19,13 @@ const MOST: f64 = 0.866_025_403_784_438_6;
 
 impl Noise for GradientNoise {
     fn at(&self, position: DVec3) -> (f64, DVec3) {
-        let base = position.floor();
-        if !base.is_finite() {
-            return (f64::NAN, DVec3::NAN);
-        }
-        let (cell, within) = (base.as_i64vec3(), position - base);
-        let [x, y, z] = within.to_array().map(fade);
+        let Some((cell, within)) = cell_of(position) else { return (f64::NAN, DVec3::NAN) };
         let (mut value, mut slope) = (0.0, DVec3::ZERO);
-        for corner in 0..8 {
-            let by = I64Vec3::new(corner & 1, corner >> 1 & 1, corner >> 2 & 1);
-            let weight =
-                |(share, slope): (f64, f64), far: i64| if far == 1 { (share, slope) } else { (1.0 - share, -slope) };
-            let [(wx, sx), (wy, sy), (wz, sz)] = [weight(x, by.x), weight(y, by.y), weight(z, by.z)];
+        for (by, weight, slopes) in corners(within) {
             let way = direction(of_cell(cell + by, self.seed));
             let height = way.dot(within - by.as_dvec3());
-            value += height * (wx * wy * wz);
-            slope += way * (wx * wy * wz) + height * DVec3::new(sx * wy * wz, wx * sy * wz, wx * wy * sz);
+            value += height * weight;
+            slope += way * weight + height * slopes;
         }
         ((0.5 + value / (2.0 * MOST)).clamp(0.0, 1.0), slope / (2.0 * MOST))
     }

@@ -10,7 +10,7 @@ mod simplex;
 mod value;
 mod worley;
 
-use glam::DVec3;
+use glam::{DVec3, I64Vec3};
 
 use super::{Aabb, BATCH, Evaluator, Field, Gradients, Hint, Hints, Interval, Points, Slope};
 
@@ -99,6 +99,24 @@ impl<N: Noise> Evaluator for NoiseEvaluator<'_, N> {
     fn hints(&mut self, _: Hint) -> Hints {
         Hints { keeps_values: true, ..Hints::NONE }
     }
+}
+
+/// The cell of a position, and where in it the position is; `None` where it is nowhere.
+fn cell_of(position: DVec3) -> Option<(I64Vec3, DVec3)> {
+    let base = position.floor();
+    base.is_finite().then(|| (base.as_i64vec3(), position - base))
+}
+
+/// The corners of a cell, each with the weight of its number at a place within, and the gradient of that.
+fn corners(within: DVec3) -> impl Iterator<Item = (I64Vec3, f64, DVec3)> {
+    let [x, y, z] = within.to_array().map(fade);
+    (0..8).map(move |corner| {
+        let by = I64Vec3::new(corner & 1, corner >> 1 & 1, corner >> 2 & 1);
+        let weight =
+            |(share, slope): (f64, f64), far: i64| if far == 1 { (share, slope) } else { (1.0 - share, -slope) };
+        let [(wx, sx), (wy, sy), (wz, sz)] = [weight(x, by.x), weight(y, by.y), weight(z, by.z)];
+        (by, wx * wy * wz, DVec3::new(sx * wy * wz, wx * sy * wz, wx * wy * sz))
+    })
 }
 
 /// 6t⁵ − 15t⁴ + 10t³, and its slope: at most 15/8.

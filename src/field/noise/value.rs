@@ -1,9 +1,9 @@
 //! Value noise: a number at each corner of the cells, and smoothly from one to the next.
 
-use glam::{DVec3, I64Vec3};
+use glam::DVec3;
 
 use super::hash::{of_cell, share};
-use super::{Noise, fade};
+use super::{Noise, cell_of, corners};
 
 /// Value noise.
 #[derive(Clone, Copy, Debug)]
@@ -14,21 +14,12 @@ pub struct ValueNoise {
 
 impl Noise for ValueNoise {
     fn at(&self, position: DVec3) -> (f64, DVec3) {
-        let base = position.floor();
-        if !base.is_finite() {
-            return (f64::NAN, DVec3::NAN);
-        }
-        let (cell, within) = (base.as_i64vec3(), position - base);
-        let [x, y, z] = within.to_array().map(fade);
+        let Some((cell, within)) = cell_of(position) else { return (f64::NAN, DVec3::NAN) };
         let (mut value, mut slope) = (0.0, DVec3::ZERO);
-        for corner in 0..8 {
-            let by = I64Vec3::new(corner & 1, corner >> 1 & 1, corner >> 2 & 1);
-            let weight =
-                |(share, slope): (f64, f64), far: i64| if far == 1 { (share, slope) } else { (1.0 - share, -slope) };
-            let [(wx, sx), (wy, sy), (wz, sz)] = [weight(x, by.x), weight(y, by.y), weight(z, by.z)];
+        for (by, weight, slopes) in corners(within) {
             let number = share(of_cell(cell + by, self.seed));
-            value += number * (wx * wy * wz);
-            slope += number * DVec3::new(sx * wy * wz, wx * sy * wz, wx * wy * sz);
+            value += number * weight;
+            slope += number * slopes;
         }
         (value.clamp(0.0, 1.0), slope)
     }
