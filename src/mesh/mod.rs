@@ -47,7 +47,8 @@ pub use evaluator::MeshEvaluator;
 pub use hull::hull;
 pub use material::{Material, Picture, PicturePlace};
 pub use read::{
-    About, Conventions, Encoding, Imported, Place, Remark, Turn, companions, is_gltf, is_mesh, read, read_obj, read_ply,
+    About, Conventions, Encoding, Imported, Place, Remark, Turn, companions, has_companions, is_gltf, is_mesh, read,
+    read_obj, read_ply,
 };
 pub use report::{Report, report};
 pub use texture::{Lookup, Texture, Wrap};

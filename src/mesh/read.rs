@@ -168,6 +168,11 @@ pub fn is_mesh(file: &Path) -> bool {
     parser(&ending_of(file)).is_some()
 }
 
+/// Whether files of such a name can name others, which [`companions`] finds.
+pub fn has_companions(file: &Path) -> bool {
+    ["obj", "gltf", "glb"].contains(&ending_of(file).as_str())
+}
+
 /// The files that a mesh names, of those that are there: materials, pictures, data.
 pub fn companions(file: &Path, content: &[u8]) -> Vec<PathBuf> {
     match ending_of(file).as_str() {

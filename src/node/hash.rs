@@ -59,8 +59,8 @@ impl Model {
         let places = arguments.flat_map(Arguments::files).map(|file| &file.place);
         let on_disk = |place: &FilePlace| match place {
             FilePlace::Disk(path) => {
-                let others = disk::read(path).map(|bytes| mesh::companions(path, &bytes)).unwrap_or_default();
-                [path.clone()].into_iter().chain(others).collect()
+                let bytes = if mesh::has_companions(path) { disk::read(path).unwrap_or_default() } else { Vec::new() };
+                [path.clone()].into_iter().chain(mesh::companions(path, &bytes)).collect()
             }
             FilePlace::BuiltIn(_) => Vec::new(),
         };
