@@ -220,9 +220,7 @@ pub fn compute(
             return Err(ComputeError::Scalar { name: name.clone(), position, value });
         }
         ranges.scalars.push(joined(&blocks));
-        let Channel { name, values, background: [background] } = channel(name, blocks, &band);
-        let values = values.into_iter().map(|block| block.into_vec().into_flattened().into()).collect();
-        channels.push(Channel { name, values, background });
+        channels.push(channel(name, blocks, &band));
     }
     let velocities = attributes.movement.map(|movement| velocity::grid(&band, velocities, movement));
     let mut insides = None;
@@ -232,7 +230,7 @@ pub fn compute(
     Ok(Computed {
         band,
         colour,
-        scalars: channels,
+        scalars: channels.into_iter().map(Channel::from).collect(),
         velocities,
         insides,
         report: measured.report,
@@ -260,7 +258,7 @@ fn sink(feet: &mut Points, block: &MeasuredBlock, half_width: f32) {
 fn filled(
     band: &Band,
     colour: Option<&Channel<LinearRgb>>,
-    scalars: &[Channel<f32>],
+    scalars: &[Channel<[f32; 1]>],
     attributes: Attributes<'_>,
     interior: Interior,
     cancel: &AtomicBool,
@@ -273,11 +271,9 @@ fn filled(
             Some(found.map_err(|trouble| trouble.told(|position, value| ComputeError::Colour { position, value }))?);
     }
     let mut of_density = None;
-    for ((name, attribute), Channel { values, background, .. }) in attributes.scalars.iter().zip(scalars) {
-        let values = values.iter().map(|block| block.iter().map(|value| [*value]).collect()).collect();
-        let channel = Channel { name: name.clone(), values, background: [*background] };
+    for ((name, attribute), channel) in attributes.scalars.iter().zip(scalars) {
         let is_density = interior.density && name == inside::DENSITY;
-        let found = inside::through(band, &channel, attribute.as_ref(), f32::MIN, bounds);
+        let found = inside::through(band, channel, attribute.as_ref(), f32::MIN, bounds);
         let found: Inside<f32> = found
             .map_err(|trouble| {
                 trouble.told(|position, [value]| ComputeError::Scalar { name: name.clone(), position, value })

@@ -107,10 +107,8 @@ impl<T> Inside<T> {
 
 impl From<Inside<[f32; 1]>> for Inside<f32> {
     fn from(one: Inside<[f32; 1]>) -> Self {
-        let Inside { origins, active, channel: Channel { name, values, background: [background] }, tiles, .. } = one;
-        let values = values.into_iter().map(|block| block.into_vec().into_flattened().into()).collect();
-        let channel = Channel { name, values, background };
-        Self { origins, active, channel, tiles, tile_values: one.tile_values.into_flattened() }
+        let Inside { origins, active, channel, tiles, tile_values } = one;
+        Self { origins, active, channel: channel.into(), tiles, tile_values: tile_values.into_flattened() }
     }
 }
 
@@ -194,6 +192,11 @@ pub(super) fn through<const N: usize>(
         tile_values,
     };
     let mut add = |origin: IVec3, mask: BlockMask, values: Box<[[f32; N]]>| {
+        if values.len() == BLOCK_VOXELS && values.iter().all(|value| *value == values[0]) {
+            inside.tiles.push(InsideTile { origin, edge: BLOCK_EDGE });
+            inside.tile_values.push(values[0]);
+            return;
+        }
         inside.origins.push(origin);
         inside.active.push(mask);
         inside.channel.values.push(values);
@@ -213,24 +216,7 @@ pub(super) fn through<const N: usize>(
         }
     }
     filled.for_each(|((origin, mask), values)| add(*origin, *mask, values));
-    let blocks = std::mem::take(&mut inside.channel.values);
-    Ok(joined(inside, blocks))
-}
-
-/// The least blocks are given up for tiles where a whole block has one value.
-fn joined<T: Copy + PartialEq>(mut inside: Inside<T>, blocks: Vec<Box<[T]>>) -> Inside<T> {
-    let heads = std::mem::take(&mut inside.origins).into_iter().zip(std::mem::take(&mut inside.active));
-    for ((origin, mask), values) in heads.zip(blocks) {
-        if values.len() == BLOCK_VOXELS && values.iter().all(|value| *value == values[0]) {
-            inside.tiles.push(InsideTile { origin, edge: BLOCK_EDGE });
-            inside.tile_values.push(values[0]);
-        } else {
-            inside.origins.push(origin);
-            inside.active.push(mask);
-            inside.channel.values.push(values);
-        }
-    }
-    inside
+    Ok(inside)
 }
 
 /// The density of a band and what is behind it: a ramp as deep as the band, times the numbers of an attribute.

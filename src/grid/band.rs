@@ -63,6 +63,13 @@ pub struct Channel<T> {
     pub background: T,
 }
 
+impl From<Channel<[f32; 1]>> for Channel<f32> {
+    fn from(Channel { name, values, background: [background] }: Channel<[f32; 1]>) -> Self {
+        let values = values.into_iter().map(|block| block.into_vec().into_flattened().into()).collect();
+        Self { name, values, background }
+    }
+}
+
 impl<T: Copy> Channel<T> {
     /// A channel from whole blocks, of which the active voxels are taken.
     pub fn of_blocks(

@@ -5,8 +5,7 @@ use std::path::Path;
 use glam::{DVec3, Vec3};
 use serde_json::{Value, json};
 
-use super::ply::{polygons_of, surface};
-use super::{Format, Frame};
+use super::{Format, Frame, polygons};
 use crate::bake::{Error, Output};
 use crate::node::Model;
 use crate::node::keys::metres;
@@ -24,11 +23,11 @@ impl Format for Glb {
     }
 
     fn check(&self, model: &Model, output: &Output) -> Result<(), String> {
-        polygons_of(model, output)
+        polygons::check(model, output)
     }
 
     fn encode(&self, frame: &Frame<'_>) -> Result<Vec<Vec<u8>>, Error> {
-        let surface = surface(frame)?;
+        let surface = polygons::of_frame(frame)?;
         let model = frame.prepared.model();
         let scale = metres(model.unit);
         let turned = |p: &DVec3| match model.up {

@@ -3,8 +3,7 @@
 use std::fmt::Write;
 use std::path::Path;
 
-use super::ply::{polygons_of, surface};
-use super::{Format, Frame};
+use super::{Format, Frame, polygons};
 use crate::attribute::to_srgb;
 use crate::bake::{Error, Output};
 use crate::node::Model;
@@ -22,7 +21,7 @@ impl Format for Obj {
     }
 
     fn check(&self, model: &Model, output: &Output) -> Result<(), String> {
-        polygons_of(model, output)?;
+        polygons::check(model, output)?;
         match model.scalar_names().into_iter().find(|name| model.output.writes(name)) {
             Some(name) => Err(format!(
                 "output.grids: an .obj holds no attributes such as `{name}`; leave it out, or write .ply or .glb"
@@ -32,7 +31,7 @@ impl Format for Obj {
     }
 
     fn encode(&self, frame: &Frame<'_>) -> Result<Vec<Vec<u8>>, Error> {
-        let surface = surface(frame)?;
+        let surface = polygons::of_frame(frame)?;
         let model = frame.prepared.model();
         let mut text = format!(
             "# {}, frame {}, unit {}, {} up\no surface\n",

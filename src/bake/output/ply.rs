@@ -2,8 +2,7 @@
 
 use std::path::Path;
 
-use super::polygons::{LEAST_HALF_WIDTH, polygons};
-use super::{Format, Frame};
+use super::{Format, Frame, polygons};
 use crate::attribute::to_srgb;
 use crate::bake::{Error, Output};
 use crate::node::Model;
@@ -18,11 +17,11 @@ impl Format for Ply {
     }
 
     fn check(&self, model: &Model, output: &Output) -> Result<(), String> {
-        polygons_of(model, output)
+        polygons::check(model, output)
     }
 
     fn encode(&self, frame: &Frame<'_>) -> Result<Vec<Vec<u8>>, Error> {
-        let surface = surface(frame)?;
+        let surface = polygons::of_frame(frame)?;
         let mut head = String::from("ply\nformat binary_little_endian 1.0\n");
         head += &format!("comment {}, frame {}\n", frame.output.identity.program, frame.number);
         head += &format!("comment unit {}, {} up\n", frame.prepared.model().unit, frame.prepared.model().up);
@@ -69,29 +68,4 @@ impl Format for Ply {
         let bytes = head.matches("property uchar").count();
         if body.len() == vertices * (4 * floats + bytes) + 13 * faces { Ok(()) } else { Err(damaged()) }
     }
-}
-
-/// What polygons cannot hold of what is asked for.
-pub(super) fn polygons_of(model: &Model, output: &Output) -> Result<(), String> {
-    if output.identity.half_width < LEAST_HALF_WIDTH {
-        return Err(format!("--half-width: polygons need a band of {LEAST_HALF_WIDTH} voxels at least"));
-    }
-    if let Some(grid) = output.identity.half.first() {
-        return Err(format!("--half: polygons have no grid `{grid}` of 16 bits"));
-    }
-    if model.output.fills_inside() || model.output.writes("vel") {
-        return Err(
-            "output.grids: polygons hold a surface alone, without `density`, `vel` and `inside`; leave them out, or \
-                    write .vdb"
-                .into(),
-        );
-    }
-    Ok(())
-}
-
-/// The surface of a frame.
-pub(super) fn surface(frame: &Frame<'_>) -> Result<super::polygons::Polygons, Error> {
-    let content = frame.prepared.frame(frame.number).map_err(Error::Scene)?;
-    polygons(&content, &frame.computed.band)
-        .map_err(|_| Error::Encode("the surface has more than 4,294,967,295 vertices: take larger voxels".into()))
 }

@@ -10,18 +10,46 @@ use std::sync::Arc;
 use glam::{DVec3, IVec3};
 use rayon::prelude::*;
 
+use super::Frame;
 use crate::attribute::{Attribute, LinearRgb};
+use crate::bake::{Error, Output};
 use crate::field::{Aabb, BATCH, Evaluator, Gradients, Points};
 use crate::grid::measure::{Lookup, Place, Surroundings, local_of};
 use crate::grid::{BLOCK_EDGE, BLOCK_VOXELS, Band, BlockMask, mask};
+use crate::node::Model;
 use crate::shot::FrameContent;
 
 use cell::{NO_PIECE, least_corner, others, pieces_of};
 
 /// The narrowest band, in voxels, whose blocks hold all cells that the surface passes through.
-pub const LEAST_HALF_WIDTH: f64 = 2.5;
+const LEAST_HALF_WIDTH: f64 = 2.5;
 /// Steps of the search for the surface along an edge: the distances are exact where they are short.
 const STEPS: usize = 4;
+
+/// What polygons cannot hold of what is asked for.
+pub fn check(model: &Model, output: &Output) -> Result<(), String> {
+    if output.identity.half_width < LEAST_HALF_WIDTH {
+        return Err(format!("--half-width: polygons need a band of {LEAST_HALF_WIDTH} voxels at least"));
+    }
+    if let Some(grid) = output.identity.half.first() {
+        return Err(format!("--half: polygons have no grid `{grid}` of 16 bits"));
+    }
+    if model.output.fills_inside() || model.output.writes("vel") {
+        return Err(
+            "output.grids: polygons hold a surface alone, without `density`, `vel` and `inside`; leave them out, or \
+                    write .vdb"
+                .into(),
+        );
+    }
+    Ok(())
+}
+
+/// The surface of a frame.
+pub fn of_frame(frame: &Frame<'_>) -> Result<Polygons, Error> {
+    let content = frame.prepared.frame(frame.number).map_err(Error::Scene)?;
+    polygons(&content, &frame.computed.band)
+        .map_err(|_| Error::Encode("the surface has more than 4,294,967,295 vertices: take larger voxels".into()))
+}
 
 /// A surface of triangles, world units, counter-clockwise seen from outside.
 #[derive(Clone, Debug, Default)]
@@ -37,11 +65,10 @@ pub struct Polygons {
 }
 
 /// More vertices than indices of 32 bits reach.
-#[derive(Clone, Copy, Debug)]
-pub struct TooMany;
+struct TooMany;
 
 /// The surface of a frame whose band this is.
-pub fn polygons(content: &FrameContent, band: &Band) -> Result<Polygons, TooMany> {
+fn polygons(content: &FrameContent, band: &Band) -> Result<Polygons, TooMany> {
     let lookup = Lookup::new(band);
     let field = content.field.as_ref();
     let blocks = 0..band.origins.len();
