@@ -139,7 +139,7 @@ impl Copies {
     /// Copies of a solid in a box, in some places. Where there are none nothing is inside.
     pub fn new(inner: Expression, own: Aabb, places: Vec<CopyPlace>) -> Self {
         let inner = inner.keeping_values();
-        let slack = 1e-9 * own.size().max_element();
+        let slack = 1e-9 * own.longest_side();
         let own = own.grown(slack);
         let boxes: Vec<Aabb> = places.iter().map(|place| place.region_forth(&own)).collect();
         let mut order: Vec<u32> = (0..places.len() as u32).collect();
@@ -383,7 +383,7 @@ impl CopiesEvaluator<'_> {
             return Interval::new(lo.next_down(), hi.next_up());
         }
         let (far, near) = (farthest(&self.copies.own, &own), distance_between(&self.copies.own, &own));
-        let slack = 1e-12 * place.scale * (far + self.copies.own.size().max_element());
+        let slack = 1e-12 * place.scale * (far + self.copies.own.longest_side());
         let least = lo.min(if far > 0.0 { -place.scale * far - slack } else { f64::INFINITY });
         Interval::new(least.next_down(), held(hi, (place.scale * near - slack).max(0.0)).next_up())
     }

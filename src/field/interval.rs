@@ -69,6 +69,9 @@ pub struct Aabb {
     pub max: DVec3,
 }
 
+/// Where what has no end is taken to: finite, so that turning and moving it makes no infinity times 0.
+const FAR: f64 = 1e15;
+
 impl Aabb {
     /// The box between two corners, `min ≤ max` on each axis.
     pub const fn new(min: DVec3, max: DVec3) -> Self {
@@ -82,9 +85,13 @@ impl Aabb {
 
     /// The box of a region of the xy plane, whatever z: as far as numbers of a scene reach.
     pub fn without_z(self) -> Self {
-        /// Finite, so that turning and moving it makes no infinity times 0.
-        const FAR: f64 = 1e15;
         Self { min: self.min.with_z(-FAR), max: self.max.with_z(FAR) }
+    }
+
+    /// The longest side, of those that end.
+    pub fn longest_side(self) -> f64 {
+        let size = self.size();
+        DVec3::select(size.cmplt(DVec3::splat(FAR)), size, DVec3::ZERO).max_element()
     }
 
     /// The least box around both.
