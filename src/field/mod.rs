@@ -38,6 +38,7 @@ mod polygon;
 mod program;
 mod prune;
 mod rows;
+mod seeds;
 mod solids;
 mod struts;
 mod tape;
@@ -63,6 +64,7 @@ pub use noise::{Fold, Fractal, GradientNoise, Near, Noise, NoiseField, Simplex, 
 pub use outline::Outline;
 pub use parts::{Joined, Parts, Procedure, Sample};
 pub use place::{NotInvertible, rotation};
+pub use seeds::Seeds;
 pub use struts::{Strut, Struts};
 pub use width::VectorWidth;
 

@@ -17,6 +17,7 @@ pub(crate) mod direct;
 pub(crate) mod displacement;
 mod example;
 pub(crate) mod extent;
+pub(crate) mod grain;
 mod hash;
 pub(crate) mod id;
 pub(crate) mod imports;
@@ -262,6 +263,10 @@ nodes! {
             tongue
             clearance;
         structure "Structures":
+            slabs
+            threads
+            pores
+            foam
             facet;
     }
 
@@ -301,6 +306,7 @@ nodes! {
             offset
             onion
             shell
+            fill
             displace;
     }
 
@@ -331,6 +337,8 @@ nodes! {
             angle
             waves
             stripes
+            wood
+            marble
             curvature
             facing
             ramp
@@ -355,6 +363,8 @@ nodes! {
             angle
             waves
             stripes
+            wood
+            marble
             curvature
             facing
             ramp

@@ -68,14 +68,13 @@ pub(crate) const fn size(name: &'static str, text: &'static str) -> Key {
 /// What makes the number, from the values of a row's keys; `main` is the row's own.
 pub(crate) type Making = fn(&Arguments, &mut Graph, main: &str) -> Node;
 
-fn constant(arguments: &Arguments, key: &str) -> f64 {
+pub(crate) fn constant(arguments: &Arguments, key: &str) -> f64 {
     arguments.constant(key).copied().expect("it has a default")
 }
 
-/// Where a place is, in cells of a key's size.
-fn cells(arguments: &Arguments, graph: &mut Graph, key: &str) -> [Node; 3] {
-    let scale = 1.0 / constant(arguments, key);
-    DVec3::AXES.map(|axis| graph.affine(axis * scale, 0.0))
+/// Where a place is, in cells of a size.
+pub(crate) fn cells(graph: &mut Graph, size: f64) -> [Node; 3] {
+    DVec3::AXES.map(|axis| graph.affine(axis * (1.0 / size), 0.0))
 }
 
 /// Noise in cells of a row's size.
@@ -85,7 +84,7 @@ pub(crate) fn noise<N: Noise + 'static>(
     main: &str,
     make: impl FnOnce(u64) -> N,
 ) -> Node {
-    let at = cells(arguments, graph, main);
+    let at = cells(graph, constant(arguments, main));
     let seed = *arguments.seed("seed").expect("it has a default");
     graph.field_at(Arc::new(NoiseField(make(seed))), at)
 }
@@ -108,7 +107,7 @@ pub(crate) fn worley(arguments: &Arguments, graph: &mut Graph, main: &str) -> No
 
 /// The distance from the origin or the z axis, in lengths of a row's size.
 pub(crate) fn radius(arguments: &Arguments, graph: &mut Graph, main: &str) -> Node {
-    let [x, y, z] = cells(arguments, graph, main);
+    let [x, y, z] = cells(graph, constant(arguments, main));
     if arguments.choice("from") == Some(&"axis") { graph.length(&[x, y]) } else { graph.length(&[x, y, z]) }
 }
 
@@ -123,7 +122,7 @@ pub(crate) fn angle(arguments: &Arguments, graph: &mut Graph, main: &str) -> Nod
 }
 
 /// How far along a direction, in lengths of a row's size.
-fn along(arguments: &Arguments, graph: &mut Graph, main: &str) -> Node {
+pub(crate) fn along(arguments: &Arguments, graph: &mut Graph, main: &str) -> Node {
     let direction = direction(arguments).unwrap_or(DVec3::X);
     graph.affine(direction / constant(arguments, main), 0.0)
 }
@@ -173,32 +172,38 @@ pub(crate) fn stripes(arguments: &Arguments, graph: &mut Graph, main: &str, coun
     graph.sub(periods, whole)
 }
 
-fn field(make: impl FnOnce(&mut Graph) -> Node) -> Arc<dyn Field> {
-    let mut graph = Graph::new();
-    let node = make(&mut graph);
-    Arc::new(Expression::new(&graph, node).keeping_values())
-}
-
 /// A scalar that is a number over space.
 pub(crate) fn number(source: &mut dyn Sourcing<1>, main: &str, making: Making) -> Result<Paint<1>, Problem> {
+    let mut graph = Graph::new();
+    let node = making(source.arguments(), &mut graph, main);
+    number_by(source, graph, node)
+}
+
+/// The same of a node of a graph.
+pub(crate) fn number_by(source: &dyn Sourcing<1>, mut graph: Graph, node: Node) -> Result<Paint<1>, Problem> {
     check_direction(source)?;
-    let arguments = source.arguments();
-    let field = field(|graph| {
-        let node = making(arguments, graph, main);
-        match arguments.values("between").map(|ends| &ends[..]) {
-            Some([from, to]) => graph.linear(node, f64::from(to - from), f64::from(*from)),
-            _ => node,
-        }
-    });
-    Ok(Paint::shared(Arc::new(FieldValue(field))))
+    let node = match source.arguments().values("between").map(|ends| &ends[..]) {
+        Some([from, to]) => graph.linear(node, f64::from(to - from), f64::from(*from)),
+        _ => node,
+    };
+    Ok(Paint::shared(Arc::new(FieldValue(field(&graph, node)))))
 }
 
 /// A colour by a number over space.
 pub(crate) fn colour(source: &mut dyn Sourcing<3>, main: &str, making: Making) -> Result<Paint<3>, Problem> {
+    let mut graph = Graph::new();
+    let node = making(source.arguments(), &mut graph, main);
+    colour_by(source, graph, node)
+}
+
+/// The same of a node of a graph.
+pub(crate) fn colour_by(source: &dyn Sourcing<3>, graph: Graph, node: Node) -> Result<Paint<3>, Problem> {
     check_direction(source)?;
-    let arguments = source.arguments();
-    let by = field(|graph| making(arguments, graph, main));
-    Ok(evenly(arguments, by, [0.0, 1.0]))
+    Ok(evenly(source.arguments(), field(&graph, node), [0.0, 1.0]))
+}
+
+fn field(graph: &Graph, node: Node) -> Arc<dyn Field> {
+    Arc::new(Expression::new(graph, node).keeping_values())
 }
 
 /// A colour by a scalar, from the number of the first colour to that of the last. `step`: over what its slope is taken.
@@ -239,7 +244,9 @@ pub(crate) fn striped<const N: usize, M: Mix<N> + 'static>(
     check_direction(source)?;
     let arguments = source.arguments();
     let count = values.len().max(1);
-    let by = field(|graph| stripes(arguments, graph, main, count));
+    let mut graph = Graph::new();
+    let node = stripes(arguments, &mut graph, main, count);
+    let by = field(&graph, node);
     let stops: Vec<(f64, [f32; N])> =
         values.into_iter().enumerate().map(|(i, value)| (i as f64 / count as f64, value)).collect();
     let mixes = vec![mix; count - 1];

@@ -105,6 +105,13 @@ fn parameters_that_make_no_shape_are_errors_with_a_way_out() {
         ("gyroid = 1\nbounds = 2", "neither `thickness` nor `fraction`"),
         ("gyroid = 1\nthickness = 0.1\nfraction = 0.2\nbounds = 2", "both `thickness` and `fraction`"),
         ("honeycomb = 1\nwall = 1\nbounds = 2", "larger cells"),
+        ("slabs = 1\nwall = 1\nbounds = 2", "farther apart"),
+        ("slabs = 1\naxes = \"yx\"\nbounds = 2", "`xy`"),
+        ("foam = 1\nwall = 1\nbounds = 2", "larger cells"),
+        ("pores = 1\njitter = 2\nbounds = 2", "`jitter`"),
+        ("threads = 1\nradius = 0.3\nwave = 0.3\nbounds = 2", "layers would meet"),
+        ("sphere = 1\nfill = { circle = 1 }", "a shape of the plane"),
+        ("sphere = 1\nfill = { gyroid = 0.5, thickness = 0.1 }\nskin = -1", "`skin`"),
         ("polyline = [[0, 0, 0, 0.1], [1, 0, 0, 0]]", "a radius must be greater than 0"),
         ("polyline = [[0, 0, 0]]", "needs at least 2"),
         ("b_spline = [[0, 0, 0], [1, 0, 0], [1, 1, 0]]", "needs at least 4"),
@@ -289,6 +296,71 @@ fn lattices_of_struts_repeat_and_reach_their_points() {
             assert!(at(beside) < 0.0, "{name}: {}", at(beside));
         }
     }
+}
+
+/// The share of a cell that is solid, by samples on a lattice: against the closed form.
+#[test]
+fn structures_fill_the_share_that_they_should() {
+    use std::f64::consts::PI;
+    const SIDE: i32 = 60;
+    for (keys, wanted) in [
+        ("slabs = 1\nwall = 0.2", 0.2),
+        ("slabs = 1\nwall = 0.2\naxes = \"xy\"", 1.0 - 0.8 * 0.8),
+        ("slabs = 1\nwall = 0.2\naxes = \"xyz\"", 1.0 - 0.8_f64.powi(3)),
+        ("cubic = 1\nradius = 0.2", 3.0 * PI * 0.04 - 8.0 * 2.0_f64.sqrt() * 0.008),
+        ("pores = 1\nradius = 0.4\njitter = 0", 1.0 - 4.0 / 3.0 * PI * 0.064),
+        ("foam = 1\nwall = 0.2\njitter = 0", 1.0 - 0.8_f64.powi(3)),
+        // Of four threads, each as long as its wave.
+        ("threads = 1\nradius = 0.1\nwave = 0.12", 4.0 * PI * 0.01 * wave_length(0.12)),
+    ] {
+        let field = field(&format!("{keys}\nbounds = 99"));
+        let at = |i: i32| (f64::from(i) + 0.5) / f64::from(SIDE) + 3.0;
+        let inside = (0..SIDE.pow(3))
+            .filter(|i| field.reference(DVec3::new(at(i % SIDE), at(i / SIDE % SIDE), at(i / SIDE / SIDE))) >= 0.0)
+            .count();
+        let share = inside as f64 / f64::from(SIDE.pow(3));
+        assert!((share / wanted - 1.0).abs() < 0.01, "{keys}: {share} for {wanted}");
+    }
+}
+
+/// The length of one wave of a height over a length of 1.
+fn wave_length(height: f64) -> f64 {
+    let steps = 10_000;
+    let slope =
+        |i: i32| std::f64::consts::TAU * height * libm::cos(std::f64::consts::TAU * f64::from(i) / f64::from(steps));
+    (0..steps).map(|i| (1.0 + slope(i).powi(2)).sqrt()).sum::<f64>() / f64::from(steps)
+}
+
+/// Copies of a shape of the plane end where they do: what makes a solid of them is no larger.
+#[test]
+fn copies_of_the_plane_keep_their_box() {
+    for (keys, wanted) in [
+        ("polar = 4\npolar_radius = 1", [3.0, 3.0]),
+        ("array = [3, 1, 1]\nspacing = [2, 2, 2]", [5.0, 0.4]),
+        ("places = [[-1, 0, 0], [1, 1, 0]]", [3.0, 1.4]),
+    ] {
+        let keys = keys.replace('\n', ", ");
+        let solid = field(&format!("extrude = {{ rectangle = [1, 0.4], {keys} }}\nheight = 0.2"));
+        let size = solid.bounding_box().expect("it ends").size();
+        assert!((size - DVec3::new(wanted[0], wanted[1], 0.2)).abs().max_element() < 1e-6, "{keys}: {size}");
+    }
+}
+
+/// A ball filled with walls is whole in its skin, and walls alone within.
+#[test]
+fn a_filled_shape_has_skin_and_structure() {
+    let filled = field("sphere = 1\nfill = { slabs = 0.5, wall = 0.1 }\nskin = 0.1");
+    for (at, inside) in
+        [(0.95, true), (0.92, true), (0.88, false), (0.54, true), (0.56, false), (0.3, false), (0.0, true)]
+    {
+        for axis in [DVec3::Z, DVec3::NEG_Z] {
+            assert_eq!(filled.reference(axis * at) > 0.0, inside, "{at} along {axis}");
+        }
+    }
+    assert!(filled.reference(DVec3::X * 0.5) > 0.0 && filled.reference(DVec3::new(0.3, 0.0, 0.2)) < 0.0);
+    assert!(filled.reference(DVec3::Z * 1.01) < 0.0);
+    let open = field("sphere = 1\nfill = { slabs = 0.5, wall = 0.1 }");
+    assert!(open.reference(DVec3::Z * 0.9) < 0.0 && open.reference(DVec3::X * 0.99) > 0.0);
 }
 
 #[test]

@@ -4,7 +4,7 @@ use glam::{DVec3, I64Vec3};
 
 /// 64 bits of a cell: its place and the seed folded in one after another, each mixed by the finisher of SplitMix64 (Steele, Lea
 /// and Flood, 2014).
-pub(super) fn of_cell(cell: I64Vec3, seed: u64) -> u64 {
+pub(in crate::field) fn of_cell(cell: I64Vec3, seed: u64) -> u64 {
     [cell.x, cell.y, cell.z].into_iter().fold(mixed(seed), |hash, part| mixed(hash ^ part as u64))
 }
 
@@ -21,7 +21,7 @@ pub(super) fn share(bits: u64) -> f64 {
 }
 
 /// Three numbers from 0 to 1 of some bits.
-pub(super) fn shares(bits: u64) -> DVec3 {
+pub(in crate::field) fn shares(bits: u64) -> DVec3 {
     let part = |shift: u32| f64::from((bits >> shift) as u32 & 0x1f_ffff) / f64::from(0x1f_ffff_u32);
     DVec3::new(part(0), part(21), part(42))
 }

@@ -5,7 +5,7 @@
 
 mod fractal;
 mod gradient;
-mod hash;
+pub(super) mod hash;
 mod simplex;
 mod value;
 mod worley;
