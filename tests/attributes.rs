@@ -260,3 +260,70 @@ fn a_shape_of_voxels_stands_where_its_transform_puts_it() {
     let exact = 8.0 / 3.0 * std::f64::consts::PI;
     assert!((volume / exact - 1.0).abs() < 0.01, "{volume} {exact}");
 }
+
+/// Colours in other primaries are those of Rec.709 by a matrix, say so, and come back as they were.
+#[test]
+fn colours_in_other_primaries_say_so_and_come_back() {
+    let colours = |file: &Path| {
+        let contents = vdb::read(file).expect("a file of ours");
+        let cd = grid(&contents, "Cd");
+        let tag = cd.metadata.get("colorInteropID").cloned();
+        let Voxels::Vectors(blocks) = &cd.voxels else { panic!("colours are vectors") };
+        let tiles = blocks.tiles.iter().map(|tile| tile.value);
+        let all: Vec<[f32; 3]> = blocks.values.iter().flatten().copied().chain(tiles).collect();
+        (tag, all)
+    };
+    // ACES, S-2014-004: each row adds up to 1, so that white stays white.
+    let to_ap1 = |[r, g, b]: [f32; 3]| {
+        [
+            0.613_097_4 * r + 0.339_523_15 * g + 0.047_379_45 * b,
+            0.070_193_72 * r + 0.916_353_88 * g + 0.013_452_4 * b,
+            0.020_615_59 * r + 0.109_569_77 * g + 0.869_814_63 * b,
+        ]
+    };
+    let near = |a: &[[f32; 3]], b: &[[f32; 3]]| {
+        a.len() == b.len() && a.iter().flatten().zip(b.iter().flatten()).all(|(a, b)| (a - b).abs() < 2e-6)
+    };
+    for inside in [false, true] {
+        let place = Workplace::new();
+        let scene = |space: &str| {
+            format!(
+                "hfvdb = 1\n[shape.a]\nsphere = 1\ncolor = ['0.5 + 0.4*x', 0.2, 'abs(z)']\n[output]\ninside = {inside}\n{space}"
+            )
+        };
+        place.write("plain.toml", &scene(""));
+        place.write("ap1.toml", &scene("color_space = 'lin_ap1_scene'"));
+        place.write("tagged.toml", &scene("color_space = 'lin_rec709_scene'"));
+        for name in ["plain", "ap1", "tagged"] {
+            place.hfvdb(&format!("bake {name}.toml --resolution 24 -o {name}.vdb")).ok();
+        }
+        let [plain, ap1, tagged] = ["plain", "ap1", "tagged"].map(|name| colours(&place.path(&format!("{name}.vdb"))));
+        assert_eq!(plain.0, None);
+        assert_eq!(ap1.0, Some("lin_ap1_scene".into()));
+        assert_eq!(tagged.0, Some("lin_rec709_scene".into()));
+        assert_eq!(plain.1, tagged.1);
+        let wanted: Vec<[f32; 3]> = plain.1.iter().map(|colour| to_ap1(*colour)).collect();
+        assert!(near(&ap1.1, &wanted), "inside = {inside}");
+        // A shape from the file has the colours that were asked for, not those that are in it.
+        if !inside {
+            for name in ["plain", "ap1"] {
+                place.write("again.toml", &format!("hfvdb = 1\n[shape.a]\nvdb = '{name}.vdb'\n"));
+                place.hfvdb(&format!("bake again.toml --voxel-size 0.1 -o again-{name}.vdb")).ok();
+            }
+            let [one, other] = ["plain", "ap1"].map(|name| colours(&place.path(&format!("again-{name}.vdb"))).1);
+            assert!(near(&one, &other));
+        }
+    }
+}
+
+#[test]
+fn colours_of_an_unknown_space_are_refused_and_polygons_keep_theirs() {
+    let place = Workplace::new();
+    place.write(
+        "ap1.toml",
+        "hfvdb = 1\n[shape.a]\nsphere = 1\ncolor = 'red'\n[output]\ncolor_space = 'lin_ap1_scene'\n",
+    );
+    place.hfvdb("bake ap1.toml --resolution 24 -o a.ply").fails(1, &["polygons have colours of Rec.709", "write .vdb"]);
+    place.write("no.toml", "hfvdb = 1\n[shape.a]\nsphere = 1\n[output]\ncolor_space = 'acescg'\n");
+    place.hfvdb("check no.toml").fails(1, &["`lin_ap1_scene`"]);
+}

@@ -2,6 +2,7 @@
 
 use super::compute::Attributes;
 use super::{Bytes, Error, inside, velocity};
+use crate::attribute::{LinearRgb, Primaries};
 use crate::distance::descent::Scope;
 use crate::distance::extent::{BandBoxes, Effort};
 use crate::shot::{FrameContent, Prepared};
@@ -52,11 +53,17 @@ fn estimate_by(prepared: &Prepared, content: &FrameContent, in_flight: usize, ef
         file += carried * 12.0;
     }
     let output = &prepared.model().output;
+    // Colours in other primaries are there twice while a frame is encoded.
+    let is_converted =
+        content.colour.is_some() && output.primaries.is_some_and(|primaries| primaries != Primaries::Rec709);
+    if is_converted {
+        memory += found.voxels * size_of::<LinearRgb>() as f64 * in_flight as f64;
+    }
     if output.fills_inside() {
         let colour = content.colour.as_deref().map(|colour| (output.colour_name.as_str(), colour));
         let attributes = Attributes { colour, scalars: &content.scalars, movement: None, interior: None };
         let inside = inside::estimate(&*content.field, content.region, &attributes, &scope.lattice);
-        memory += inside * (1 + in_flight) as f64;
+        memory += inside * (1 + in_flight * if is_converted { 2 } else { 1 }) as f64;
         file += inside;
     }
     let bytes = |value: f64| Bytes(value.min(u64::MAX as f64) as u64);

@@ -235,4 +235,11 @@ pub const OUTPUT: &[Key] = &[
     .limit(Limit::Positive)
     .unit("units/s"),
     Key::new("color_name", Kind::Text, Text("Cd"), "The colour grid's name.").also(&["colour_name"]),
+    Key::new(
+        "color_space",
+        Kind::Choice(&["lin_rec709_scene", "lin_ap1_scene", "lin_rec2020_scene"]),
+        Words("`lin_rec709_scene`, without a tag"),
+        "The scene-linear space of the colour grid in `.vdb` files, which is said in its metadata `colorInteropID`: Rec.709 with sRGB's primaries, ACEScg, or Rec.2020. Renderers do not convert it.",
+    )
+    .also(&["colour_space"]),
 ];

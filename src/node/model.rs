@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use crate::attribute::{Outside, Overlap, Power};
+use crate::attribute::{Outside, Overlap, Power, Primaries};
 use crate::distance::without::Keep;
 
 use crate::node::argument::{Argument, Arguments, Bounds};
@@ -14,6 +14,7 @@ use crate::node::spec::{Carries, Spec};
 use crate::text::diagnostic::Diagnostics;
 use crate::text::files::FileReference;
 use crate::text::frames::{FrameRange, Shot};
+use crate::text::key::Kind;
 use crate::text::moment::Moment;
 use crate::text::number::Number;
 use crate::text::reader::Setting;
@@ -428,6 +429,8 @@ pub struct Output {
     pub compression: &'static str,
     /// The colour grid's name.
     pub colour_name: String,
+    /// The space of its colours, where the scene says one; Rec.709 else.
+    pub primaries: Option<Primaries>,
     /// The greatest speed of `vel`, units a second; `None` for the longest side of the shot's box in one frame.
     pub max_speed: Option<f64>,
     /// Whether attributes go through the inside.
@@ -449,6 +452,38 @@ impl Output {
 }
 
 impl Model {
+    /// The operations that join, cut or blend shapes in all that is baked: of n operands n − 1, each shape as often as it is
+    /// used, copies as one.
+    pub fn set_operations(&self) -> u64 {
+        let mut known = BTreeMap::new();
+        match &self.content {
+            Content::Shape(id) => self.operations_of(*id, &mut known),
+            Content::Morph(morphs) => {
+                let ends =
+                    morphs.first().map(|morph| morph.from).into_iter().chain(morphs.iter().map(|morph| morph.to));
+                ends.fold(0, |sum: u64, id| sum.saturating_add(self.operations_of(id, &mut known)))
+            }
+        }
+    }
+
+    /// Those of one shape. Shapes are made of shapes to a limited depth.
+    fn operations_of(&self, id: ShapeId, known: &mut BTreeMap<ShapeId, u64>) -> u64 {
+        if let Some(count) = known.get(&id) {
+            return *count;
+        }
+        let shape = self.shape(id);
+        let operands = match shape.spec.key.kind {
+            Kind::Shapes(_) => shape.arguments.shapes(shape.spec.key.name).map_or(0, Vec::len),
+            _ if shape.arguments.applied().is_some() => shape.arguments.all_shapes().count(),
+            _ => 0,
+        };
+        let below = shape.all_arguments().flat_map(Arguments::all_shapes);
+        let count = below
+            .fold(operands.saturating_sub(1) as u64, |sum, part| sum.saturating_add(self.operations_of(part, known)));
+        known.insert(id, count);
+        count
+    }
+
     /// The names of all scalars that any shape has, sorted.
     pub fn scalar_names(&self) -> BTreeSet<&str> {
         self.shapes.iter().flat_map(|shape| shape.scalars.keys()).map(String::as_str).collect()

@@ -4,10 +4,10 @@ use std::path::Path;
 
 use glam::{DVec3, IVec3};
 
-use crate::attribute::{ValueBlocks, VoxelValues};
+use crate::attribute::{Primaries, ValueBlocks, VoxelValues};
 use crate::grid::{BLOCK_EDGE, BLOCK_VOXELS, BlockMask, mask};
 use crate::vdb::walk::GridLayout;
-use crate::vdb::{Opened, SparseBlocks, StoredGrid, Tile, Voxels};
+use crate::vdb::{INTEROP_ID, MetadataValue, Opened, SparseBlocks, StoredGrid, Tile, Voxels};
 
 use crate::node::model::VoxelSource;
 use crate::text::diagnostic::{clip, listed, nearest};
@@ -24,6 +24,8 @@ pub(crate) struct Wanted<const N: usize> {
     /// The types of grids that they are in, the usual one first.
     types: [&'static str; 2],
     blocks: fn(Voxels) -> Option<SparseBlocks<[f32; N]>>,
+    /// A value as the scene has it, where the file has it in some primaries.
+    own: fn([f32; N], Primaries) -> [f32; N],
 }
 
 /// Colours, scene-linear.
@@ -31,6 +33,7 @@ pub(crate) const COLOURS: Wanted<3> = Wanted {
     plural: "colours",
     types: ["vec3s", "vec3d"],
     blocks: |voxels| if let Voxels::Vectors(blocks) = voxels { Some(blocks) } else { None },
+    own: |colour, primaries| primaries.to_rec709(colour),
 };
 
 /// Scalars; of a level set the distance, positive inside.
@@ -48,6 +51,7 @@ pub(crate) const SCALARS: Wanted<1> = Wanted {
             background: [background],
         })
     },
+    own: |value, _| value,
 };
 
 impl VoxelSource {
@@ -79,6 +83,14 @@ pub(crate) fn load<const N: usize>(
     if let Some(text) = too_much(needed, memory_limit) {
         return Err(problem(&format!(" {text}")).help(LESS));
     }
+    let primaries = match layout.metadata.get(INTEROP_ID) {
+        Some(MetadataValue::Text(name)) if name != "unknown" => Primaries::named(name).ok_or_else(|| {
+            let known: Vec<&str> = Primaries::NAMES.iter().map(|(name, _)| *name).collect();
+            problem(&format!(" has colours in `{}`", clip(name)))
+                .help(format!("what can be read is {}", listed(&known)))
+        })?,
+        _ => Primaries::Rec709,
+    };
     let stored = opened.grid(layout).map_err(|error| Problem::new(source.file.span, error.to_string()))?;
     let found = stored.and_then(|StoredGrid { voxels, transform, .. }| Some(((wanted.blocks)(voxels)?, transform)));
     let Some((blocks, transform)) = found else { return Err(wrong_type(wanted, source, &opened, layout)) };
@@ -87,7 +99,12 @@ pub(crate) fn load<const N: usize>(
     let Some((voxel_size, origin)) = place else {
         return Err(problem(" has voxels that are no cubes along the axes").help("resample it onto such a grid"));
     };
-    let blocks = value_blocks(blocks, voxel_size, origin);
+    let mut blocks = value_blocks(blocks, voxel_size, origin);
+    if primaries != Primaries::Rec709 {
+        for value in blocks.values.iter_mut().flatten() {
+            *value = (wanted.own)(*value, primaries);
+        }
+    }
     let sound = |(mask, values): (&BlockMask, &[[f32; N]; BLOCK_VOXELS])| {
         mask::places(mask).all(|place| values[place].iter().all(|value| value.is_finite()))
     };

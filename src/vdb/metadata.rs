@@ -28,6 +28,9 @@ pub enum MetadataValue {
 /// Named values. For Houdini's sake keep to lower-case identifiers, and leave `is_…` to truth values.
 pub type Metadata = BTreeMap<String, MetadataValue>;
 
+/// The key of a grid's metadata that names the space of its colours, as OpenColorIO, OpenEXR and USD have it.
+pub const INTEROP_ID: &str = "colorInteropID";
+
 macro_rules! from {
     ($($from:ty => $variant:ident),*) => {
         $(impl From<$from> for MetadataValue {

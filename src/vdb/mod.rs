@@ -36,7 +36,7 @@ pub use frame::{Blocks, Class, Content, Frame, Grid, Tiles, Values, VectorType};
 pub use inspect::{FileInfo, GridInfo, Range, inspect, level_set_box};
 pub use level_set::LevelSet;
 pub use lint::{Finding, Lint, Severity, lint};
-pub use metadata::{Metadata, MetadataValue};
+pub use metadata::{INTEROP_ID, Metadata, MetadataValue};
 pub use read::{Contents, Opened, SparseBlocks, StoredClass, StoredGrid, Tile, Voxels, read};
 pub use walk::{Transform, read_back};
 pub use write::{Compression, WriteOptions, write};

@@ -2,11 +2,15 @@
 
 use std::path::Path;
 
+use rayon::prelude::*;
+
 use super::{Format, Frame};
-use crate::bake::{Error, Inside, Output, Velocities};
-use crate::grid::{Band, Lattice};
+use crate::attribute::{LinearRgb, Primaries};
+use crate::bake::{Computed, Error, Inside, Output, Velocities};
+use crate::grid::{Band, Channel, Lattice};
 use crate::node::Model;
 use crate::vdb;
+use crate::vdb::INTEROP_ID;
 
 /// The format of `.vdb` files.
 #[derive(Debug)]
@@ -23,7 +27,17 @@ impl Format for Vdb {
     }
 
     fn encode(&self, frame: &Frame<'_>) -> Result<Vec<Vec<u8>>, Error> {
-        let grids = vdb::Frame { grids: grids(frame), metadata: metadata(frame) };
+        let primaries = frame.prepared.model().output.primaries;
+        let colours = primaries.filter(|primaries| *primaries != Primaries::Rec709);
+        let colours = colours.map_or(Colours::Same, |primaries| Colours::in_primaries(frame.computed, primaries));
+        let mut grids = grids(frame, &colours);
+        if let Some(primaries) = primaries {
+            let name = &frame.prepared.model().output.colour_name;
+            for grid in grids.iter_mut().filter(|grid| grid.name == name) {
+                grid.metadata.insert(INTEROP_ID.into(), primaries.name().into());
+            }
+        }
+        let grids = vdb::Frame { grids, metadata: metadata(frame) };
         vdb::encode(&grids, frame.output.compression).map_err(|error| Error::Encode(error.to_string()))
     }
 
@@ -32,7 +46,42 @@ impl Format for Vdb {
     }
 }
 
-fn grids<'a>(Frame { computed, output, .. }: &Frame<'a>) -> Vec<vdb::Grid<'a>> {
+/// A frame's colours in the primaries of its file.
+enum Colours {
+    /// As they are.
+    Same,
+    /// Those of the band.
+    Band(Channel<LinearRgb>),
+    /// Those through the inside.
+    Inside(Inside<LinearRgb>),
+}
+
+impl Colours {
+    fn in_primaries(computed: &Computed, primaries: Primaries) -> Self {
+        let converted = |channel: &Channel<LinearRgb>| Channel {
+            name: channel.name.clone(),
+            values: channel
+                .values
+                .par_iter()
+                .map(|block| block.iter().map(|colour| primaries.of_rec709(*colour)).collect())
+                .collect(),
+            background: primaries.of_rec709(channel.background),
+        };
+        if let Some(inside) = computed.insides.as_ref().and_then(|insides| insides.colour.as_ref()) {
+            let tile_values = inside.tile_values.iter().map(|colour| primaries.of_rec709(*colour)).collect();
+            return Self::Inside(Inside {
+                origins: inside.origins.clone(),
+                active: inside.active.clone(),
+                channel: converted(&inside.channel),
+                tiles: inside.tiles.clone(),
+                tile_values,
+            });
+        }
+        computed.colour.as_ref().map_or(Self::Same, |colour| Self::Band(converted(colour)))
+    }
+}
+
+fn grids<'a>(Frame { computed, output, .. }: &Frame<'a>, colours: &'a Colours) -> Vec<vdb::Grid<'a>> {
     let mut grids = vec![vdb::Grid::level_set("surface", &computed.band)];
     if let Some(insides) = &computed.insides {
         let lattice = computed.band.lattice;
@@ -41,12 +90,14 @@ fn grids<'a>(Frame { computed, output, .. }: &Frame<'a>) -> Vec<vdb::Grid<'a>> {
         grids.extend(numbers.map(|(inside, class)| {
             vdb::Grid::new(&inside.channel.name, vdb::Content::Floats { values: values(inside, lattice), class })
         }));
-        grids.extend(insides.colour.iter().map(|inside| {
+        let colour = if let Colours::Inside(colour) = colours { Some(colour) } else { insides.colour.as_ref() };
+        grids.extend(colour.map(|inside| {
             let vector_type = vdb::VectorType::Invariant;
             vdb::Grid::new(&inside.channel.name, vdb::Content::Vectors { values: values(inside, lattice), vector_type })
         }));
     } else {
-        grids.extend(computed.colour.iter().map(|colour| vdb::Grid::colour(&computed.band, colour)));
+        let colour = if let Colours::Band(colour) = colours { Some(colour) } else { computed.colour.as_ref() };
+        grids.extend(colour.map(|colour| vdb::Grid::colour(&computed.band, colour)));
         grids.extend(computed.scalars.iter().map(|scalar| vdb::Grid::scalar(&computed.band, scalar)));
     }
     if let Some(velocities) = &computed.velocities {

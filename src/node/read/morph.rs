@@ -2,6 +2,7 @@
 
 use std::collections::BTreeSet;
 
+use crate::attribute::Primaries;
 use crate::distance::without::Keep;
 
 use super::Building;
@@ -240,6 +241,7 @@ impl<'r, 'a> Building<'r, 'a> {
             half: self.grids(&fields, "half", &name).unwrap_or_default(),
             compression: fields.choice("compression").unwrap_or("blosc"),
             colour_name: name,
+            primaries: fields.choice("color_space").and_then(Primaries::named),
             max_speed: fields.constant("max_speed"),
         };
         (output, chosen)
@@ -356,6 +358,7 @@ fn default_output() -> Output {
         half: Vec::new(),
         compression: "blosc",
         colour_name: "Cd".into(),
+        primaries: None,
         max_speed: None,
         inside: false,
         density: false,
