@@ -29,6 +29,18 @@ picture displacement --pictures 8 --output "$images/displacement.png"
 picture microstructure --pictures 8 --output "$images/microstructure.png"
 picture partitions --pictures 8 --output "$images/partitions.png"
 picture octopus --pictures 8 --output "$images/octopus.png"
+picture bat-to-robot --pictures 8 --output "$images/bat-to-robot.png"
+picture wood-morph --pictures 8 --output "$images/wood-morph.png"
+picture covid --size 480 --output "$images/covid.png"
+for scene in bat treble-clef snowflake robot heart-slabs marble aitch; do
+    hfvdb bake "$scene" --quiet --output "$folder/$scene.vdb"
+done
+hfvdb bake heart-slabs --variant sphere --quiet --output "$folder/sphere-slabs.vdb"
+hfvdb bake marble --variant torus --quiet --output "$folder/marble-torus.vdb"
+hfvdb bake aitch --variant axis --quiet --output "$folder/aitch-axis.vdb"
+picture "$folder"/{bat,treble-clef,snowflake,robot}.vdb --columns 4 --size 240 --output "$images/flat.png"
+picture "$folder"/{heart-slabs,sphere-slabs,marble,marble-torus,aitch,aitch-axis}.vdb --columns 3 --size 240 \
+    --output "$images/grain.png"
 for alpha in 0.05 0.3 3; do
     for beta in 0.15 0.5 0.85; do
         hfvdb bake red-blue --set "alpha=$alpha" --set "beta=$beta" --frames 7 --resolution 128 --quiet \

@@ -94,3 +94,17 @@ fn slices_of_f_go_beyond_the_band() {
     place.hfvdb("bake ball.toml -o ball.vdb --resolution 24").ok();
     place.hfvdb("preview ball.vdb --slice z=0 --slice-of f -o f.png").fails(2, &["F of a scene"]);
 }
+
+/// The papers' objects have as many operations as the papers say, and each is checked.
+#[test]
+fn set_operations_are_counted() {
+    let place = Workplace::new();
+    for (scene, count) in [("bat", 14), ("treble-clef", 15), ("robot", 39)] {
+        let text = place.hfvdb(&format!("check {scene} --resolution 32")).ok().stdout;
+        assert!(text.contains(&format!("\n{count} set operations\n")), "{scene}: {text}");
+    }
+    let both = json(&place.hfvdb("check bat-to-robot --resolution 32 --json").ok().stdout);
+    assert_eq!(both["set_operations"], 14 + 39);
+    let none = place.hfvdb("check sphere --resolution 32").ok().stdout;
+    assert!(!none.contains("set operation"), "{none}");
+}

@@ -210,6 +210,7 @@ fn of_scene(arguments: &Arguments, global: &Global) -> Result<(), Failure> {
             "voxel_size": voxel_size,
             "box": [prepared.extent.min.to_array(), prepared.extent.max.to_array()],
             "unit": model.unit,
+            "set_operations": model.set_operations(),
             "exact": !prepared.is_rough(),
             "estimate": {
                 "active_voxels": estimate.voxels,
@@ -234,6 +235,9 @@ fn of_scene(arguments: &Arguments, global: &Global) -> Result<(), Failure> {
              about {:.2e} voxels, {} of memory (limit {limit}), at most {} a file before compression\n",
             shot.first, shot.last, size.x, size.y, size.z, model.unit, estimate.voxels, estimate.memory, estimate.file
         );
+        if let count @ 1.. = model.set_operations() {
+            let _ = writeln!(text, "{count} set operation{}", if count == 1 { "" } else { "s" });
+        }
         text.push_str(&table(&numbers, model.shot.fps));
         super::print(&text)?;
     }

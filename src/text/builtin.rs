@@ -59,6 +59,48 @@ const SCENES: &[BuiltIn] = &[
         text: include_str!("../../scenes/partitions.toml"),
         line: "a figure becomes a lamp, part by part",
     },
+    BuiltIn { name: "bat", text: include_str!("../../scenes/bat.toml"), line: "a flat bat of fourteen unions" },
+    BuiltIn {
+        name: "treble-clef",
+        text: include_str!("../../scenes/treble-clef.toml"),
+        line: "a flat treble clef of circles",
+    },
+    BuiltIn {
+        name: "snowflake",
+        text: include_str!("../../scenes/snowflake.toml"),
+        line: "a flat snowflake, six times the same arm",
+    },
+    BuiltIn { name: "robot", text: include_str!("../../scenes/robot.toml"), line: "a flat robot of 39 set operations" },
+    BuiltIn {
+        name: "bat-to-robot",
+        text: include_str!("../../scenes/bat-to-robot.toml"),
+        line: "the bat becomes the robot, colours by hue",
+    },
+    BuiltIn {
+        name: "heart-slabs",
+        text: include_str!("../../scenes/heart-slabs.toml"),
+        line: "a heart filled with walls, cut open; variant sphere",
+    },
+    BuiltIn {
+        name: "marble",
+        text: include_str!("../../scenes/marble.toml"),
+        line: "a heart of marble; variant torus",
+    },
+    BuiltIn {
+        name: "wood-morph",
+        text: include_str!("../../scenes/wood-morph.toml"),
+        line: "a heart of four woods becomes a wooden ring",
+    },
+    BuiltIn {
+        name: "aitch",
+        text: include_str!("../../scenes/aitch.toml"),
+        line: "a wooden H, rings by distance; variant axis",
+    },
+    BuiltIn {
+        name: "covid",
+        text: include_str!("../../scenes/covid.toml"),
+        line: "a virus cell of hundreds of parts, cut open",
+    },
 ];
 
 const FILES: &[(&str, &[u8])] = &[
