@@ -2,11 +2,11 @@
 
 use glam::{DMat3, DVec3};
 
+use crate::field::eigen;
+
 /// Directions in which the planes say less than this share of what they say in the clearest one do not count: along them
 /// the point stays at the planes' middle.
 const UNCLEAR: f64 = 0.05;
-/// Sweeps of Jacobi's rotations; a matrix of three is done after five.
-const SWEEPS: usize = 6;
 
 /// The point nearest to the middle of some points among those that fit planes through them best.
 pub fn point_on(planes: &[(DVec3, DVec3)]) -> DVec3 {
@@ -27,31 +27,6 @@ pub fn point_on(planes: &[(DVec3, DVec3)]) -> DVec3 {
         }
     }
     middle + shift
-}
-
-/// The eigenvalues and unit eigenvectors of a symmetric matrix (Jacobi).
-fn eigen(mut matrix: DMat3) -> (DVec3, DMat3) {
-    let mut vectors = DMat3::IDENTITY;
-    for _ in 0..SWEEPS {
-        for (p, q) in [(0, 1), (0, 2), (1, 2)] {
-            let off = matrix.col(q)[p];
-            if off == 0.0 {
-                continue;
-            }
-            let theta = (matrix.col(q)[q] - matrix.col(p)[p]) / (2.0 * off);
-            let tan = theta.signum() / (theta.abs() + (theta * theta + 1.0).sqrt());
-            let cos = 1.0 / (tan * tan + 1.0).sqrt();
-            let sin = tan * cos;
-            let mut turn = DMat3::IDENTITY;
-            turn.col_mut(p)[p] = cos;
-            turn.col_mut(q)[q] = cos;
-            turn.col_mut(q)[p] = sin;
-            turn.col_mut(p)[q] = -sin;
-            matrix = turn.transpose() * matrix * turn;
-            vectors *= turn;
-        }
-    }
-    (DVec3::new(matrix.x_axis.x, matrix.y_axis.y, matrix.z_axis.z), vectors)
 }
 
 #[cfg(test)]
