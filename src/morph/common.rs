@@ -5,18 +5,40 @@
 //! the shot is measured on the cells that it would be measured on at rest, and so has the same D, the same pace, the same
 //! a₀.
 
+use std::sync::Arc;
+
 use glam::{DMat3, DQuat, DVec3};
 
+use super::carry::Way;
 use super::motion::{Motion, Similarity};
 use super::plan::MorphObject;
-use super::settings::Settings;
+use super::settings::{Settings, Side};
 
 /// Steps over the morph's span. Fewer: objects that spin turn by more than half in a step, and the mean of two such turns
 /// is the wrong one.
 const STEPS: usize = 160;
 
-/// Where the frame stands over scene time, from its own space to the world; at the start of the span they are one.
-pub(super) fn common_motion(from: &MorphObject, to: &MorphObject, settings: &Settings) -> Motion {
+/// The frame, and whether both objects rest in it.
+#[derive(Clone)]
+pub(super) struct Common {
+    /// Where it stands over scene time, from its own space to the world; at the start of the span they are one.
+    pub motion: Motion,
+    /// Whether both objects rest in it.
+    pub rests: bool,
+}
+
+impl Common {
+    /// That of two objects as they move, carried along a way or not.
+    pub(super) fn new(from: &MorphObject, to: &MorphObject, settings: &Settings, way: Option<&Arc<Way>>) -> Self {
+        if let Some(way) = way.filter(|way| way.is_all()) {
+            return Self { motion: way.carried(Side::From, &Motion::default()), rests: true };
+        }
+        let rests = from.motion.is_still() && to.motion.is_still();
+        Self { motion: common_motion(from, to, settings), rests }
+    }
+}
+
+fn common_motion(from: &MorphObject, to: &MorphObject, settings: &Settings) -> Motion {
     if from.motion.is_still() && to.motion.is_still() {
         return Motion::default();
     }

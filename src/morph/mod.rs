@@ -5,12 +5,14 @@
 //! and no scene text.
 
 mod both;
+mod carry;
 mod coarse;
 mod common;
 mod course;
 mod curves;
 mod delay;
 mod delayed;
+mod inertia;
 mod motion;
 mod over_time;
 mod pace;
@@ -25,9 +27,11 @@ mod settings;
 mod stb;
 mod stti;
 mod surfels;
+mod turn;
 mod velocity;
 mod volume;
 
+pub use carry::{Carry, Untold};
 pub use coarse::CoarseGrid;
 pub use delay::Delay;
 pub use motion::{Motion, Moved, Similarity};
@@ -41,6 +45,8 @@ pub use stb::Stb;
 pub use stti::{MorphAttribute, Transfer};
 pub use velocity::{Around, Instant, Meter, Movement};
 
+#[cfg(test)]
+mod carry_tests;
 #[cfg(test)]
 mod delay_tests;
 #[cfg(test)]

@@ -1,12 +1,18 @@
 //! The morph of one pair of corresponding partitions (STTI, section 4.2.2).
 
-use super::plan::{Morph, MorphObject};
+use super::plan::{Morph, MorphObject, on_way};
+use super::settings::Side;
 
 impl Morph {
     /// The morph of a part of the first object into a part of the second: with the settings, the unit D and the t of the
     /// whole at every time. Its volume and the way round between hues are its own.
     pub fn of_parts(&self, from: MorphObject, to: MorphObject) -> Self {
-        let mut pair = Self::planned([from, to], self.settings.clone(), self.plan.clone(), self.common.clone());
+        let objects = match &self.way {
+            Some(way) => [on_way(way, Side::From, from), on_way(way, Side::To, to)],
+            None => [from, to],
+        };
+        let (way, common) = (self.way.clone(), self.common.clone());
+        let mut pair = Self::planned(objects, self.settings.clone(), self.plan.clone(), way, common);
         pair.measure_still();
         pair.delay.clone_from(&self.delay);
         pair.plan.turn = match &pair.still {

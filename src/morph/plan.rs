@@ -6,8 +6,9 @@ use glam::DVec3;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
+use super::carry::{Untold, Way};
 use super::coarse::{CoarseGrid, Measured};
-use super::common::common_motion;
+use super::common::Common;
 use super::course::{Course, LEAST_TIME, Timed};
 use super::delay::DelayGrid;
 use super::delayed::DelayedStb;
@@ -101,9 +102,11 @@ pub struct Morph {
     pub(super) to: MorphObject,
     pub(super) settings: Settings,
     pub(super) plan: Plan,
+    /// The way that the objects are carried along, which their motions here follow.
+    pub(super) way: Option<Arc<Way>>,
     /// Where the frame that moves with both objects stands in the world, and the coarse grid with it.
-    pub(super) common: Motion,
-    /// The coarse grid's distances, where no object moves.
+    pub(super) common: Common,
+    /// The coarse grid's distances, where both objects rest in that frame.
     pub(super) still: Option<Arc<Measured>>,
     /// Where the shape waits.
     pub(super) delay: Option<Arc<DelayGrid>>,
@@ -125,13 +128,13 @@ impl Morph {
     /// Checks the settings and plans the morph: the one slow step, a second or two.
     pub fn new(from: MorphObject, to: MorphObject, settings: Settings) -> Result<Self, Error> {
         settings.check()?;
-        let common = common_motion(&from, &to, &settings);
+        let (objects, way, common) = carried([from, to], &settings)?;
         let over = |object: &MorphObject, side: Side| {
             let own = object.distance.bounding_box().filter(|aabb| aabb.min.is_finite() && aabb.max.is_finite());
-            let placement = |time: f64| object.motion.at(time).seen_from(&common.at(time));
-            Ok(box_over(own.ok_or(Error::Unbounded(side))?, &settings, common.is_still(), placement))
+            let placement = |time: f64| object.motion.at(time).seen_from(&common.motion.at(time));
+            Ok(box_over(own.ok_or(Error::Unbounded(side))?, &settings, common.rests, placement))
         };
-        let boxes = [over(&from, Side::From)?, over(&to, Side::To)?];
+        let boxes = [over(&objects[0], Side::From)?, over(&objects[1], Side::To)?];
         let both = boxes[0].union(boxes[1]);
         let unit = both.size().length() * 0.5;
         let (mut margin, mut spreads) = (MARGINS[0], [0.0; 2]);
@@ -139,7 +142,7 @@ impl Morph {
             let grid = CoarseGrid::over(both.grown(margin * unit));
             let plan =
                 Plan { unit, grid, pace: Curve::line(), changes: Vec::new(), extent: [[0.0; 3]; 2], turn: Turn::Up };
-            let mut morph = Self::planned([from.clone(), to.clone()], settings.clone(), plan, common.clone());
+            let mut morph = Self::planned(objects.clone(), settings.clone(), plan, way.clone(), common.clone());
             let Some(at) = morph.make_plan()? else { return Ok(morph) };
             spreads = at;
             margin *= 2.0;
@@ -151,22 +154,38 @@ impl Morph {
     /// A morph whose plan was made before, from the same objects and settings.
     pub fn with_plan(from: MorphObject, to: MorphObject, settings: Settings, plan: Plan) -> Result<Self, Error> {
         settings.check()?;
-        let common = common_motion(&from, &to, &settings);
-        let mut morph = Self::planned([from, to], settings, plan, common);
+        let (objects, way, common) = carried([from, to], &settings)?;
+        let mut morph = Self::planned(objects, settings, plan, way, common);
         morph.measure_still();
         morph.measure_delay()?;
         Ok(morph)
     }
 
     /// Of these parts, with nothing measured yet.
-    pub(super) fn planned([from, to]: [MorphObject; 2], settings: Settings, plan: Plan, common: Motion) -> Self {
+    pub(super) fn planned(
+        [from, to]: [MorphObject; 2],
+        settings: Settings,
+        plan: Plan,
+        way: Option<Arc<Way>>,
+        common: Common,
+    ) -> Self {
         let (courses, solved, surfels) = (Recent::new(), Recent::new(), Recent::new());
-        Self { from, to, settings, plan, common, still: None, delay: None, courses, solved, surfels }
+        Self { from, to, settings, plan, way, common, still: None, delay: None, courses, solved, surfels }
     }
 
     /// What was planned.
     pub fn plan(&self) -> &Plan {
         &self.plan
+    }
+
+    /// What the way that carries the objects leaves out, as nothing decides it.
+    pub fn untold(&self) -> &[Untold] {
+        self.way.as_ref().map_or(&[], |way| &way.untold)
+    }
+
+    /// Whether the objects are carried along a way.
+    pub fn is_carried(&self) -> bool {
+        self.way.is_some()
     }
 
     /// The box of F ≥ 0 while the shape changes, to within a cell of the coarse grid.
@@ -330,7 +349,7 @@ impl Morph {
         };
         let (grid, eased) = (&self.plan.grid, self.settings.eased(time));
         let course = self.course(flow, delay, time, || Arc::clone(measured));
-        let common = self.common.at(time);
+        let common = self.common.motion.at(time);
         let place = |cell: usize| course.place(delay.progress(common.to_world(grid.centre(cell)), eased));
         let fractions = place_fractions(grid, measured, self.plan.unit, place);
         Some(Enclosing { a0: course.a0(eased), fractions })
@@ -372,10 +391,10 @@ impl Morph {
     /// Takes the delay, which stands in the world, onto the coarse grid, or onto one over all that it moves through.
     fn measure_delay(&mut self) -> Result<(), Error> {
         let Mode::Flow(Flow { delay: Some(delay), .. }) = &self.settings.mode else { return Ok(()) };
-        let grid = if self.common.is_still() {
+        let grid = if self.common.motion.is_still() {
             self.plan.grid.clone()
         } else {
-            CoarseGrid::over(box_over(self.plan.grid.aabb(), &self.settings, false, |time| self.common.at(time)))
+            CoarseGrid::over(box_over(self.plan.grid.aabb(), &self.settings, false, |time| self.common.motion.at(time)))
         };
         self.delay = Some(Arc::new(DelayGrid::new(&grid, delay)?));
         Ok(())
@@ -383,7 +402,7 @@ impl Morph {
 
     /// Where an object stands in the frame that moves with both.
     fn seen(&self, object: &MorphObject, time: f64) -> Similarity {
-        object.motion.at(time).seen_from(&self.common.at(time))
+        object.motion.at(time).seen_from(&self.common.motion.at(time))
     }
 
     pub(super) fn measure(&self, time: f64) -> Measured {
@@ -393,8 +412,8 @@ impl Morph {
     }
 
     pub(super) fn measure_still(&mut self) {
-        if self.from.motion.is_still() && self.to.motion.is_still() {
-            self.still = Some(Arc::new(self.measure(0.0)));
+        if self.common.rests {
+            self.still = Some(Arc::new(self.measure(self.settings.over[0])));
         }
     }
 
@@ -477,7 +496,7 @@ impl Morph {
             );
         }
         let cell = self.plan.grid.cell_volume();
-        let extent = if self.common.is_still() {
+        let extent = if self.common.motion.is_still() {
             extent(&self.plan.grid, &fractions)
         } else {
             self.moving_extent(&progress, &scene, &fractions)
@@ -510,12 +529,30 @@ impl Morph {
             }
             for part in 0..=BETWEEN {
                 let share = part as f64 / BETWEEN as f64;
-                let common = self.common.at(times[step] + (times[next] - times[step]) * share);
+                let common = self.common.motion.at(times[step] + (times[next] - times[step]) * share);
                 all = all.union(common.box_to_world(here));
             }
         }
         all
     }
+}
+
+/// Objects with the motions that they have as they are carried, the way, and the frame that moves with both.
+type Moving = ([MorphObject; 2], Option<Arc<Way>>, Common);
+
+fn carried([from, to]: [MorphObject; 2], settings: &Settings) -> Result<Moving, Error> {
+    let way = Way::new(&from, &to, settings)?.map(Arc::new);
+    let objects = match &way {
+        Some(way) => [on_way(way, Side::From, from), on_way(way, Side::To, to)],
+        None => [from, to],
+    };
+    let common = Common::new(&objects[0], &objects[1], settings, way.as_ref());
+    Ok((objects, way, common))
+}
+
+/// An object, or a part of it, as it is carried.
+pub(super) fn on_way(way: &Arc<Way>, side: Side, object: MorphObject) -> MorphObject {
+    MorphObject { motion: way.carried(side, &object.motion), ..object }
 }
 
 /// The box around a box wherever it is placed while the shape changes.

@@ -2,6 +2,7 @@
 
 use std::fmt;
 
+use super::carry::Carry;
 use super::delay::Delay;
 use super::over_time::OverTime;
 use super::section::{Round, Section};
@@ -12,6 +13,8 @@ use crate::attribute::ColourSpace;
 pub struct Settings {
     /// How the shape changes.
     pub mode: Mode,
+    /// The way that the objects are carried along while the shape changes, by the eased progress.
+    pub carry: Carry,
     /// The scene times τ at which the shape starts and ends to change, within or beyond \[0, 1\].
     pub over: [f64; 2],
     /// How fast it changes on the way.
@@ -32,6 +35,7 @@ impl Default for Settings {
     fn default() -> Self {
         Self {
             mode: Mode::Flow(Flow::default()),
+            carry: Carry::None,
             over: [0.0, 1.0],
             ease: Ease::Linear,
             colour_over: [0.0, 1.0],
@@ -294,6 +298,17 @@ pub enum Error {
     },
     /// An object reaches to infinity, or its box is not finite.
     Unbounded(Side),
+    /// An anchor lies outside of its object.
+    AnchorOutside {
+        /// Which pair of anchors it is in, from 0.
+        place: usize,
+        /// Whose it is.
+        side: Side,
+    },
+    /// All anchors of an object are at one place, and so tell no turn.
+    AnchorsAlike,
+    /// Three anchors or more lie on one line, or nearly, and so tell no turn about it.
+    AnchorsInLine,
     /// Neither object holds any volume that the coarse grid can see.
     Empty,
     /// The in-betweens reach too far outside both objects to be measured.
@@ -337,6 +352,13 @@ impl fmt::Display for Error {
             }
             Self::Unbounded(side) => {
                 write!(f, "the object the morph goes {side} has no bounds; give the shape `bounds`")
+            }
+            Self::AnchorOutside { side, .. } => {
+                write!(f, "an anchor lies outside of the object the morph goes {side}, as that stands then")
+            }
+            Self::AnchorsAlike => write!(f, "the anchors of an object are all at one place, and so tell no turn"),
+            Self::AnchorsInLine => {
+                write!(f, "the anchors lie on one line, and so tell no turn about it")
             }
             Self::Empty => {
                 write!(f, "neither of the morph's objects holds any volume; check their formulas, sizes and places")

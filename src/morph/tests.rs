@@ -10,14 +10,14 @@ use crate::attribute::{ColourSpace, Constant, LinearRgb};
 use crate::distance::Distance;
 use crate::field::{Aabb, BATCH, Field, Gradients, Points};
 
-const YELLOW: LinearRgb = [0.9, 0.7, 0.03];
+pub(super) const YELLOW: LinearRgb = [0.9, 0.7, 0.03];
 const PINK: LinearRgb = [1.0, 0.03, 0.2];
 
-fn object(exact: Arc<Exact>, colour: LinearRgb, motion: Motion) -> MorphObject {
+pub(super) fn object(exact: Arc<Exact>, colour: LinearRgb, motion: Motion) -> MorphObject {
     MorphObject { surface: exact.clone(), distance: exact, colour: Arc::new(Constant::new(colour)), motion }
 }
 
-fn still(exact: Arc<Exact>, colour: LinearRgb) -> MorphObject {
+pub(super) fn still(exact: Arc<Exact>, colour: LinearRgb) -> MorphObject {
     object(exact, colour, Motion::default())
 }
 
@@ -33,7 +33,7 @@ fn paper(paper: Paper) -> Settings {
     Settings { mode: Mode::Paper(paper.into()), ..Settings::default() }
 }
 
-fn frames(count: usize) -> Vec<f64> {
+pub(super) fn frames(count: usize) -> Vec<f64> {
     (0..count).map(|frame| frame as f64 / (count - 1) as f64).collect()
 }
 
@@ -46,7 +46,7 @@ pub(super) fn random(seed: u64) -> impl FnMut() -> f64 {
     }
 }
 
-fn random_points(seed: u64, reach: f64) -> Points {
+pub(super) fn random_points(seed: u64, reach: f64) -> Points {
     let mut next = random(seed);
     let mut points = Points::new(DVec3::ZERO);
     for _ in 0..BATCH {

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use crate::attribute::ColourSpace;
-use crate::morph::{self, Ease, Flow, Mode, OverTime, Pace, Paper, Round};
+use crate::morph::{self, Carry, Ease, Flow, Mode, OverTime, Pace, Paper, Round};
 
 use crate::node::model::{Model, Morph, MorphEase, MorphMode, MorphPaper};
 use crate::text::frames::FrameRange;
@@ -16,7 +16,7 @@ const ROUNDING: f64 = 1e-9;
 /// The most frames at which a number that changes is tried; of more, so many evenly.
 const MOST_TRIED: usize = 10_000;
 
-/// The settings of a scene's morph but for its delay, or what is wrong at which frame.
+/// The settings of a scene's morph but for its delay and its carry, or what is wrong at which frame.
 pub(crate) fn settings(model: &Arc<Model>, morph: &Morph) -> Result<morph::Settings, Problem> {
     let pace = if morph.even_pace { Pace::Even } else { Pace::Time };
     let mode = match &morph.mode {
@@ -34,6 +34,7 @@ pub(crate) fn settings(model: &Arc<Model>, morph: &Morph) -> Result<morph::Setti
     };
     Ok(morph::Settings {
         mode,
+        carry: Carry::None,
         over: span(model, morph.over),
         ease: match &morph.ease {
             MorphEase::Linear => Ease::Linear,

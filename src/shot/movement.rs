@@ -66,12 +66,10 @@ impl Prepared {
                 }
                 Ready::Morph(planned) => {
                     let (time, later) = (shot.range.share(now), shot.range.share(then));
-                    // Beside an object of a chain the instants lie in two morphs.
+                    // Beside an object of a chain the instants lie in two morphs, each with a way of its own.
                     let shown = &planned[self.shown(then)];
-                    (
-                        self.dressed(shown.morph.moving_field(later), shown, then)?,
-                        planned[self.shown(now)].morph.own_way(time, later),
-                    )
+                    let field = self.dressed(shown.morph.moving_field(later), shown, then)?;
+                    (field, shown.morph.own_way(time, later))
                 }
             };
             movement.around.push(Around { instant, field, own });
