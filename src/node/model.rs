@@ -282,6 +282,8 @@ pub struct Morph {
     pub mode: MorphMode,
     /// Whether t is re-timed so that every frame changes as much as the others.
     pub even_pace: bool,
+    /// The way that the objects are carried along.
+    pub carry: MorphCarry,
     /// How fast the shape changes on the way.
     pub ease: MorphEase,
     /// Whether colours run on past their end.
@@ -302,6 +304,30 @@ pub struct Morph {
     pub fill: Option<Fill>,
     /// Which parts correspond; `None` where the objects' colours change as wholes.
     pub correspondence: Option<Correspondence>,
+    /// Where the scene says so.
+    pub span: Span,
+}
+
+/// The way that a morph's objects are carried along.
+#[derive(Clone, Debug, PartialEq)]
+pub enum MorphCarry {
+    /// The scene does not say: from centre to centre where they lie apart, and the mode carries by itself.
+    Left,
+    /// None.
+    None,
+    /// From centre of volume to centre of volume.
+    Centroid,
+    /// The same, and from principal axes to principal axes.
+    Inertia,
+    /// From places to places.
+    Anchors(Vec<[Anchor; 2]>),
+}
+
+/// A place of an object in the world.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Anchor {
+    /// Where it is.
+    pub at: [f64; 3],
     /// Where the scene says so.
     pub span: Span,
 }

@@ -144,6 +144,7 @@ fn of_kind(kind: Kind) -> Value {
         Kind::Shape | Kind::Cells => json!({ "type": ["string", "object"] }),
         Kind::Shapes(least) => list(least, json!({ "type": ["string", "object"] })),
         Kind::ShapePairs => list(1, list(2, json!({ "type": "string" }))),
+        Kind::PlacePairs => list(1, list(2, list(3, json!({ "type": "number" })))),
         Kind::Colour => reference("color"),
         Kind::Palette => json!({ "type": ["string", "array"] }),
         Kind::Counts => json!({ "type": ["integer", "array"] }),

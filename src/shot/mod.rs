@@ -3,6 +3,7 @@
 //! writes no files but those of its cache.
 
 mod cache;
+mod carry;
 mod delay;
 mod error;
 mod level_sets;
@@ -15,6 +16,8 @@ mod prepared;
 mod scenery;
 mod stop;
 
+#[cfg(test)]
+mod carry_tests;
 #[cfg(test)]
 mod delay_tests;
 #[cfg(test)]

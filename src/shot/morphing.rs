@@ -26,6 +26,7 @@ use crate::node::painted::Paint;
 use crate::node::solid::Solids;
 use crate::node::variation::Variation;
 use crate::shot::cache::{Cache, Claim};
+use crate::shot::carry::{anchors_problem, carry};
 use crate::shot::delay::delay;
 use crate::shot::morph_settings::settings;
 use crate::shot::stop::Stop;
@@ -269,6 +270,7 @@ pub(crate) fn plan(
 ) -> Result<Planned, Stop> {
     let before = measuring.done.len();
     let mut settings = settings(model, morph)?;
+    settings.carry = carry(morph, [&pair.from, &pair.to].map(|side| (side.solid, &side.motion)), settings.over);
     if let morph::Mode::Flow(flow) = &mut settings.mode {
         flow.delay = delay(model, solids, morph, measuring.voxel)?;
     }
@@ -286,6 +288,9 @@ pub(crate) fn plan(
 
 /// What is wrong with a morph that cannot be planned.
 fn no_plan(model: &Model, morph: &Morph, error: &morph::Error) -> Problem {
+    if let Some(problem) = anchors_problem(model, morph, error) {
+        return problem;
+    }
     let span = match error {
         morph::Error::Unbounded(Side::From) => model.shape(morph.from).span,
         morph::Error::Unbounded(Side::To) => model.shape(morph.to).span,
@@ -524,7 +529,8 @@ pub(crate) fn empty_frames(model: &Model, morphs: &[Morph], planned: &[Planned])
             return Some(Diagnostic::warning(morphs[0].span, problem).help(help));
         }
         MorphMode::Linear => {
-            "linear blending needs objects that overlap: move them together, or use `mode = \"volume\"`"
+            "linear blending needs objects that overlap: `carry = \"centroid\"` brings them together, or use \
+             `mode = \"volume\"`"
         }
         MorphMode::Paper(_) => {
             "a wider `slab` such as [-1, 2], a smaller s and a3, greater a1 and a2, or `mode = \"volume\"`"

@@ -20,6 +20,7 @@ use crate::node::paint::surely_has;
 use crate::node::solid::Solids;
 use crate::node::variation::Variation;
 use crate::shot::cache::Cache;
+use crate::shot::carry::untold;
 use crate::shot::error::Error;
 use crate::shot::level_sets::LevelSets;
 use crate::shot::morphing::{Measuring, Pair, alike, empty_frames, extent_over_shot, pair, plan};
@@ -177,6 +178,7 @@ fn prepare(model: &Arc<Model>, options: &PrepareOptions<'_>, precision: Precisio
     };
     if let (Content::Morph(morphs), Ready::Morph(planned)) = (&model.content, &content) {
         warnings.extend(empty_frames(model, morphs, planned));
+        warnings.extend(morphs.iter().zip(planned).flat_map(|(morph, planned)| untold(model, morph, &planned.morph)));
     }
     let mut prepared = Prepared {
         lattice,
@@ -288,8 +290,9 @@ fn ready_morphs(
     alike(&mut planned);
     (options.progress)(MEASURING, PLANNING);
     let mut extent = extent_over_shot(model, morphs, &planned)?;
-    if precision == Precision::Rough {
-        // What rough distances bulge by is no object.
+    let carried = planned.iter().any(|planned| planned.morph.is_carried());
+    if precision == Precision::Rough && !carried {
+        // What rough distances bulge by is no object; what is carried may leave the boxes of both.
         extent = extent.intersection(both).unwrap_or(extent);
     }
     (options.progress)(1.0, PLANNING);

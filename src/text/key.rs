@@ -57,6 +57,8 @@ pub enum Kind {
     Shapes(usize),
     /// Pairs of names of shapes.
     ShapePairs,
+    /// Lists of places, each of one in every shape of a morph.
+    PlacePairs,
     /// The name of cells, or cells written in place.
     Cells,
     /// A colour.
@@ -130,6 +132,7 @@ impl Kind {
             Self::Fill => "`{ mix = [shape, shape], by = attribute }`".into(),
             Self::Shapes(_) => "list of shapes".into(),
             Self::ShapePairs => "list of pairs of shapes".into(),
+            Self::PlacePairs => "list of pairs of places `[x, y, z]`".into(),
             Self::Cells => "cells".into(),
             Self::Colour => "colour".into(),
             Self::Palette | Self::TwoColours => "list of colours".into(),

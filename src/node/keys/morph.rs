@@ -45,6 +45,19 @@ pub const MORPH: &[Key] = &[
         Text("even"),
         "`even`: every frame changes the shape as much as the others; what carries both objects along is no change. `t`: the papers' way.",
     ),
+    Key::new(
+        "carry",
+        Kind::Choice(&["none", "centroid", "inertia", "anchors"]),
+        Words("`mode = \"volume\"`: `none` where the boxes of the two meet at any time of `over`, else `centroid`; other modes: `none`"),
+        "The way from where the first shape is to where the last one is. Both go along it, the one out of which the other comes, straight and as fast as `ease` says; the whole blend is made in the frame that goes with them, and each is where it is at its own frame. `none`: both stay, and what lies apart flows over by a bridge or melts away here and grows there. `centroid`: from centre of volume to centre of volume. `inertia`: the same, and turns the longest axis of the one to that of the other, the least turn there is; axes that are as long as one another decide no turn. `anchors`: from the places of `anchors`. What stands in the world, `cut`, `fill` and `delay`, is not carried.",
+    ),
+    Key::new(
+        "anchors",
+        Kind::PlacePairs,
+        Nothing,
+        "For `carry = \"anchors\"`, which may be left out then (`\"none\"` leaves them aside): places of the first shape and what they become on the last, `[[[0, 0, 1], [3, 0, 2]], …]`, in the world, each as its shape stands at the first and at the last frame of `over`, and in or on it; with `through` lists with a place of each of its shapes. One moves; two turn besides, the least turn there is; three or more that are not on one line turn and move as fits them best. Sizes do not change.",
+    )
+    .unit("units"),
     Key::new("color_space", Kind::Choice(COLOUR_SPACES), Text("oklab"), "The space that colours are mixed in.")
         .also(&["colour_space"]),
     Key::new("alpha", Kind::Number, Number(0.3), "How colours come: 0.1 sweep over the shape, 3 everywhere at once.")
@@ -185,6 +198,7 @@ pub const BY_MODE: &[(&[&str], &[&str])] = &[
     (&["a0", "a1", "a2", "a3", "s", "slab", "round"], &["paper"]),
     (&["bridge", "volume", "delay"], &["volume"]),
     (&["pace"], &["volume", "linear"]),
+    (&["carry", "anchors"], &["volume", "paper", "linear"]),
     (&["ease"], &["volume", "paper", "linear"]),
     (&["over"], &["volume", "paper", "linear", "union", "openvdb"]),
     (&["through", "at"], &["volume", "paper", "linear", "union"]),

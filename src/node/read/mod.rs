@@ -1,5 +1,6 @@
 //! From the tree of values to the model: every table by its keys, names resolved, what is output found.
 
+mod carry;
 mod chain;
 mod colours;
 mod displace;

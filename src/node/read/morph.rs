@@ -10,7 +10,8 @@ use super::chain::Link;
 use super::links::Node;
 use crate::node::keys::{self};
 use crate::node::model::{
-    Component, Content, DelaySource, Morph, MorphDelay, MorphEase, MorphMode, MorphPaper, MorphRound, Output, ShapeId,
+    Component, Content, DelaySource, Morph, MorphCarry, MorphDelay, MorphEase, MorphMode, MorphPaper, MorphRound,
+    Output, ShapeId,
 };
 use crate::text::diagnostic::{Diagnostic, clip, listed};
 use crate::text::frames::{FrameRange, Shot};
@@ -32,11 +33,12 @@ impl<'r, 'a> Building<'r, 'a> {
         let chain = self.chain(&fields, &ease, shot);
         let fill = fields.value("fill").and_then(|value| self.fill(value));
         let correspondences = self.correspondence(&fields, chain.as_deref());
+        let carries = self.carry(&fields, chain.as_deref());
         if shot.still {
             let problem = Diagnostic::error(entry.key_span, "a morph needs the scene's `frames`");
             self.reader.say(problem.help("such as frames = \"1-48\""));
         }
-        let chain = chain?;
+        let (chain, carries) = (chain?, carries?);
         let morph = Morph {
             cut,
             keep: Keep {
@@ -45,6 +47,7 @@ impl<'r, 'a> Building<'r, 'a> {
             },
             even_pace: fields.choice("pace") == Some("even"),
             mode,
+            carry: MorphCarry::Left,
             ease,
             octopus: fields.flag("octopus"),
             colour_space: fields.choice("color_space").unwrap_or("oklab"),
@@ -61,6 +64,7 @@ impl<'r, 'a> Building<'r, 'a> {
         };
         let link = |(place, link): (usize, Link)| Morph {
             correspondence: correspondences.as_ref().map(|all| all[place].clone()),
+            carry: carries[place].clone(),
             from: link.from,
             to: link.to,
             over: link.over,
