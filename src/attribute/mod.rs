@@ -9,6 +9,7 @@ mod ball_colour;
 mod bands;
 mod cells;
 mod colour_space;
+pub mod conformal;
 mod constant;
 mod conversion;
 mod formula;

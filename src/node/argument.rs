@@ -35,6 +35,8 @@ pub enum Argument {
     Shape(ShapeId),
     /// Shapes.
     Shapes(Vec<ShapeId>),
+    /// Shapes; `None` is the shape's own surface.
+    Goals(Vec<Option<ShapeId>>),
     /// Cells.
     Cells(CellsId),
     /// Copies in cells.
@@ -173,6 +175,8 @@ impl Arguments {
         shape: Shape => ShapeId,
         /// Shapes.
         shapes: Shapes => Vec<ShapeId>,
+        /// Shapes; `None` is the shape's own surface.
+        goals: Goals => Vec<Option<ShapeId>>,
         /// Cells.
         cells: Cells => CellsId,
         /// Copies.
@@ -265,14 +269,15 @@ impl Arguments {
 
     /// All shapes, in the order of the keys.
     pub fn all_shapes(&self) -> impl Iterator<Item = ShapeId> {
-        self.0
-            .iter()
-            .flat_map(|(_, value)| match value {
-                Argument::Shape(shape) => std::slice::from_ref(shape),
-                Argument::Shapes(shapes) => shapes,
-                _ => &[],
-            })
-            .copied()
+        self.0.iter().flat_map(|(_, value)| {
+            let (shapes, goals): (&[ShapeId], &[Option<ShapeId>]) = match value {
+                Argument::Shape(shape) => (std::slice::from_ref(shape), &[]),
+                Argument::Shapes(shapes) => (shapes, &[]),
+                Argument::Goals(goals) => (&[], goals),
+                _ => (&[], &[]),
+            };
+            shapes.iter().copied().chain(goals.iter().copied().flatten())
+        })
     }
 
     /// All cells.

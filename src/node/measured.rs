@@ -95,6 +95,8 @@ pub(crate) struct Purpose<'a> {
     pub key: &'a str,
     /// Where the scene has that.
     pub span: Span,
+    /// A voxel's edge, where it is not to hang on the voxels of the whole.
+    pub voxel: Option<f64>,
 }
 
 impl Purpose<'_> {
@@ -128,8 +130,8 @@ pub(crate) struct Distances {
     resolution: f64,
     /// Set to stop measuring.
     cancel: Arc<AtomicBool>,
-    /// Those found so far, by their solids and levels.
-    known: HashMap<(Node, [u64; 2]), Node>,
+    /// Those found so far, by their solids, levels and voxels.
+    known: HashMap<(Node, [u64; 3]), Node>,
 }
 
 impl Distances {
@@ -150,7 +152,7 @@ impl Distances {
         if let Some(distance) = told(graph, solid, levels) {
             return Ok(distance);
         }
-        let key = (solid, [levels.lo, levels.hi].map(f64::to_bits));
+        let key = (solid, [levels.lo, levels.hi, purpose.voxel.unwrap_or(0.0)].map(f64::to_bits));
         if let Some(known) = self.known.get(&key) {
             return Ok(*known);
         }
@@ -198,7 +200,7 @@ impl Distances {
         let field = Expression::new(graph, solid);
         let aabb = box_of(&field).map_err(|error| purpose.without_box(error))?;
         // No solid has more voxels than the whole that is baked, but where it is scaled.
-        let voxel = reach(aabb, levels).size().max_element() / self.resolution;
+        let voxel = purpose.voxel.unwrap_or(reach(aabb, levels).size().max_element() / self.resolution);
         let measured = measured(&field, aabb, levels, voxel, &self.cancel).map_err(|error| purpose.failed(&error))?;
         let node = graph.field(measured);
         let node = graph.bounded(node, aabb);

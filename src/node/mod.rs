@@ -9,6 +9,7 @@ pub(crate) mod attributes;
 pub(crate) mod bend;
 pub(crate) mod blending;
 mod catalogue;
+pub(crate) mod conformal;
 pub(crate) mod copied;
 pub(crate) mod corners;
 pub(crate) mod curves;
@@ -21,6 +22,8 @@ pub(crate) mod grain;
 mod hash;
 pub(crate) mod id;
 pub(crate) mod imports;
+pub(crate) mod inside;
+pub(crate) mod insides;
 pub(crate) mod kernels;
 pub mod keys;
 pub(crate) mod lattice;
@@ -51,6 +54,8 @@ pub(crate) mod table;
 pub(crate) mod variation;
 mod volume;
 
+#[cfg(test)]
+mod conformal_tests;
 #[cfg(test)]
 mod import_tests;
 #[cfg(test)]
@@ -344,6 +349,7 @@ nodes! {
             ramp
             bands
             parts
+            conformal
             vdb;
     }
 
@@ -370,6 +376,8 @@ nodes! {
             ramp
             bands
             parts
+            interior
+            conformal
             vdb;
     }
 }

@@ -184,6 +184,12 @@ impl Shape {
         self.modifiers.iter().any(|modifier| (modifier.spec.measures)(&modifier.arguments))
     }
 
+    /// Whether a colour or scalar of it follows its inside.
+    pub(crate) fn is_conformal(&self) -> bool {
+        self.colour.as_ref().is_some_and(|colour| colour.source.is_conformal)
+            || self.scalars.values().any(|scalar| scalar.source.is_conformal)
+    }
+
     /// How its parts' attributes go over into one another, units.
     pub fn seam(&self) -> f64 {
         if self.spec.carries == Carries::Union { self.arguments.constant("seam").copied().unwrap_or(0.0) } else { 0.0 }

@@ -5,11 +5,11 @@ use std::sync::{Arc, OnceLock};
 
 use glam::DAffine3;
 
-use crate::attribute::{Attribute, CellIndex, FieldValue, Part, Parts, Rule, Scalar};
+use crate::attribute::{Attribute, CellIndex, FieldValue, Part, Parts, Rule, Scalar, ScalarField};
 use crate::distance::octree::BuildError;
 use crate::field::{Expression, Field, Graph, Interval};
 use crate::node::argument::{Arguments, Component};
-use crate::node::attributes::Asked;
+use crate::node::attributes::{Asked, TheScalar};
 use crate::node::depth::Depth;
 use crate::node::extent::{box_of, solid_box};
 use crate::node::id::Stage;
@@ -18,7 +18,7 @@ use crate::node::model::{Model, Shape, ShapeId};
 use crate::node::painted::Paint;
 use crate::node::placed::Way;
 use crate::node::solid::Solids;
-use crate::node::source::{Sourcing, TOLERANCE_VOXELS};
+use crate::node::source::{Inside, Sourcing, TOLERANCE_VOXELS};
 use crate::node::spec::Carries;
 use crate::text::problem::Problem;
 
@@ -184,7 +184,7 @@ impl Solids {
             Rule::Union { seam } if seam > 0.0 && box_of(&plain).is_ok() => {
                 let model = self.model();
                 let shape = model.shape(id);
-                let purpose = Purpose { shape, key: "seam", span: shape.span };
+                let purpose = Purpose { shape, key: "seam", span: shape.span, voxel: None };
                 self.distance_values(id, Interval::new(-seam / 2.0, seam / 2.0), &purpose)?
             }
             _ => plain,
@@ -192,12 +192,18 @@ impl Solids {
         Ok(Arc::new(field))
     }
 
-    /// A number or formula as a field; `id`: the shape whose formula it is, if it may read others.
-    pub fn component(&mut self, id: Option<ShapeId>, component: &Component) -> Result<Arc<dyn Field>, Problem> {
+    /// A number or formula as a field; `id`: the shape whose formula it is, if it may read others; `values`: further ones that
+    /// it may name.
+    pub fn component(
+        &mut self,
+        id: Option<ShapeId>,
+        component: &Component,
+        values: Vec<(String, Arc<dyn Field>)>,
+    ) -> Result<Arc<dyn Field>, Problem> {
         let mut graph = Graph::new();
         let node = match (component, id) {
             (Component::Number(number), _) => graph.constant(self.number(number)?),
-            (Component::Formula(formula), Some(id)) => self.reading(id, formula)?.node(&mut graph),
+            (Component::Formula(formula), Some(id)) => self.reading(id, formula, values)?.node(&mut graph),
             (Component::Formula(formula), None) => formula.node_of(&mut graph, self.moment(), &[]),
         };
         Ok(Arc::new(Expression::new(&graph, node).keeping_values()))
@@ -216,13 +222,44 @@ struct Painting<'b, W> {
     stands: usize,
 }
 
+impl<W> Painting<'_, W> {
+    /// A scalar of the shape that a formula names.
+    fn named(&mut self, name: &str) -> Result<Arc<dyn Field>, Problem> {
+        let shape = self.shape;
+        let given = &shape.scalars[name];
+        let mut painting = Painting {
+            solids: &mut *self.solids,
+            what: TheScalar(name),
+            id: self.id,
+            shape,
+            arguments: &given.arguments,
+            voxel: self.voxel,
+            stands: shape.painted_step(),
+        };
+        let paint = (given.source.build)(&mut painting)?;
+        // A formula stands in the space before what bends it.
+        let stands = painting.stands;
+        if shape.before_bends(self.stands, stands) < stands {
+            let problem = format!("`{name}` goes by the depth below a surface that is bent after this formula");
+            return Err(Problem::new(self.shape.span, problem).help("bend another shape that has it as a part"));
+        }
+        Ok(Arc::new(ScalarField { scalar: paint.attribute, most: f64::INFINITY, step: self.voxel }))
+    }
+}
+
 impl<const N: usize, W: Asked<N>> Sourcing<N> for Painting<'_, W> {
     fn arguments(&self) -> &Arguments {
         self.arguments
     }
 
     fn component(&mut self, component: &Component) -> Result<Arc<dyn Field>, Problem> {
-        self.solids.component(Some(self.id), component)
+        let mut values: Vec<(String, Arc<dyn Field>)> = Vec::new();
+        if let Component::Formula(formula) = component {
+            for name in formula.given() {
+                values.push((name.to_owned(), self.named(name)?));
+            }
+        }
+        self.solids.component(Some(self.id), component, values)
     }
 
     fn solid(&mut self) -> Result<Arc<dyn Field>, Problem> {
@@ -263,6 +300,15 @@ impl<const N: usize, W: Asked<N>> Sourcing<N> for Painting<'_, W> {
         let cancel = Arc::clone(self.solids.cancel());
         let tolerance = TOLERANCE_VOXELS * voxel;
         Ok(Arc::new(Depth { solid, aabb, levels, voxel, tolerance, cancel, failed, measured: OnceLock::new() }))
+    }
+
+    fn inside(&mut self, shapes: &[ShapeId], along: u32, key: &'static str) -> Result<Inside, Problem> {
+        let step = self.shape.before_bends(self.stands, self.shape.bare_steps().max(self.stands));
+        self.solids.inside((self.id, step), shapes, along, key)
+    }
+
+    fn of_shape(&mut self, shape: ShapeId) -> Result<Option<Paint<N>>, Problem> {
+        self.solids.paint(self.what, shape, Stage::Placed, self.voxel)
     }
 
     fn volume(&self) -> Arc<dyn Attribute<N>> {

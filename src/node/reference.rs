@@ -188,7 +188,8 @@ color = [\"rib\", 0.4, \"1 - rib\"]
 ```
 
 A shape's `let` gives its formulas names, each for a formula, a number or keys, of one another in any order. So does each of its
-attributes that is a number, keys or a formula (one that is a table is none); `attr('rib')` is the same as `rib`. Where an
+attributes; one that is a table, such as `{ interior = [\"tip\"] }`, only in colours and attributes, not in what makes the
+shape; `attr('rib')` is the same as `rib`. Where an
 attribute has the name of a parameter, the parameter is meant. Numbers of the shape know those names that do not hang on the
 place. A shape in place has its own names, and not those of the shape around it.
 ";

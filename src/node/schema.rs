@@ -143,6 +143,7 @@ fn of_kind(kind: Kind) -> Value {
         Kind::Depth => json!({ "type": ["integer", "array"] }),
         Kind::Shape | Kind::Cells => json!({ "type": ["string", "object"] }),
         Kind::Shapes(least) => list(least, json!({ "type": ["string", "object"] })),
+        Kind::Goals => list(1, json!({ "type": ["string", "object"] })),
         Kind::ShapePairs => list(1, list(2, json!({ "type": "string" }))),
         Kind::PlacePairs => list(1, list(2, list(3, json!({ "type": "number" })))),
         Kind::Colour => reference("color"),

@@ -18,6 +18,7 @@ use crate::node::bend::Bend;
 use crate::node::displacement::{self, Displacement};
 use crate::node::extent::{box_of, solid_box};
 use crate::node::id::Stage;
+use crate::node::insides::Insides;
 use crate::node::measured::{BESIDE_SURFACE, Distances, Purpose, SLACK, told};
 use crate::node::model::{CellsId, Fill, Model, Placement, Shape, ShapeId};
 use crate::node::reading::Reading;
@@ -53,6 +54,8 @@ pub(crate) struct Solids {
     bends: BTreeMap<(ShapeId, usize), Arc<dyn Bend>>,
     /// The attributes found at this moment.
     pub(crate) paints: Paints,
+    /// What follows the insides of shapes.
+    pub(crate) insides: Insides,
 }
 
 /// Cells that can take colours, and the step of the shape that they are of.
@@ -91,6 +94,7 @@ impl Solids {
             pieces: BTreeMap::new(),
             bends: BTreeMap::new(),
             paints: Paints::default(),
+            insides: Insides::default(),
         }
     }
 
@@ -104,6 +108,7 @@ impl Solids {
         other.bends.retain(|(id, step), _| !variation.step(*id, *step));
         other.pieces.retain(|id, _| !variation.step(*id, 0));
         other.cells.retain(|id, _| !variation.placed(self.model.cells[id.0].around));
+        other.insides.keep_still(variation);
         other
     }
 
@@ -318,6 +323,19 @@ impl Solids {
         Ok(Some(bend))
     }
 
+    /// The distance of a shape in its own space with so many of its modifiers, wherever that is one of `levels`, as a field
+    /// whose values hold everywhere.
+    pub fn step_distance(
+        &mut self,
+        (id, step): (ShapeId, usize),
+        levels: Interval,
+        purpose: &Purpose<'_>,
+    ) -> Result<Expression, Problem> {
+        let solid = self.step(id, step)?;
+        let distance = self.distances.of(&mut self.graph, solid, levels, purpose)?;
+        Ok(Expression::new(&self.graph, distance).keeping_values())
+    }
+
     /// A shape in its own space with so many of its modifiers, as a field.
     pub fn step_field(&mut self, id: ShapeId, step: usize) -> Result<Arc<dyn Field>, Problem> {
         let node = self.step(id, step)?;
@@ -408,22 +426,28 @@ impl Solids {
         }
         let own = self.node(id, Stage::Own)?;
         let levels = Interval::new(levels.lo / scale.x, levels.hi / scale.x);
-        let distance = self.distances.of(&mut self.graph, own, levels, purpose)?;
+        let purpose = Purpose { voxel: purpose.voxel.map(|voxel| voxel / scale.x), ..*purpose };
+        let distance = self.distances.of(&mut self.graph, own, levels, &purpose)?;
         let map = self.placement(&shape.placement, Stage::Placed)?;
         self.transformed(distance, &map, shape)
     }
 }
 
 impl Solids {
-    /// A formula of a shape at the moment.
-    pub fn reading(&mut self, id: ShapeId, formula: &Formula) -> Result<Reading, Problem> {
+    /// A formula of a shape at the moment, with further values that it reads by their names in it.
+    pub fn reading(
+        &mut self,
+        id: ShapeId,
+        formula: &Formula,
+        values: Vec<(String, Arc<dyn Field>)>,
+    ) -> Result<Reading, Problem> {
         let model = self.model();
-        let mut distances: Vec<(String, Arc<dyn Field>)> = Vec::new();
+        let mut distances = values;
         for (name, shape) in formula.distances() {
             let other = model.shape(id).reads[shape];
             // As far as the shape is large on both sides; beyond, the measured distance goes on.
             let size = box_of(&self.values(other)?).map_or(1.0, |aabb| aabb.size().length().max(f64::MIN_POSITIVE));
-            let purpose = Purpose { shape: model.shape(other), key: "dist", span: formula.span() };
+            let purpose = Purpose { shape: model.shape(other), key: "dist", span: formula.span(), voxel: None };
             let distance = self.distance_values(other, Interval::new(-size, size), &purpose)?;
             distances.push((name.to_owned(), Arc::new(distance)));
         }
@@ -453,7 +477,7 @@ impl<'b> Making<'b> {
             Some(Argument::Scalar(name)) => name.span,
             _ => self.shape.span,
         };
-        Purpose { shape: self.shape, key, span }
+        Purpose { shape: self.shape, key, span, voxel: None }
     }
 }
 
@@ -479,7 +503,7 @@ impl Build for Making<'_> {
     }
 
     fn reading(&mut self, formula: &Formula) -> Result<Reading, Problem> {
-        self.solids.reading(self.id, formula)
+        self.solids.reading(self.id, formula, Vec::new())
     }
 
     fn inner(&mut self) -> Result<Node, Problem> {

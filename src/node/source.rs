@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use crate::attribute::conformal::{Body, Feature};
 use crate::attribute::{Attribute, Bands, ByCell, CellIndex, Choice, CubeLattice, Mix, Rule, Scalar};
 use crate::field::{Field, Interval};
 use crate::node::argument::{Arguments, Component};
@@ -34,6 +35,8 @@ pub struct Source<const N: usize> {
     pub check: fn(&Fields<'_, '_>, bool) -> Option<Diagnostic>,
     /// Whether it reads a grid of a `.vdb` file.
     pub is_volume: bool,
+    /// Whether it follows the inside of the shape, so that it changes with that.
+    pub is_conformal: bool,
     /// The attribute at a moment.
     pub build: fn(&mut dyn Sourcing<N>) -> Result<Paint<N>, Problem>,
 }
@@ -47,6 +50,7 @@ impl<const N: usize> Source<N> {
         example: "",
         check: |_, _| None,
         is_volume: false,
+        is_conformal: false,
         build: |source| Ok(Paint::solid(source.absent())),
     };
 
@@ -80,6 +84,9 @@ impl<const N: usize> Given<N> {
     }
 }
 
+/// The inside of a shape, and features in it.
+pub type Inside = (Arc<Body>, Vec<Arc<Feature>>);
+
 /// What a row's function may ask for while its attribute is built, at one moment of the shot.
 pub trait Sourcing<const N: usize> {
     /// The values of its keys.
@@ -96,6 +103,10 @@ pub trait Sourcing<const N: usize> {
     fn parts(&mut self, shapes: &[ShapeId], rule: Rule) -> Result<Option<Paint<N>>, Problem>;
     /// The depth below the shape's surface, wherever that is one of `levels`.
     fn depth(&mut self, levels: Interval) -> Result<Arc<Scalar>, Problem>;
+    /// The shape's inside, on a lattice of so many cells along its longest side, and shapes as features in it.
+    fn inside(&mut self, shapes: &[ShapeId], along: u32, key: &'static str) -> Result<Inside, Problem>;
+    /// What the attribute is on a shape, where that stands; `None` where it has none.
+    fn of_shape(&mut self, shape: ShapeId) -> Result<Option<Paint<N>>, Problem>;
     /// What was read from its file.
     fn volume(&self) -> Arc<dyn Attribute<N>>;
     /// What a shape has that has none, beside others that have one.

@@ -533,7 +533,7 @@ fn every_built_in_scene_is_right() {
 #[test]
 fn colours_that_are_wrong() {
     let colour = |colour: &str| format!("[shape.a]\nsphere = 1\ncolor = {colour}\n");
-    let makers = "`linear`, `hsv`, `palette`, `range`, `checker`, `noise`, `gradient_noise`, `simplex`, `fbm`, `ridged`, `turbulence`, `worley`, `radius`, `angle`, `waves`, `stripes`, `curvature`, `facing`, `ramp`, `bands`, `parts` and `vdb`";
+    let makers = "`linear`, `hsv`, `palette`, `range`, `checker`, `noise`, `gradient_noise`, `simplex`, `fbm`, `ridged`, `turbulence`, `worley`, `radius`, `angle`, `waves`, `stripes`, `wood`, `marble`, `curvature`, `facing`, `ramp`, `bands`, `parts`, `conformal` and `vdb`";
     only(&colour("{}"), &format!("3:9 `shape.a.color` says no colour; give it one of {makers}"));
     only(
         &colour("{ bands = [[0, 'red']], linear = [0, 0, 1] }"),

@@ -73,6 +73,7 @@ impl Variation {
         let shape = model.shape(id);
         // Parts that move change the shape itself.
         model.needs(id).into_iter().any(|part| self.painted[part.0])
+            || (shape.is_conformal() && self.own(id))
             || shape.given_arguments().any(|arguments| self.source_varies(model, id, arguments))
     }
 
@@ -81,6 +82,13 @@ impl Variation {
             || arguments.formulas().any(|formula| model.formula_varies(formula))
             || arguments.all_shapes().any(|part| self.placed[part.0] || self.painted[part.0])
             || model.read_by(id, arguments).any(|part| self.placed[part.0])
+            || arguments.formulas().flat_map(Formula::given).any(|name| self.given_varies(model, id, name))
+    }
+
+    /// Whether an attribute that a formula names changes, the shape aside.
+    fn given_varies(&self, model: &Model, id: ShapeId, name: &str) -> bool {
+        let given = model.shape(id).scalars.get(name);
+        given.is_some_and(|given| self.source_varies(model, id, &given.arguments))
     }
 
     /// Whether what a shape's node is made from changes.

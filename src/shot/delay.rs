@@ -29,7 +29,7 @@ pub(crate) fn delay(
                     Problem::new(*span, problem).help("a formula of x, y, z; `ease` changes the pace over time")
                 );
             }
-            Arc::new(FieldValue(solids.component(None, component)?))
+            Arc::new(FieldValue(solids.component(None, component, Vec::new())?))
         }
         DelaySource::Shape { shape, attribute, most } => {
             let missing = |what: &str| {

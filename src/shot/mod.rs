@@ -19,6 +19,8 @@ mod stop;
 #[cfg(test)]
 mod carry_tests;
 #[cfg(test)]
+mod conformal_tests;
+#[cfg(test)]
 mod delay_tests;
 #[cfg(test)]
 mod displace_tests;

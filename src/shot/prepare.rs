@@ -176,6 +176,7 @@ fn prepare(model: &Arc<Model>, options: &PrepareOptions<'_>, precision: Precisio
         Content::Shape(id) => ready_shape(model, &mut solids, &variation, *id, options)?,
         Content::Morph(morphs) => ready_morphs(model, &mut solids, &variation, morphs, options, precision)?,
     };
+    warnings.extend(solids.insides.take_warnings());
     if let (Content::Morph(morphs), Ready::Morph(planned)) = (&model.content, &content) {
         warnings.extend(empty_frames(model, morphs, planned));
         warnings.extend(morphs.iter().zip(planned).flat_map(|(morph, planned)| untold(model, morph, &planned.morph)));
@@ -242,8 +243,10 @@ fn ready_shape(
     let extent = shape_box(model, solids, variation, id, options)?;
     let lattice = lattice(model, options, extent)?;
     if changes(variation, id) {
-        if model.with_parts(&[id]).into_iter().any(|part| model.shape(part).has_seam()) {
-            // What parts that stand still are measured for is kept; what cannot be is said when a frame needs it.
+        let is_kept = |part: &ShapeId| model.shape(*part).has_seam() || model.shape(*part).is_conformal();
+        if model.with_parts(&[id]).iter().any(is_kept) {
+            // What parts that stand still are measured for is kept, and insides that are; what cannot be is said when a frame
+            // needs it.
             let _ = scenery(solids, id, &lattice);
         }
         return Ok((Ready::Changing(id), extent, lattice));

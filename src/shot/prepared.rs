@@ -339,6 +339,7 @@ impl Prepared {
             }
         }
         let level_sets = self.level_sets.as_ref().map_or(0, LevelSets::bytes);
-        self.assets.bytes() + distances + of_frame + level_sets
+        let insides = self.base.insides.bytes() as u64;
+        self.assets.bytes() + distances + of_frame + level_sets + insides
     }
 }

@@ -55,6 +55,8 @@ pub enum Kind {
     Fill,
     /// Names of shapes, at least so many; each may also be a shape written in place.
     Shapes(usize),
+    /// The same, at least one; `"surface"` is the shape's own surface.
+    Goals,
     /// Pairs of names of shapes.
     ShapePairs,
     /// Lists of places, each of one in every shape of a morph.
@@ -131,6 +133,7 @@ impl Kind {
             Self::Scalar => "name of an attribute".into(),
             Self::Fill => "`{ mix = [shape, shape], by = attribute }`".into(),
             Self::Shapes(_) => "list of shapes".into(),
+            Self::Goals => "list of shapes, `\"surface\"` among them".into(),
             Self::ShapePairs => "list of pairs of shapes".into(),
             Self::PlacePairs => "list of pairs of places `[x, y, z]`".into(),
             Self::Cells => "cells".into(),

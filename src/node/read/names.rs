@@ -1,4 +1,5 @@
-//! Names that a shape gives its formulas: `let.NAME`, and its attributes.
+//! Names that a shape gives its formulas: `let.NAME`, and its attributes. Those that are tables are known where the shape
+//! is there already: in colours and attributes.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
@@ -6,8 +7,10 @@ use std::sync::Arc;
 use super::Building;
 use super::parameters::check_name;
 use crate::field;
+use crate::node::list;
+use crate::node::source::Source;
 use crate::text::diagnostic::{Diagnostic, clip};
-use crate::text::key::Limit;
+use crate::text::key::{Kind, Limit};
 use crate::text::number::formula::{Named, NamedValue, RESERVED, Scope};
 use crate::text::source::Span;
 use crate::text::value::{Data, Entry, Table, Value};
@@ -22,10 +25,12 @@ struct Candidate<'r> {
     span: Span,
     value: &'r Value,
     named: NamedValue,
+    /// The names that what it stands for needs.
+    needs: BTreeSet<String>,
 }
 
 impl<'r, 'a> Building<'r, 'a> {
-    /// What the formulas of a shape may name beside what all may: its `let`s, and its attributes that are numbers or formulas.
+    /// What the formulas of a shape may name beside what all may: its `let`s and its attributes.
     pub(super) fn scope_of(&self, path: &str, table: &'r Table) -> Scope {
         let parameters = self.reader.scope().parameters;
         let mut candidates: BTreeMap<&'r str, Candidate<'r>> = BTreeMap::new();
@@ -104,31 +109,34 @@ impl<'r, 'a> Building<'r, 'a> {
     ) -> bool {
         let path = format!("{path}.{family}.{}", entry.key);
         let is_frame = |entry: &Entry| entry.key == "ease" || entry.key.parse::<f64>().is_ok();
+        let mut needs = BTreeSet::new();
         let named = match &entry.value.data {
-            Data::Text(text) => NamedValue::Formula(Arc::new(field::Formula::parse(text))),
+            Data::Text(text) => {
+                let formula = field::Formula::parse(text);
+                needs.extend(formula.names().into_iter().map(str::to_owned));
+                NamedValue::Formula(Arc::new(formula))
+            }
             Data::Integer(_) | Data::Float(_) => {
                 NamedValue::Number(self.reader.number(&path, Limit::Any, &entry.value))
             }
             Data::Table(table) if !table.0.is_empty() && table.0.iter().all(is_frame) => {
                 NamedValue::Number(self.reader.number(&path, Limit::Any, &entry.value))
             }
+            Data::Table(table) if family == "attribute" => {
+                needs.extend(names_in(table));
+                NamedValue::Given
+            }
             _ => return false,
         };
         let (span, value) = (entry.key_span, &entry.value);
-        candidates.insert(&entry.key, Candidate { path, span, value, named });
+        candidates.insert(&entry.key, Candidate { path, span, value, named, needs });
         true
     }
 
     /// Each after those that it names; says which are made from themselves.
     fn in_order(&self, candidates: &BTreeMap<&'r str, Candidate<'r>>) -> Arc<[Named]> {
         let needs = |name: &str| -> Vec<&'r str> {
-            match candidates.get(name).map(|candidate| &candidate.named) {
-                Some(NamedValue::Formula(formula)) => {
-                    let names = formula.names();
-                    candidates.keys().copied().filter(|known| names.contains(known)).collect()
-                }
-                _ => Vec::new(),
-            }
+            candidates.keys().copied().filter(|known| candidates[name].needs.contains(*known)).collect()
         };
         let mut open: BTreeMap<&str, Vec<&str>> = candidates.keys().map(|name| (*name, needs(name))).collect();
         let (mut named, mut done) = (Vec::with_capacity(open.len()), BTreeSet::new());
@@ -168,4 +176,15 @@ impl<'r, 'a> Building<'r, 'a> {
         let help = format!("the way is {}", way.join(" → "));
         self.reader.say(Diagnostic::error(candidate.value.span, problem).help(help));
     }
+}
+
+/// The names in the formulas of an attribute that is a table.
+fn names_in(table: &Table) -> BTreeSet<String> {
+    let source = list::SCALARS.iter().find(|source| table.0.iter().any(|entry| source.key.is_called(&entry.key)));
+    let keys = source.into_iter().flat_map(Source::keys).filter(|key| key.kind == Kind::Formula);
+    let entries = keys.flat_map(|key| table.0.iter().filter(|entry| key.is_called(&entry.key)));
+    let texts = entries.filter_map(|entry| entry.value.text());
+    texts
+        .flat_map(|text| field::Formula::parse(text).names().into_iter().map(str::to_owned).collect::<Vec<_>>())
+        .collect()
 }

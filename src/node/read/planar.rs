@@ -56,7 +56,7 @@ impl Building<'_, '_> {
                     )
                     .help(format!("make it a solid with {}", profile::LIFTING)),
                 ),
-                (false, true) => self.reader.say(
+                (false, true) if self.is_made_of(link.from, to) => self.reader.say(
                     Diagnostic::error(
                         link.span,
                         format!("`{from}` needs a shape of the plane, and `{name}` is a solid"),
@@ -66,6 +66,12 @@ impl Building<'_, '_> {
                 _ => {}
             }
         }
+    }
+
+    /// Whether a shape is made of another one. One whose colours it takes, or whose distance it reads, may be a solid.
+    fn is_made_of(&self, from: Node, to: ShapeId) -> bool {
+        let Node::Shape(from) = from else { return true };
+        self.shapes[from.0].as_ref().is_none_or(|shape| shape.arguments.all_shapes().any(|operand| operand == to))
     }
 
     /// What is baked, with shapes of the plane extruded by themselves.

@@ -154,7 +154,19 @@ impl<'r, 'a> Building<'r, 'a> {
             reads: BTreeMap::new(),
         };
         shape.reads = self.reads(&shape, id);
+        self.say_made_by_given(&shape);
         Some(shape)
+    }
+
+    /// Says which formulas that make a shape name attributes that are known once it is there.
+    fn say_made_by_given(&self, shape: &Shape) {
+        for formula in shape.all_arguments().flat_map(Arguments::formulas) {
+            if let Some(name) = formula.given().next() {
+                let problem = format!("`{}` is an attribute of the shape that this formula makes", clip(name));
+                let help = "name it in colours and attributes; `displace` moves the surface by one";
+                self.reader.say(Diagnostic::error(formula.span(), problem).help(help));
+            }
+        }
     }
 
     /// The shapes whose distances the formulas of a shape read.
@@ -285,6 +297,7 @@ impl<'r, 'a> Building<'r, 'a> {
             Kind::Path => Argument::File(self.file(name, fields)?),
             Kind::Shape => Argument::Shape(self.operand(&path, Node::Shape(id), fields.value(name)?)?),
             Kind::Shapes(least) => Argument::Shapes(self.operands(name, least, fields, id)?),
+            Kind::Goals => Argument::Goals(self.goals(&path, fields.value(name)?, id)?),
             Kind::Cells => Argument::Cells(self.cells_reference(&path, id, fields.value(name)?)?),
             Kind::Copies => Argument::Copies(self.copies(&path, id, fields.value(name)?)?),
             Kind::Counts => Argument::Counts(self.counts(&path, fields.value(name)?)?),
@@ -380,6 +393,24 @@ impl<'r, 'a> Building<'r, 'a> {
             .map(|(i, value)| self.operand(&format!("{path}[{i}]"), Node::Shape(id), value))
             .collect();
         ids.into_iter().collect()
+    }
+
+    /// The shapes of a list, at least one; what is called as the surface is where no shape has that name.
+    fn goals(&mut self, path: &str, value: &'r Value, id: ShapeId) -> Option<Vec<Option<ShapeId>>> {
+        const SURFACE: &str = "surface";
+        let is_surface = |value: &Value| value.text() == Some(SURFACE) && !self.shape_ids.contains_key(SURFACE);
+        let Some(list) = value.list().filter(|list| list.iter().any(is_surface)) else {
+            return Some(self.operand_list(path, value, 1, id)?.into_iter().map(Some).collect());
+        };
+        let surfaces: Vec<bool> = list.iter().map(is_surface).collect();
+        let mut goals = Vec::with_capacity(list.len());
+        for (i, (value, surface)) in list.iter().zip(surfaces).enumerate() {
+            goals.push(match surface {
+                true => Some(None),
+                false => self.operand(&format!("{path}[{i}]"), Node::Shape(id), value).map(Some),
+            });
+        }
+        goals.into_iter().collect()
     }
 
     /// A shape by name, or written in place.

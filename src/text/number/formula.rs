@@ -41,6 +41,8 @@ pub enum NamedValue {
     Formula(Arc<field::Formula>),
     /// A number by keys, or one that stands still.
     Number(Number),
+    /// What no formula gives, a number that differs from place to place: whoever builds the formula has it.
+    Given,
 }
 
 /// A formula that was read and whose names are all known.
@@ -65,9 +67,10 @@ impl Formula {
 
     /// A formula of x, y, z, t, frame, time, distances of shapes, and what else has a name.
     pub fn of_space(text: &str, span: Span, scope: Scope) -> Result<Self, Vec<FormulaProblem>> {
-        let distances: Vec<String> =
-            Self::parse(text, span, scope.clone()).distances().map(|(name, _)| name.to_owned()).collect();
-        Self::of_values(text, span, scope, &distances)
+        let formula = Self::parse(text, span, scope.clone());
+        let distances = formula.distances().map(|(name, _)| name.to_owned());
+        let values: Vec<String> = distances.chain(formula.given().map(str::to_owned)).collect();
+        Self::of_values(text, span, scope, &values)
     }
 
     /// A formula of space with more names, each a number that differs from place to place.
@@ -93,6 +96,14 @@ impl Formula {
     /// The distances that it reads: each by its name in the formula, and the name of the shape.
     pub fn distances(&self) -> impl Iterator<Item = (&str, &str)> {
         self.names().filter_map(|name| Some((name, name.strip_prefix("dist('")?.strip_suffix("')")?)))
+    }
+
+    /// Those of its names that no formula gives.
+    pub fn given(&self) -> impl Iterator<Item = &str> {
+        let used: BTreeSet<&str> = self.names().collect();
+        let is_given = |named: &&Named| matches!(named.value, NamedValue::Given);
+        let given = self.0.scope.named.iter().filter(is_given).map(|named| named.name.as_str());
+        given.filter(move |name| used.contains(name))
     }
 
     /// At some moment: which one does not matter.
@@ -128,6 +139,8 @@ impl Formula {
                     Err(_) => known,
                 },
                 NamedValue::Number(number) => known.number(name, number.at(moment).unwrap_or(f64::NAN)),
+                // It is among `space`, where there are places.
+                NamedValue::Given => known,
             };
         }
         self.0.parsed.compile(graph, &known)
