@@ -12,6 +12,9 @@ use super::range::Range;
 use super::velocity::{self, BlockVelocities, Velocities};
 use crate::attribute::{Attribute, Colour, LinearRgb, Sampler, Scalar};
 use crate::distance::band::{self, MeasuredBlock, Report, Settings};
+use crate::distance::method::{Method, USUAL};
+use crate::distance::nearest::Watch;
+use crate::distance::octree::BuildError;
 use crate::distance::without::{Keep, measure_kept};
 use crate::field::{Aabb, BATCH, Field, Points};
 use crate::grid::{Band, Channel, mask};
@@ -158,12 +161,25 @@ struct Sampled<const N: usize> {
     wrong: Option<([f64; 3], [f32; N])>,
 }
 
-/// Measures what is kept of a field and samples attributes at the feet.
+impl ComputeError {
+    /// What a method can fail by whose band was measured before.
+    fn of_method(error: BuildError) -> Self {
+        match error {
+            BuildError::Surface(error) => Self::Distance(error),
+            BuildError::NotFinite { position } => Self::Distance(band::Error::NotANumber { position }),
+            // It solves the band's own voxels, so it has no sizes of its own.
+            _ => Self::Distance(band::Error::Cancelled),
+        }
+    }
+}
+
+/// Measures what is kept of a field, by a method, and samples attributes at the closest points.
 pub fn compute(
     field: &dyn Field,
     attributes: Attributes<'_>,
     settings: &Settings,
     keep: Keep,
+    method: &dyn Method,
 ) -> Result<Computed, ComputeError> {
     let new_visitor = || {
         let mut colour = attributes.colour.map(|(_, colour)| Visitor::new(colour, 0.0));
@@ -204,7 +220,13 @@ pub fn compute(
         velocities.extend(block.velocities);
         scalars.iter_mut().zip(block.scalars).for_each(|(all, one)| all.push(one));
     }
-    let band = measured.band;
+    let mut band = measured.band;
+    if method.name() != USUAL {
+        let watch = Watch { cancel: settings.cancel, progress: &|_| {} };
+        method.measure_band(field, &mut band, &watch).map_err(ComputeError::of_method)?;
+        let of_block = |(distances, active)| Range::of_active(distances, active);
+        ranges.distances = band.distances.iter().zip(&band.active).map(of_block).fold(Range::none(), Range::joined);
+    }
     let bright_voxels = colours.iter().map(|block| block.bright_voxels).sum();
     let mut colour = None;
     if let Some((name, _)) = attributes.colour {

@@ -5,6 +5,8 @@ use super::{Bytes, Error, inside, velocity};
 use crate::attribute::{LinearRgb, Primaries};
 use crate::distance::descent::Scope;
 use crate::distance::extent::{BandBoxes, Effort};
+use crate::distance::method;
+use crate::grid::BLOCK_VOXELS;
 use crate::shot::{FrameContent, Prepared};
 
 /// What a frame will take, estimated before anything is allocated.
@@ -52,7 +54,10 @@ fn estimate_by(prepared: &Prepared, content: &FrameContent, in_flight: usize, ef
         memory += found.voxels * VELOCITY_BYTES + carried * CARRIED_BYTES;
         file += carried * 12.0;
     }
-    let output = &prepared.model().output;
+    let model = prepared.model();
+    // One frame at a time is measured.
+    memory += found.blocks * BLOCK_VOXELS as f64 * method::named(model.written_distance()).bytes_a_node() as f64;
+    let output = &model.output;
     // Colours in other primaries are there twice while a frame is encoded.
     let is_converted =
         content.colour.is_some() && output.primaries.is_some_and(|primaries| primaries != Primaries::Rec709);

@@ -9,6 +9,7 @@ use super::sealed::{self, hexadecimal};
 use super::{Bytes, Error, Interrupt, Output, Velocities, inside, output};
 use crate::disk;
 use crate::distance::band::{self, Settings, Thin};
+use crate::distance::method;
 use crate::grid::Band;
 use crate::shot;
 use crate::shot::Prepared;
@@ -43,7 +44,8 @@ pub fn compute_frame(
         let problem = format!("frame {frame}: {error}");
         prepared.attribute_problem(grid, &problem).map_or(Error::Frame(frame, error), Error::Scene)
     };
-    compute(&*content.field, attributes, &settings, content.keep).map_err(|error| match error {
+    let method = method::named(prepared.model().written_distance());
+    compute(&*content.field, attributes, &settings, content.keep, method).map_err(|error| match error {
         ComputeError::Distance(band::Error::Cancelled) => Error::Interrupted,
         // What measuring was stopped for is no number.
         _ if interrupt.is_raised() => Error::Interrupted,

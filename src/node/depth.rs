@@ -8,6 +8,7 @@ use glam::DVec3;
 
 use crate::attribute::{Attribute, Sampler};
 use crate::distance::Distance;
+use crate::distance::method::Method;
 use crate::distance::octree::BuildError;
 use crate::field::{Aabb, BATCH, Evaluator, Field, Gradients, Interval, Points};
 
@@ -25,6 +26,8 @@ pub(crate) struct Depth {
     pub voxel: f64,
     /// Points are on the surface that are no further from it, world units.
     pub tolerance: f64,
+    /// What measures it.
+    pub method: &'static dyn Method,
     /// Set to stop measuring.
     pub cancel: Arc<AtomicBool>,
     /// Told why it cannot be measured.
@@ -40,8 +43,8 @@ impl Depth {
     /// So this thread waits for one of no pool, and that for a pool of its own.
     fn measured(&self) -> Option<&dyn Distance> {
         let measure = || {
-            let Self { solid, aabb, levels, voxel, cancel, .. } = self;
-            measured(solid.as_ref(), *aabb, *levels, *voxel, cancel)
+            let Self { solid, aabb, levels, voxel, method, cancel, .. } = self;
+            measured(*method, solid, *aabb, *levels, *voxel, cancel)
         };
         let threads = rayon::current_num_threads();
         let apart = || match rayon::ThreadPoolBuilder::new().num_threads(threads).build() {

@@ -5,6 +5,7 @@ mod morph;
 
 pub use morph::{BY_MODE, DELAY, FILL, MORPH, ROUND};
 
+use crate::distance::method::{NAMES, USUAL};
 use crate::text::key::{Absent, Key, Kind, Limit};
 
 use Absent::{Nothing, Number, Required, Text, Words};
@@ -101,6 +102,13 @@ pub const SHAPE: &[Key] = &[
         Kind::Table,
         Nothing,
         "Numbers of any name that go with the surface, `attribute.roughness = 0.4`; each becomes a grid of its name.",
+    ),
+    Key::new(
+        "distance",
+        Kind::Choice(&NAMES),
+        Text(USUAL),
+        "What measures its distance, wherever that is asked for (`offset`, `displace`, `bands`, a morph, …): see \
+         [accuracy.md](accuracy.md). Any but the first is measured even where F is the distance.",
     ),
     Key::new(
         "let",
@@ -234,6 +242,13 @@ pub const OUTPUT: &[Key] = &[
     )
     .limit(Limit::Positive)
     .unit("units/s"),
+    Key::new(
+        "distance",
+        Kind::Choice(&NAMES),
+        Words("that of the shape that is baked; of a morph `closest-point`"),
+        "What measures the distances of `surface`: see [accuracy.md](accuracy.md). Its sign, which voxels it has and where \
+         colours are taken are the same by each.",
+    ),
     Key::new("color_name", Kind::Text, Text("Cd"), "The colour grid's name.").also(&["colour_name"]),
     Key::new(
         "color_space",

@@ -7,7 +7,7 @@ use std::sync::atomic::AtomicBool;
 
 use crate::distance::Distance;
 use crate::distance::extent;
-use crate::distance::method::{METHODS, Request};
+use crate::distance::method::{Method, Request, USUAL, named};
 use crate::distance::nearest::Watch;
 use crate::distance::octree::{self, BuildError};
 use crate::field::{Aabb, Expression, Field, Graph, Interval, Node, Side};
@@ -46,10 +46,11 @@ pub(crate) fn smallest_cell(voxel: f64, solid: &Aabb) -> f64 {
     voxel.max(solid.size().max_element() / MOST_CELLS)
 }
 
-/// The distance of a solid in a box, as good as a band wherever it is one of `levels`, positive inside. `voxel` is a
-/// voxel's edge.
+/// The distance of a solid in a box by a method, as good as its band wherever it is one of `levels`, positive inside.
+/// `voxel` is a voxel's edge.
 pub(crate) fn measured(
-    field: &dyn Field,
+    method: &dyn Method,
+    field: &Arc<dyn Field>,
     solid: Aabb,
     levels: Interval,
     voxel: f64,
@@ -61,7 +62,7 @@ pub(crate) fn measured(
     let mut settings = octree::Settings::new(reach, smallest_cell(AT_CREASES * voxel, &reach));
     settings.levels = levels;
     settings.tolerance = TOLERANCE * voxel;
-    Ok(METHODS[0].measure(&Request { field, solid, detail, settings }, &watch)?.distance)
+    Ok(method.measure(&Request { field, solid, detail, settings }, &watch)?.distance)
 }
 
 /// The box of a solid grown to the outermost of some levels.
@@ -97,6 +98,8 @@ pub(crate) struct Purpose<'a> {
     pub span: Span,
     /// A voxel's edge, where it is not to hang on the voxels of the whole.
     pub voxel: Option<f64>,
+    /// What the distance is measured by: the name of a method.
+    pub method: &'static str,
 }
 
 impl Purpose<'_> {
@@ -130,8 +133,8 @@ pub(crate) struct Distances {
     resolution: f64,
     /// Set to stop measuring.
     cancel: Arc<AtomicBool>,
-    /// Those found so far, by their solids, levels and voxels.
-    known: HashMap<(Node, [u64; 3]), Node>,
+    /// Those found so far, by their solids, levels, voxels and methods.
+    known: HashMap<(Node, [u64; 3], &'static str), Node>,
 }
 
 impl Distances {
@@ -149,15 +152,20 @@ impl Distances {
         levels: Interval,
         purpose: &Purpose<'_>,
     ) -> Result<Node, Problem> {
-        if let Some(distance) = told(graph, solid, levels) {
+        // Who names another method wants its distances.
+        let is_usual = purpose.method == USUAL;
+        if let Some(distance) = is_usual.then(|| told(graph, solid, levels)).flatten() {
             return Ok(distance);
         }
-        let key = (solid, [levels.lo, levels.hi, purpose.voxel.unwrap_or(0.0)].map(f64::to_bits));
+        let levels_and_voxel = [levels.lo, levels.hi, purpose.voxel.unwrap_or(0.0)].map(f64::to_bits);
+        let key = (solid, levels_and_voxel, purpose.method);
         if let Some(known) = self.known.get(&key) {
             return Ok(*known);
         }
         let found = match sides(levels) {
-            (None, Some(side)) | (Some(side), None) => self.by_parts(graph, (solid, side), levels, purpose)?,
+            (None, Some(side)) | (Some(side), None) if is_usual => {
+                self.by_parts(graph, (solid, side), levels, purpose)?
+            }
             _ => None,
         };
         let distance = match found {
@@ -197,11 +205,13 @@ impl Distances {
         levels: Interval,
         purpose: &Purpose<'_>,
     ) -> Result<Node, Problem> {
-        let field = Expression::new(graph, solid);
-        let aabb = box_of(&field).map_err(|error| purpose.without_box(error))?;
+        let field: Arc<dyn Field> = Arc::new(Expression::new(graph, solid));
+        let aabb = box_of(field.as_ref()).map_err(|error| purpose.without_box(error))?;
         // No solid has more voxels than the whole that is baked, but where it is scaled.
         let voxel = purpose.voxel.unwrap_or(reach(aabb, levels).size().max_element() / self.resolution);
-        let measured = measured(&field, aabb, levels, voxel, &self.cancel).map_err(|error| purpose.failed(&error))?;
+        let method = named(purpose.method);
+        let measured = measured(method, &field, aabb, levels, voxel, &self.cancel);
+        let measured = measured.map_err(|error| purpose.failed(&error))?;
         let node = graph.field(measured);
         let node = graph.bounded(node, aabb);
         Ok(graph.falling(node, 1.0 / SLACK))

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use crate::attribute::{Outside, Overlap, Power, Primaries};
+use crate::distance::method::USUAL;
 use crate::distance::without::Keep;
 
 use crate::node::argument::{Argument, Arguments, Bounds};
@@ -97,6 +98,8 @@ pub struct Shape {
     pub colour: Option<ShapeColour>,
     /// Its own scalars, by the names of their grids.
     pub scalars: BTreeMap<String, ShapeScalar>,
+    /// What its distances are measured by: the name of a method.
+    pub distance: &'static str,
     /// The shapes whose distances its formulas read, by the names that they have there.
     pub reads: BTreeMap<String, ShapeId>,
 }
@@ -465,6 +468,8 @@ pub struct Output {
     pub primaries: Option<Primaries>,
     /// The greatest speed of `vel`, units a second; `None` for the longest side of the shot's box in one frame.
     pub max_speed: Option<f64>,
+    /// What the distances that are written are measured by: the name of a method, where the scene gives one.
+    pub distance: Option<&'static str>,
     /// Whether attributes go through the inside.
     pub inside: bool,
     /// Whether there is a fog volume.
@@ -534,6 +539,15 @@ impl Model {
         // Formulas of parameters know time only, so their values do not hang on one another.
         let values = self.parameters.iter().map(|parameter| parameter.value.at(&bare).unwrap_or(f64::NAN));
         Moment { parameters: values.collect(), ..bare }
+    }
+
+    /// What the distances that are written are measured by: the name of a method.
+    pub fn written_distance(&self) -> &'static str {
+        let of_content = match self.content {
+            Content::Shape(id) => self.shape(id).distance,
+            Content::Morph(_) => USUAL,
+        };
+        self.output.distance.unwrap_or(of_content)
     }
 
     /// The shape of an id.

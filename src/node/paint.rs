@@ -6,6 +6,7 @@ use std::sync::{Arc, OnceLock};
 use glam::DAffine3;
 
 use crate::attribute::{Attribute, CellIndex, FieldValue, Part, Parts, Rule, Scalar, ScalarField};
+use crate::distance::method::{USUAL, named};
 use crate::distance::octree::BuildError;
 use crate::field::{Expression, Field, Graph, Interval};
 use crate::node::argument::{Arguments, Component};
@@ -184,7 +185,8 @@ impl Solids {
             Rule::Union { seam } if seam > 0.0 && box_of(&plain).is_ok() => {
                 let model = self.model();
                 let shape = model.shape(id);
-                let purpose = Purpose { shape, key: "seam", span: shape.span, voxel: None };
+                let (span, method) = (shape.span, shape.distance);
+                let purpose = Purpose { shape, key: "seam", span, voxel: None, method };
                 self.distance_values(id, Interval::new(-seam / 2.0, seam / 2.0), &purpose)?
             }
             _ => plain,
@@ -287,7 +289,10 @@ impl<const N: usize, W: Asked<N>> Sourcing<N> for Painting<'_, W> {
         let (id, voxel) = (self.id, self.voxel);
         // The depth is that below the surface of the bent shape.
         self.stands = self.shape.bare_steps();
-        if let Some(distance) = self.solids.distance_without_measuring(id, levels)? {
+        let method = self.shape.distance;
+        if method == USUAL
+            && let Some(distance) = self.solids.distance_without_measuring(id, levels)?
+        {
             return Ok(Arc::new(FieldValue(distance)));
         }
         let solid = self.solids.field(id, Stage::Bare)?;
@@ -299,7 +304,8 @@ impl<const N: usize, W: Asked<N>> Sourcing<N> for Painting<'_, W> {
         });
         let cancel = Arc::clone(self.solids.cancel());
         let tolerance = TOLERANCE_VOXELS * voxel;
-        Ok(Arc::new(Depth { solid, aabb, levels, voxel, tolerance, cancel, failed, measured: OnceLock::new() }))
+        let (method, measured) = (named(method), OnceLock::new());
+        Ok(Arc::new(Depth { solid, aabb, levels, voxel, tolerance, method, cancel, failed, measured }))
     }
 
     fn inside(&mut self, shapes: &[ShapeId], along: u32, key: &'static str) -> Result<Inside, Problem> {

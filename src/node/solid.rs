@@ -8,6 +8,7 @@ use glam::{DAffine3, DVec3};
 
 use crate::attribute::{CellIndex, Scalar};
 use crate::distance::extent::extent;
+use crate::distance::method::USUAL;
 use crate::field::cells::{CellOptions, Cells};
 use crate::field::facet::Pieces;
 use crate::field::{Aabb, Expression, Field, Graph, Interval, Node, SetSystem, rotation};
@@ -415,11 +416,14 @@ impl Solids {
     /// changing its shape is measured once.
     fn placed_distance(&mut self, id: ShapeId, levels: Interval, purpose: &Purpose<'_>) -> Result<Node, Problem> {
         let placed = self.node(id, Stage::Placed)?;
-        if let Some(distance) = told(&mut self.graph, placed, levels) {
-            return Ok(distance);
-        }
         let model = self.model();
         let shape = model.shape(id);
+        let purpose = &Purpose { method: shape.distance, ..*purpose };
+        if purpose.method == USUAL
+            && let Some(distance) = told(&mut self.graph, placed, levels)
+        {
+            return Ok(distance);
+        }
         let scale = self.vector(&shape.placement.scale)?;
         if scale != DVec3::splat(scale.x) {
             return self.distances.of(&mut self.graph, placed, levels, purpose);
@@ -447,7 +451,9 @@ impl Solids {
             let other = model.shape(id).reads[shape];
             // As far as the shape is large on both sides; beyond, the measured distance goes on.
             let size = box_of(&self.values(other)?).map_or(1.0, |aabb| aabb.size().length().max(f64::MIN_POSITIVE));
-            let purpose = Purpose { shape: model.shape(other), key: "dist", span: formula.span(), voxel: None };
+            let shape = model.shape(other);
+            let (span, method) = (formula.span(), shape.distance);
+            let purpose = Purpose { shape, key: "dist", span, voxel: None, method };
             let distance = self.distance_values(other, Interval::new(-size, size), &purpose)?;
             distances.push((name.to_owned(), Arc::new(distance)));
         }
@@ -477,7 +483,7 @@ impl<'b> Making<'b> {
             Some(Argument::Scalar(name)) => name.span,
             _ => self.shape.span,
         };
-        Purpose { shape: self.shape, key, span, voxel: None }
+        Purpose { shape: self.shape, key, span, voxel: None, method: self.shape.distance }
     }
 }
 
@@ -531,7 +537,8 @@ impl Build for Making<'_> {
     }
 
     fn moving_distance(&mut self, solid: Node, levels: Interval, key: &'static str) -> Result<Node, Problem> {
-        match told(&mut self.solids.graph, solid, levels) {
+        let is_usual = self.shape.distance == USUAL;
+        match is_usual.then(|| told(&mut self.solids.graph, solid, levels)).flatten() {
             Some(distance) => Ok(distance),
             // The same in every frame, wherever a scalar moves the surface in each.
             None => self.distance(solid, BESIDE_SURFACE, key),

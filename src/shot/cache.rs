@@ -6,7 +6,7 @@
 
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant, SystemTime};
 
 use sha2::{Digest, Sha256};
@@ -101,7 +101,7 @@ impl Cache {
     }
 
     /// An entry, if it is whole.
-    fn read(&self, path: &Path) -> Option<Measured> {
+    fn read(&self, path: &Path) -> Option<Arc<DistanceObject>> {
         if !path.exists() {
             return None;
         }
@@ -114,7 +114,7 @@ impl Cache {
                 return None;
             }
         };
-        let object = sound(&bytes).and_then(DistanceObject::from_bytes);
+        let object = sound(&bytes).and_then(DistanceObject::from_bytes).map(Arc::new);
         let Some(object) = object else {
             self.note(format!("{} is damaged, and its object is measured again", path.display()));
             return None;
@@ -122,7 +122,7 @@ impl Cache {
         // The least recently used go first. What cannot be touched is still of use.
         let now = std::fs::File::options().append(true).open(path);
         let _ = now.and_then(|file| file.set_modified(SystemTime::now()));
-        Some(Measured::of(object))
+        Some(object)
     }
 
     fn write(&self, path: &Path, object: &DistanceObject) {
@@ -164,7 +164,7 @@ impl Cache {
 /// What is known of an object.
 pub(crate) enum Claim<'c> {
     /// All.
-    Known(Measured),
+    Known(Arc<DistanceObject>),
     /// Nothing: it is for the caller to measure.
     Open(Task<'c>),
 }
@@ -179,8 +179,8 @@ pub(crate) struct Task<'c> {
 impl Task<'_> {
     /// Keeps what was measured, if it is worth it.
     pub fn done(&self, measured: &Measured) {
-        if let Some(object) = measured.object.as_ref().filter(|object| object.report().samples >= WORTH) {
-            self.cache.write(&self.path, object);
+        if measured.object.report().samples >= WORTH {
+            self.cache.write(&self.path, &measured.object);
         }
     }
 }

@@ -8,6 +8,7 @@ use std::sync::atomic::AtomicBool;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use crate::distance::band::{self, Settings, measure};
+use crate::distance::method::{USUAL, named};
 use crate::distance::{Distance, SampledLevelSet};
 use crate::field::{Field, Interval};
 use crate::grid::Lattice;
@@ -112,7 +113,7 @@ impl LevelSets {
         let field = self.field(frame)?;
         let Ok(solid) = box_of(field.as_ref()) else { return Ok(None) };
         let problem = |error: String| Problem::new(self.span, format!("frame {frame}: {error}"));
-        let distance = measured(field.as_ref(), solid, Interval::ZERO, cell, &self.cancel);
+        let distance = measured(named(USUAL), &field, solid, Interval::ZERO, cell, &self.cancel);
         distance.map(Some).map_err(|error| Stop::of_measuring(&error, problem))
     }
 

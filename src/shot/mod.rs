@@ -33,6 +33,8 @@ mod frame_tests;
 #[cfg(test)]
 mod level_set_tests;
 #[cfg(test)]
+mod method_tests;
+#[cfg(test)]
 mod partition_tests;
 #[cfg(test)]
 mod ready_tests;

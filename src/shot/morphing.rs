@@ -10,7 +10,7 @@ use rayon::prelude::*;
 use crate::attribute::Scalar;
 use crate::distance::descent::Scope;
 use crate::distance::extent::{Effort, Estimate, estimate};
-use crate::distance::method::{METHODS, Measured, Request, Rough};
+use crate::distance::method::{self, Measured, Method, Request, Rough};
 use crate::distance::nearest::Watch;
 use crate::distance::octree;
 use crate::field::{Aabb, Field};
@@ -404,7 +404,7 @@ fn measured(
         distance(model, side, measuring, &Watch { cancel: measuring.cancel, progress: &progress })
     };
     let measure = |(which, (side, claim)): (usize, (&Object, &mut Option<Claim>))| match claim.take() {
-        Some(Claim::Known(known)) => Ok(known),
+        Some(Claim::Known(known)) => Ok(method(model, side, measuring).restored(known, &side.field)),
         Some(Claim::Open(task)) => {
             let measured = measure((which, side))?;
             task.done(&measured);
@@ -441,6 +441,7 @@ fn claims<'c, P>(
         let part = model.part_hash(side.id, side.stage).ok()?;
         let Aabb { min, max } = side.solid;
         let numbers = [side.cell(measuring.voxel), measuring.resolution, min.x, min.y, min.z, max.x, max.y, max.z];
+        let part = [&part[..], method(model, side, measuring).name().as_bytes()].concat();
         Some((cache.key(&part, &numbers), place))
     };
     let mut keys: Vec<([u8; 32], usize)> = open.iter().enumerate().filter_map(key).collect();
@@ -470,6 +471,11 @@ fn fit_at_once<P>(open: &[(&Object, P)], measuring: &Measuring<'_>) -> bool {
     BYTES_A_VOXEL * voxels <= limit as f64
 }
 
+/// How one is measured.
+fn method(model: &Model, side: &Object, measuring: &Measuring<'_>) -> &'static dyn Method {
+    if measuring.roughly { &Rough } else { method::named(model.shape(side.id).distance) }
+}
+
 /// The distances of one.
 fn distance(model: &Model, side: &Object, measuring: &Measuring<'_>, watch: &Watch) -> Result<Measured, Stop> {
     let shape = model.shape(side.id);
@@ -477,8 +483,8 @@ fn distance(model: &Model, side: &Object, measuring: &Measuring<'_>, watch: &Wat
     let problem = |what: String| Problem::new(shape.span, format!("`{}`: {what}", shape.name));
     let mut settings = octree::Settings::new(side.solid, cell);
     settings.memory_limit = measuring.memory_limit.unwrap_or(settings.memory_limit);
-    let request = Request { field: side.field.as_ref(), solid: side.solid, detail: cell, settings };
-    let method = if measuring.roughly { &Rough } else { METHODS[0] };
+    let request = Request { field: &side.field, solid: side.solid, detail: cell, settings };
+    let method = method(model, side, measuring);
     let mut measured = method.measure(&request, watch).map_err(|error| Stop::of_measuring(&error, problem))?;
     if measuring.roughly {
         measured.bytes = (USUAL_BYTES_A_VOXEL * side.band(cell, 3.0).voxels) as u64;

@@ -6,7 +6,7 @@ use std::sync::atomic::AtomicBool;
 use serde::{Deserialize, Serialize};
 
 use crate::attribute::{Colour, Scalar};
-use crate::distance::method::{Method, Request, Rough};
+use crate::distance::method::{Method, Request, Rough, USUAL, named};
 use crate::distance::nearest::Watch;
 use crate::distance::octree::Settings;
 use crate::distance::without::Keep;
@@ -254,12 +254,12 @@ impl Prepared {
         let problem = |error: String| Problem::new(by.span, format!("frame {}: {error}", plain(frame)));
         let distance = if self.roughly {
             let settings = Settings::new(solid, voxel);
-            let request = Request { field: whole.as_ref(), solid, detail: voxel, settings };
+            let request = Request { field: &whole, solid, detail: voxel, settings };
             Rough
                 .measure(&request, &Watch { cancel: &self.cancel, progress: &|_| {} })
                 .map(|measured| measured.distance)
         } else {
-            measured(whole.as_ref(), solid, Interval::ZERO, voxel, &self.cancel)
+            measured(named(USUAL), &whole, solid, Interval::ZERO, voxel, &self.cancel)
         };
         let distance = distance.map_err(|error| Stop::of_measuring(&error, problem))?;
         Ok(displacement.of_field(distance))

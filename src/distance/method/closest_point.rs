@@ -2,6 +2,8 @@
 //! them answers everywhere. What holds of both is told in [`nearest`](crate::distance::nearest) and
 //! [`octree`](crate::distance::octree).
 
+use std::sync::Arc;
+
 use super::{Measured, Method, Request};
 use crate::distance::nearest::{FieldFeet, Watch};
 use crate::distance::octree::{BuildError, DistanceObject};
@@ -21,9 +23,9 @@ impl Method for ClosestPoint {
         let Request { field, solid, detail, settings } = request;
         let Watch { cancel, progress } = *watch;
         let seeding = |part: f64| progress(SEEDING * part);
-        let feet = FieldFeet::new(*field, solid, *detail, &Watch { cancel, progress: &seeding })?;
+        let feet = FieldFeet::new(field.as_ref(), solid, *detail, &Watch { cancel, progress: &seeding })?;
         let building = |part: f64| progress(SEEDING + (1.0 - SEEDING) * part);
         let object = DistanceObject::build(&feet, settings, &Watch { cancel, progress: &building })?;
-        Ok(Measured::of(object))
+        Ok(Measured::of(Arc::new(object)))
     }
 }

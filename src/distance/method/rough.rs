@@ -1,6 +1,8 @@
 //! A rough distance, for what is only to be estimated: to points where F changes its sign on the edges of a coarse lattice.
 //! Misses what is thinner than a cell of it. No scene can name it.
 
+use std::sync::Arc;
+
 use glam::{DVec3, IVec3};
 
 use super::{Measured, Method, Request};
@@ -22,6 +24,7 @@ impl Method for Rough {
 
     fn measure(&self, request: &Request<'_>, watch: &Watch<'_>) -> Result<Measured, BuildError> {
         let Request { field, solid, .. } = *request;
+        let field = field.as_ref();
         let edge = solid.size().max_element() / CELLS;
         let feet = RoughFeet { field, seeds: PointTree::new(crossings(request, edge)) };
         // A foot may be wrong by a cell: to follow it further would refine noise.
@@ -32,7 +35,7 @@ impl Method for Rough {
             ..Settings::new(solid, edge)
         };
         let object = DistanceObject::build(&feet, &settings, watch)?;
-        Ok(Measured::of(object))
+        Ok(Measured::of(Arc::new(object)))
     }
 }
 

@@ -247,6 +247,7 @@ impl<'r, 'a> Building<'r, 'a> {
             colour_name: name,
             primaries: fields.choice("color_space").and_then(Primaries::named),
             max_speed: fields.constant("max_speed"),
+            distance: fields.choice("distance"),
         };
         (output, chosen)
     }
@@ -364,6 +365,7 @@ fn default_output() -> Output {
         colour_name: "Cd".into(),
         primaries: None,
         max_speed: None,
+        distance: None,
         inside: false,
         density: false,
     }

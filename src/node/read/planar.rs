@@ -124,6 +124,7 @@ impl Building<'_, '_> {
             placement,
             colour: None,
             scalars: Default::default(),
+            distance: shape.distance,
             reads: Default::default(),
         };
         self.shapes.push(Some(lifted));

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use glam::DVec3;
 
+use crate::distance::method::USUAL;
 use crate::field::Aabb;
 
 use super::links::{Link, Node};
@@ -142,6 +143,7 @@ impl<'r, 'a> Building<'r, 'a> {
             .map(|value| self.scalars(&fields.full("attribute"), value, host))
             .unwrap_or_default();
         let name = path.trim_start_matches("shape.").into();
+        let distance = fields.choice("distance").unwrap_or(USUAL);
         let mut shape = Shape {
             name,
             span,
@@ -151,6 +153,7 @@ impl<'r, 'a> Building<'r, 'a> {
             placement,
             colour,
             scalars,
+            distance,
             reads: BTreeMap::new(),
         };
         shape.reads = self.reads(&shape, id);
