@@ -5,14 +5,17 @@ use std::path::{Path, PathBuf};
 
 /// Each room with those that it may use.
 const ARROWS: &[(&str, &[&str])] = &[
-    ("cli", &["bake", "render", "shot", "node", "text", "attribute", "mesh", "field", "grid", "vdb", "disk"]),
+    (
+        "cli",
+        &["bake", "render", "shot", "node", "text", "attribute", "distance", "mesh", "field", "grid", "vdb", "disk"],
+    ),
     ("bake", &["shot", "node", "text", "morph", "attribute", "distance", "field", "grid", "vdb", "disk"]),
     ("render", &["field", "grid"]),
     ("shot", &["node", "text", "morph", "attribute", "distance", "field", "grid", "vdb", "disk"]),
     ("node", &["text", "morph", "attribute", "distance", "mesh", "field", "grid", "vdb", "disk"]),
     ("text", &["attribute", "field", "disk"]),
     ("morph", &["attribute", "distance", "field", "grid"]),
-    ("attribute", &["mesh", "field", "grid"]),
+    ("attribute", &["distance", "mesh", "field", "grid"]),
     ("mesh", &["distance", "field", "disk"]),
     ("distance", &["field", "grid"]),
     ("field", &["grid"]),

@@ -4,6 +4,7 @@
 //! stdout carries only results (paths, text asked for, or one JSON document with `--json`); messages and progress
 //! go to stderr.
 
+mod accuracy;
 mod bake;
 mod caching;
 mod check;
@@ -88,6 +89,8 @@ enum Command {
     Schema,
     /// Hold frames against their manifest: missing, foreign, or a single bit flipped
     Verify(verify::Arguments),
+    /// Measure how right every way to measure distances is, on shapes whose distance is known exactly
+    Accuracy(accuracy::Arguments),
     /// Take pictures of a scene, a .vdb file or a sequence: PNG, animated PNG, EXR
     Preview(preview::Arguments),
 }
@@ -120,6 +123,7 @@ pub fn run() -> ExitCode {
         Command::New(arguments) => new::run(&arguments, &global),
         Command::Schema => schema::run(),
         Command::Verify(arguments) => verify::run(&arguments, &global),
+        Command::Accuracy(arguments) => accuracy::run(&arguments, &global),
         Command::Preview(arguments) => preview::run(&arguments, &global),
     });
     match result {

@@ -1,0 +1,43 @@
+//! `hfvdb accuracy`: how right the methods are that measure distances, on shapes whose distance is known exactly.
+
+use std::sync::atomic::AtomicBool;
+
+use clap::Args;
+
+use super::failure::Failure;
+use super::options::Global;
+use crate::distance::accuracy::all_cases;
+use crate::distance::accuracy::table::{markdown, table};
+use crate::distance::nearest::Watch;
+
+/// Arguments of `hfvdb accuracy`.
+#[derive(Args)]
+#[command(after_help = "\
+Columns, one number a resolution each: mean and greatest error of the distance in voxels, mean of | |∇d| − 1 |, the order of
+convergence that fits the mean errors, voxels on the wrong side, seconds (of the first method the whole band, of the
+others what comes on top of that).
+
+Examples:
+  hfvdb accuracy                          at 32, 64 and 128 voxels along the longest side
+  hfvdb accuracy --resolution 64,256      at these
+  hfvdb --json accuracy                   for programs")]
+pub struct Arguments {
+    /// Voxels along the longest side of each shape, from 8 to 512, several with commas between them
+    #[arg(long, value_name = "N", value_delimiter = ',', default_values_t = [32, 64, 128],
+        value_parser = clap::value_parser!(u32).range(8..=512))]
+    resolution: Vec<u32>,
+}
+
+/// Runs the command.
+pub fn run(arguments: &Arguments, global: &Global) -> Result<(), Failure> {
+    let mut resolutions = arguments.resolution.clone();
+    resolutions.sort_unstable();
+    resolutions.dedup();
+    let cancel = AtomicBool::new(false);
+    let rows = table(&all_cases(), &resolutions, &Watch { cancel: &cancel, progress: &|_| {} })
+        .map_err(|error| Failure::work(error.to_string()))?;
+    if global.json {
+        return super::print_json(&serde_json::json!({ "accuracy": rows }));
+    }
+    super::print(&markdown(&rows, true))
+}
