@@ -21,6 +21,7 @@ mod primaries;
 mod ramp;
 mod scalar_field;
 mod surface;
+mod travel;
 mod voxels;
 
 pub use affine::AffineVector;
@@ -38,6 +39,7 @@ pub use primaries::Primaries;
 pub use ramp::{Ramp, RampEase};
 pub use scalar_field::ScalarField;
 pub use surface::{Curvature, Facing};
+pub use travel::{Journey, Sources, Travel, TravelError};
 pub use voxels::{Outside, POWERS, Power, RELATIVE_ERROR, ValueBlocks, VoxelValues};
 
 use crate::field::{Aabb, BATCH, Gradients, Interval, Points};

@@ -64,7 +64,11 @@ impl Solids {
         // Measured as finely as the lattice is: the same whatever is baked how finely.
         let voxel = Some(size.max_element() / f64::from(along));
         let levels = Interval::new(-size.length(), size.length());
-        let distance = self.step_distance((id, step), levels, &Purpose { shape, key, span: shape.span, voxel })?;
+        let distance = self.step_distance(
+            (id, step),
+            levels,
+            &Purpose { shape, key, span: shape.span, voxel, method: shape.distance },
+        )?;
         let body = Body::new(Arc::new(distance), solid, along, self.cancel());
         body.map_err(|error| problem(&model, body_key, None, &error))
     }
@@ -79,7 +83,7 @@ impl Solids {
             Err(_) => body.aabb(),
         };
         let levels = Interval::new(-all.size().length(), 0.0);
-        let purpose = Purpose { shape, key, span: shape.span, voxel: Some(body.edge()) };
+        let purpose = Purpose { shape, key, span: shape.span, voxel: Some(body.edge()), method: shape.distance };
         Ok(Arc::new(self.distance_values(id, levels, &purpose)?))
     }
 }

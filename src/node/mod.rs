@@ -373,6 +373,7 @@ nodes! {
             marble
             curvature
             facing
+            travel
             ramp
             bands
             parts

@@ -1,6 +1,7 @@
 //! Colours and scalars of shapes at one moment.
 
 use std::collections::BTreeSet;
+use std::sync::atomic::AtomicBool;
 use std::sync::{Arc, OnceLock};
 
 use glam::DAffine3;
@@ -271,6 +272,14 @@ impl<const N: usize, W: Asked<N>> Sourcing<N> for Painting<'_, W> {
 
     fn voxel(&self) -> f64 {
         self.voxel
+    }
+
+    fn shape(&mut self, id: ShapeId) -> Result<Arc<dyn Field>, Problem> {
+        self.solids.field(id, Stage::Placed)
+    }
+
+    fn cancel(&self) -> Arc<AtomicBool> {
+        Arc::clone(self.solids.cancel())
     }
 
     fn cells(&mut self) -> Result<Arc<dyn CellIndex>, Problem> {

@@ -142,6 +142,8 @@ fn of_kind(kind: Kind) -> Value {
         Kind::Frames => json!({ "type": ["integer", "string"] }),
         Kind::Depth => json!({ "type": ["integer", "array"] }),
         Kind::Shape | Kind::Cells => json!({ "type": ["string", "object"] }),
+        Kind::ShapesOr(word) => json!({ "anyOf": [{ "const": word }, of_kind(Kind::Shapes(1))] }),
+        Kind::OfSpace => number(),
         Kind::Shapes(least) => list(least, json!({ "type": ["string", "object"] })),
         Kind::Goals => list(1, json!({ "type": ["string", "object"] })),
         Kind::ShapePairs => list(1, list(2, json!({ "type": "string" }))),

@@ -1,6 +1,7 @@
 //! A row of the tables of colours and scalars: where an attribute of a shape can come from.
 
 use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 
 use crate::attribute::conformal::{Body, Feature};
 use crate::attribute::{Attribute, Bands, ByCell, CellIndex, Choice, CubeLattice, Mix, Rule, Scalar};
@@ -97,6 +98,10 @@ pub trait Sourcing<const N: usize> {
     fn solid(&mut self) -> Result<Arc<dyn Field>, Problem>;
     /// A voxel's edge in the shape's space.
     fn voxel(&self) -> f64;
+    /// Another shape where it stands, in this one's own space.
+    fn shape(&mut self, id: ShapeId) -> Result<Arc<dyn Field>, Problem>;
+    /// Set to stop.
+    fn cancel(&self) -> Arc<AtomicBool>;
     /// The cells of the shape, which can take a value each.
     fn cells(&mut self) -> Result<Arc<dyn CellIndex>, Problem>;
     /// What the attribute is on some shapes, together; `None` where none has it.

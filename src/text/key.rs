@@ -71,6 +71,10 @@ pub enum Kind {
     TwoColours,
     /// Three numbers of a colour, each also as a formula of space, and what they are.
     Components(Components),
+    /// A list of at least one shape, or a word.
+    ShapesOr(&'static str),
+    /// A number as [`Kind::Number`], or a formula of space.
+    OfSpace,
     /// Three numbers, each also as a formula of space.
     Formulas,
     /// Colours with the depths at which they begin.
@@ -134,6 +138,8 @@ impl Kind {
             Self::Fill => "`{ mix = [shape, shape], by = attribute }`".into(),
             Self::Shapes(_) => "list of shapes".into(),
             Self::Goals => "list of shapes, `\"surface\"` among them".into(),
+            Self::ShapesOr(word) => format!("list of shapes, or `\"{word}\"`"),
+            Self::OfSpace => "number or formula of space".into(),
             Self::ShapePairs => "list of pairs of shapes".into(),
             Self::PlacePairs => "list of pairs of places `[x, y, z]`".into(),
             Self::Cells => "cells".into(),

@@ -9,7 +9,7 @@ use crate::field::Aabb;
 
 use super::links::{Link, Node};
 use super::{Building, Host, any_shape_keys, family, shape_keys};
-use crate::node::argument::{Argument, Arguments, Bounds, Copies, Rows};
+use crate::node::argument::{Argument, Arguments, Bounds, Component, Copies, Rows};
 use crate::node::keys;
 use crate::node::list;
 use crate::node::model::{Modifier, Placement, Shape, ShapeId};
@@ -301,6 +301,13 @@ impl<'r, 'a> Building<'r, 'a> {
             Kind::Shape => Argument::Shape(self.operand(&path, Node::Shape(id), fields.value(name)?)?),
             Kind::Shapes(least) => Argument::Shapes(self.operands(name, least, fields, id)?),
             Kind::Goals => Argument::Goals(self.goals(&path, fields.value(name)?, id)?),
+            // The word is a list of none.
+            Kind::ShapesOr(word) if fields.value(name)?.text() == Some(word) => Argument::Shapes(Vec::new()),
+            Kind::ShapesOr(_) => Argument::Shapes(self.operands(name, 1, fields, id)?),
+            Kind::OfSpace => Argument::Components(vec![match fields.value(name)?.text() {
+                Some(text) => Component::Formula(self.reader.formula_of_space(text, fields.value(name)?.span)?),
+                None => Component::Number(fields.number(name)?),
+            }]),
             Kind::Cells => Argument::Cells(self.cells_reference(&path, id, fields.value(name)?)?),
             Kind::Copies => Argument::Copies(self.copies(&path, id, fields.value(name)?)?),
             Kind::Counts => Argument::Counts(self.counts(&path, fields.value(name)?)?),
