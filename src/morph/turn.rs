@@ -200,7 +200,7 @@ mod tests {
         let flat = [DVec3::new(1.0, 0.0, 0.0), DVec3::new(-0.5, 0.8, 0.0), DVec3::new(-0.5, -0.8, 0.0)];
         assert!(same(fit(&flat.map(|place| [place, wanted * place])).expect("a turn"), wanted));
         // Of a mirror image, the best that turns alone.
-        let solid = [DVec3::X, DVec3::Y * 2.0, DVec3::Z * 0.1, -DVec3::X - DVec3::Y * 2.0 - DVec3::Z * 0.1];
+        let solid = [DVec3::X, -DVec3::X, DVec3::Y * 2.0, DVec3::Y * -2.0, DVec3::Z * 0.1, DVec3::Z * -0.1];
         let found = fit(&solid.map(|place| [place, place * DVec3::new(1.0, 1.0, -1.0)])).expect("a turn");
         assert!(same(found, DMat3::IDENTITY), "{found}");
         assert!(fit(&[-1.0, 0.0, 1.0].map(|along| [DVec3::X * along, DVec3::Y * along])).is_none());
