@@ -277,7 +277,7 @@ fn colours_in_other_primaries_say_so_and_come_back() {
     let to_ap1 = |[r, g, b]: [f32; 3]| {
         [
             0.613_097_4 * r + 0.339_523_15 * g + 0.047_379_45 * b,
-            0.070_193_72 * r + 0.916_353_88 * g + 0.013_452_4 * b,
+            0.070_193_72 * r + 0.916_353_9 * g + 0.013_452_4 * b,
             0.020_615_59 * r + 0.109_569_77 * g + 0.869_814_63 * b,
         ]
     };
@@ -291,9 +291,9 @@ fn colours_in_other_primaries_say_so_and_come_back() {
                 "hfvdb = 1\n[shape.a]\nsphere = 1\ncolor = ['0.5 + 0.4*x', 0.2, 'abs(z)']\n[output]\ninside = {inside}\n{space}"
             )
         };
-        place.write("plain.toml", &scene(""));
-        place.write("ap1.toml", &scene("color_space = 'lin_ap1_scene'"));
-        place.write("tagged.toml", &scene("color_space = 'lin_rec709_scene'"));
+        place.write("plain.toml", scene(""));
+        place.write("ap1.toml", scene("color_space = 'lin_ap1_scene'"));
+        place.write("tagged.toml", scene("color_space = 'lin_rec709_scene'"));
         for name in ["plain", "ap1", "tagged"] {
             place.hfvdb(&format!("bake {name}.toml --resolution 24 -o {name}.vdb")).ok();
         }
@@ -307,7 +307,7 @@ fn colours_in_other_primaries_say_so_and_come_back() {
         // A shape from the file has the colours that were asked for, not those that are in it.
         if !inside {
             for name in ["plain", "ap1"] {
-                place.write("again.toml", &format!("hfvdb = 1\n[shape.a]\nvdb = '{name}.vdb'\n"));
+                place.write("again.toml", format!("hfvdb = 1\n[shape.a]\nvdb = '{name}.vdb'\n"));
                 place.hfvdb(&format!("bake again.toml --voxel-size 0.1 -o again-{name}.vdb")).ok();
             }
             let [one, other] = ["plain", "ap1"].map(|name| colours(&place.path(&format!("again-{name}.vdb"))).1);

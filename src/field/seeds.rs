@@ -71,7 +71,7 @@ impl Seeds {
         /// Whole numbers of cubes are exact below.
         const FARTHEST: f64 = 9e15;
         let at = position / self.edge;
-        if !(at.abs().max_element() < FARTHEST) {
+        if !at.is_finite() || at.abs().max_element() >= FARTHEST {
             return None;
         }
         let cube = at.floor().as_i64vec3();

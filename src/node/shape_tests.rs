@@ -106,7 +106,7 @@ fn parameters_that_make_no_shape_are_errors_with_a_way_out() {
         ("gyroid = 1\nthickness = 0.1\nfraction = 0.2\nbounds = 2", "both `thickness` and `fraction`"),
         ("honeycomb = 1\nwall = 1\nbounds = 2", "larger cells"),
         ("slabs = 1\nwall = 1\nbounds = 2", "farther apart"),
-        ("slabs = 1\naxes = \"yx\"\nbounds = 2", "`xy`"),
+        ("slabs = 1\naxes = \"yx\"\nbounds = 2", "did you mean"),
         ("foam = 1\nwall = 1\nbounds = 2", "larger cells"),
         ("pores = 1\njitter = 2\nbounds = 2", "`jitter`"),
         ("threads = 1\nradius = 0.3\nwave = 0.3\nbounds = 2", "layers would meet"),

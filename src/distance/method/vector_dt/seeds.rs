@@ -160,7 +160,7 @@ impl<'a> Work<'a> {
         let middle = |edge: &Edge, round: usize| {
             let ((low, at_low), (high, at_high)) = (edge.low, edge.high);
             // Halvings in turns, so that a bend of F holds none up.
-            let share = if round % 2 == 0 { at_low / (at_low - at_high) } else { 0.5 };
+            let share = if round.is_multiple_of(2) { at_low / (at_low - at_high) } else { 0.5 };
             if share > 0.0 && share < 1.0 { low + share * (high - low) } else { 0.5 * (low + high) }
         };
         for round in 0..ROOT_STEPS {
