@@ -104,6 +104,8 @@ const SCENES: &[BuiltIn] = &[
 ];
 
 const FILES: &[(&str, &[u8])] = &[
+    ("bat.toml", include_bytes!("../../scenes/bat.toml")),
+    ("robot.toml", include_bytes!("../../scenes/robot.toml")),
     ("ball.vdb", include_bytes!("../../scenes/ball.vdb")),
     ("cube.obj", include_bytes!("../../scenes/cube.obj")),
     ("leaf.png", include_bytes!("../../scenes/leaf.png")),
