@@ -323,7 +323,7 @@ fn colours_of_an_unknown_space_are_refused_and_polygons_keep_theirs() {
         "ap1.toml",
         "hfvdb = 1\n[shape.a]\nsphere = 1\ncolor = 'red'\n[output]\ncolor_space = 'lin_ap1_scene'\n",
     );
-    place.hfvdb("bake ap1.toml --resolution 24 -o a.ply").fails(1, &["polygons have colours of Rec.709", "write .vdb"]);
+    place.hfvdb("bake ap1.toml --resolution 24 -o a.ply").fails(2, &["polygons have colours of Rec.709", "write .vdb"]);
     place.write("no.toml", "hfvdb = 1\n[shape.a]\nsphere = 1\n[output]\ncolor_space = 'acescg'\n");
     place.hfvdb("check no.toml").fails(1, &["`lin_ap1_scene`"]);
 }

@@ -191,10 +191,10 @@ fn what_is_wrong() {
     let keys = |keys: &str, wanted: &str| wrong(&bar(keys), "6:", wanted);
     keys("attribute.a = { interior = [] }", "`shape.s.attribute.a.interior` needs at least one shape");
     keys("attribute.a = { interior = 'tip' }", "`shape.s.attribute.a.interior` must be a list of shapes");
-    keys("attribute.a = { interior = ['tpi'] }", "`tpi`");
-    keys("attribute.a = { interior = ['tip', 'surface', 'tpi'] }", "`tpi`");
+    keys("attribute.a = { interior = ['tpi'] }", "`shape.tpi`");
+    keys("attribute.a = { interior = ['tip', 'surface', 'tpi'] }", "`shape.tpi`");
     keys("attribute.a = { interior = ['s'] }", "`s` is made from itself");
-    keys("attribute.a = { conformal = ['surface'] }", "`surface`");
+    keys("attribute.a = { conformal = ['surface'] }", "`shape.surface`");
     keys("attribute.a = { interior = ['tip'], lattice = 8 }", "from 16 to 512");
     keys("color = { conformal = ['tip'], spread = 0 }", "from 0.000001 to 1");
     keys("offset = 'way'", "`way` differs from place to place, and one number is needed here");

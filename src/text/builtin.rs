@@ -101,6 +101,12 @@ const SCENES: &[BuiltIn] = &[
         text: include_str!("../../scenes/covid.toml"),
         line: "a virus cell of hundreds of parts, cut open",
     },
+    BuiltIn {
+        name: "conformal-ell",
+        text: include_str!("../../scenes/conformal-ell.toml"),
+        line: "colours that follow the inside of a bent body, and the same through the air",
+    },
+    BuiltIn { name: "crawl", text: include_str!("../../scenes/crawl.toml"), line: "a change that crawls along a vine" },
 ];
 
 const FILES: &[(&str, &[u8])] = &[

@@ -46,11 +46,11 @@ pub const NODE: Spec = Spec {
             // Where threads cross, one is above and the other below the layer's middle.
             let warp = |i: usize| {
                 let (a, b, up) = at(i);
-                DVec3::new(a, b, cell / 2.0 + up)
+                DVec3::new(a, b, up)
             };
             let weft = |i: usize| {
                 let (a, b, up) = at(i);
-                DVec3::new(b, a, cell / 2.0 - up)
+                DVec3::new(b, a, -up)
             };
             for i in 0..PIECES {
                 struts.push(Strut::new(warp(i), warp(i + 1), [radius; 2]));

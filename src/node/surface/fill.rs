@@ -24,7 +24,7 @@ pub const NODE: Spec = Spec {
     .unit("units")],
     formula: "min(f, max(g, s − f)), f the signed distance, g the structure",
     source: "HFRep, figure 14",
-    example: "sphere = 1\nfill = { gyroid = 0.5, thickness = 0.1 }\nskin = 0.06",
+    example: "sphere = 1\nfill = { gyroid = 0.6, thickness = 0.12 }",
     measures: |_| true,
     build: |build| {
         let solid = build.inner()?;
