@@ -2,7 +2,7 @@
 
 use super::compute::Attributes;
 use super::{Bytes, Error, inside, velocity};
-use crate::attribute::{LinearRgb, Primaries};
+use crate::attribute::LinearRgb;
 use crate::distance::descent::Scope;
 use crate::distance::extent::{BandBoxes, Effort};
 use crate::distance::method;
@@ -59,8 +59,7 @@ fn estimate_by(prepared: &Prepared, content: &FrameContent, in_flight: usize, ef
     memory += found.blocks * BLOCK_VOXELS as f64 * method::named(model.written_distance()).bytes_a_node() as f64;
     let output = &model.output;
     // Colours in other primaries are there twice while a frame is encoded.
-    let is_converted =
-        content.colour.is_some() && output.primaries.is_some_and(|primaries| primaries != Primaries::Rec709);
+    let is_converted = content.colour.is_some() && output.other_primaries().is_some();
     if is_converted {
         memory += found.voxels * size_of::<LinearRgb>() as f64 * in_flight as f64;
     }

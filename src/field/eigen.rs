@@ -5,6 +5,14 @@ use glam::{DMat3, DVec3};
 /// Sweeps of Jacobi's rotations; a matrix of three is done after five.
 const SWEEPS: usize = 6;
 
+/// The eigenvalues of a symmetric matrix, greatest first, each with its unit eigenvector.
+pub(crate) fn eigen_descending(matrix: DMat3) -> [(f64, DVec3); 3] {
+    let (values, vectors) = eigen(matrix);
+    let mut pairs = [0, 1, 2].map(|place| (values[place], vectors.col(place)));
+    pairs.sort_by(|a, b| b.0.total_cmp(&a.0));
+    pairs
+}
+
 /// The eigenvalues and unit eigenvectors (columns) of a symmetric matrix, in no order (Jacobi).
 pub(crate) fn eigen(mut matrix: DMat3) -> (DVec3, DMat3) {
     let mut vectors = DMat3::IDENTITY;

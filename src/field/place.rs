@@ -174,6 +174,14 @@ impl Graph {
     }
 }
 
+/// A turn about an axis of length 1, counterclockwise seen from its tip, by an angle in radians (Rodrigues), by sine and cosine
+/// that are the same on every machine.
+pub fn rotation_about(axis: DVec3, angle: f64) -> DMat3 {
+    let (sin, cos) = (libm::sin(angle), libm::cos(angle));
+    let column = |v: DVec3| v * cos + axis.cross(v) * sin + axis * (axis.dot(v) * (1.0 - cos));
+    DMat3::from_cols(column(DVec3::X), column(DVec3::Y), column(DVec3::Z))
+}
+
 /// Degrees about the fixed x, then y, then z axis, as a matrix.
 pub fn rotation(degrees: DVec3) -> DMat3 {
     let turned = |degrees: f64| {

@@ -2,7 +2,7 @@
 
 use glam::{DVec3, I64Vec3};
 
-use super::noise::hash::{of_cell, shares};
+use super::noise::hash::{cells_around, of_cell, shares};
 use super::parts::Sample;
 
 /// Points at random, one in each cube of a lattice.
@@ -46,7 +46,7 @@ impl Seeds {
             if (ring - 1) as f64 > from_own + 2.0 * best.0 {
                 break;
             }
-            around(ring, |by| {
+            cells_around(ring, |by| {
                 let other = cube + by;
                 let most = from_own + 2.0 * best.0;
                 if other == own || self.least_square(other, at) > most * most {
@@ -77,7 +77,7 @@ impl Seeds {
         let cube = at.floor().as_i64vec3();
         let mut nearest = (f64::INFINITY, cube, DVec3::ZERO);
         for ring in 0..=NEAREST_AROUND {
-            around(ring, |by| {
+            cells_around(ring, |by| {
                 let other = cube + by;
                 if self.least_square(other, at) >= nearest.0 {
                     return;
@@ -101,21 +101,6 @@ impl Seeds {
     fn least_square(&self, cube: I64Vec3, at: DVec3) -> f64 {
         let apart = (at - (cube.as_dvec3() + 0.5)).abs() - 0.5 * self.jitter;
         apart.max(DVec3::ZERO).length_squared()
-    }
-}
-
-/// The cubes so many steps away, the own one where that is none.
-fn around(ring: i64, mut each: impl FnMut(I64Vec3)) {
-    for x in -ring..=ring {
-        for y in -ring..=ring {
-            let is_side = x.abs() == ring || y.abs() == ring;
-            let step = if is_side || ring == 0 { 1 } else { 2 * ring };
-            let mut z = -ring;
-            while z <= ring {
-                each(I64Vec3::new(x, y, z));
-                z += step;
-            }
-        }
     }
 }
 

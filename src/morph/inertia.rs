@@ -5,7 +5,7 @@ use glam::{DMat3, DVec3};
 use super::coarse::CoarseGrid;
 use super::volume::object_fractions;
 use crate::distance::Distance;
-use crate::field::eigen;
+use crate::field::eigen_descending;
 
 /// How many times as far a solid reaches along an axis as along the next, so that the two are told apart. Less: how cells
 /// lie on a cube decides where it turns; more: what is plainly longer than wide is not turned lengthwise.
@@ -75,10 +75,7 @@ impl Inertia {
 
 /// The axes of a matrix of second moments.
 fn axes(moments: DMat3) -> Axes {
-    let (squares, columns) = eigen(moments);
-    let mut order = [0, 1, 2];
-    order.sort_by(|a, b| squares[*b].total_cmp(&squares[*a]));
-    let [longest, middle, shortest] = order.map(|place| (squares[place].max(0.0).sqrt(), columns.col(place)));
+    let [longest, middle, shortest] = eigen_descending(moments).map(|(square, axis)| (square.max(0.0).sqrt(), axis));
     let clear = |one: f64, other: f64| one > CLEAR * other;
     match (clear(longest.0, middle.0), clear(middle.0, shortest.0)) {
         (true, true) => Axes::All(DMat3::from_cols(longest.1, middle.1, shortest.1)),

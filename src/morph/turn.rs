@@ -8,7 +8,7 @@ use std::f64::consts::TAU;
 use glam::{DMat3, DQuat, DVec3};
 
 use super::inertia::Axes;
-use crate::field::eigen;
+use crate::field::{eigen_descending, rotation_about};
 
 /// Directions that differ by less than this are the same, in radians: far more than rounding, far less than is seen.
 const SAME: f64 = 1e-6;
@@ -16,20 +16,13 @@ const SAME: f64 = 1e-6;
 /// on rounding.
 const IN_LINE: f64 = 1e-4;
 
-/// The turn of a rotation vector (Rodrigues).
+/// The turn of a rotation vector.
 pub(super) fn turn(vector: DVec3) -> DMat3 {
     let angle = vector.length();
     if angle == 0.0 {
         return DMat3::IDENTITY;
     }
-    let DVec3 { x, y, z } = vector / angle;
-    let (sin, cos) = libm::sincos(angle);
-    let rest = 1.0 - cos;
-    DMat3::from_cols(
-        DVec3::new(cos + x * x * rest, x * y * rest + z * sin, x * z * rest - y * sin),
-        DVec3::new(x * y * rest - z * sin, cos + y * y * rest, y * z * rest + x * sin),
-        DVec3::new(x * z * rest + y * sin, y * z * rest - x * sin, cos + z * z * rest),
-    )
+    rotation_about(vector / angle, angle)
 }
 
 /// The rotation vector of a turn; of those that differ by whole turns, the nearest to another.
@@ -130,10 +123,7 @@ pub(super) fn fit(pairs: &[[DVec3; 2]]) -> Option<DMat3> {
         matrix += DMat3::from_cols(*from * to.x, *from * to.y, *from * to.z);
     }
     // The matrix is U·S·Vᵀ: U from its product with its transpose, V from U.
-    let (squares, columns) = eigen(matrix * matrix.transpose());
-    let mut order = [0, 1, 2];
-    order.sort_by(|a, b| squares[*b].total_cmp(&squares[*a]));
-    let [first, second] = [0, 1].map(|place| columns.col(order[place]));
+    let [(_, first), (_, second), _] = eigen_descending(matrix * matrix.transpose());
     let (along, beside) = (matrix.transpose() * first, matrix.transpose() * second);
     // Sums of squares of lengths.
     let on_a_line = beside.length() <= IN_LINE * IN_LINE * along.length();

@@ -76,8 +76,11 @@ fn sides(levels: Interval) -> (Option<Side>, Option<Side>) {
 }
 
 /// A node with a solid's zero set that is the distance to it wherever that is one of `levels`, as far as it takes no
-/// measuring.
-pub(crate) fn told(graph: &mut Graph, solid: Node, levels: Interval) -> Option<Node> {
+/// measuring. Who names another `method` than the usual wants its distances.
+pub(crate) fn told(graph: &mut Graph, solid: Node, levels: Interval, method: &str) -> Option<Node> {
+    if method != USUAL {
+        return None;
+    }
     let slope = graph.slope(solid);
     let exact = |side: Option<Side>| side.is_none_or(|side| slope.is_exact(side));
     match sides(levels) {
@@ -152,9 +155,7 @@ impl Distances {
         levels: Interval,
         purpose: &Purpose<'_>,
     ) -> Result<Node, Problem> {
-        // Who names another method wants its distances.
-        let is_usual = purpose.method == USUAL;
-        if let Some(distance) = is_usual.then(|| told(graph, solid, levels)).flatten() {
+        if let Some(distance) = told(graph, solid, levels, purpose.method) {
             return Ok(distance);
         }
         let levels_and_voxel = [levels.lo, levels.hi, purpose.voxel.unwrap_or(0.0)].map(f64::to_bits);
@@ -163,7 +164,7 @@ impl Distances {
             return Ok(*known);
         }
         let found = match sides(levels) {
-            (None, Some(side)) | (Some(side), None) if is_usual => {
+            (None, Some(side)) | (Some(side), None) if purpose.method == USUAL => {
                 self.by_parts(graph, (solid, side), levels, purpose)?
             }
             _ => None,

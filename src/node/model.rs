@@ -482,6 +482,11 @@ impl Output {
         self.inside || self.density
     }
 
+    /// The space of its colours where they have to be converted to it.
+    pub fn other_primaries(&self) -> Option<Primaries> {
+        self.primaries.filter(|primaries| *primaries != Primaries::Rec709)
+    }
+
     /// Whether a grid is written where there is one of this name. `vel` has to be asked for.
     pub fn writes(&self, grid: &str) -> bool {
         self.grids.as_ref().map_or(grid != "vel", |grids| grids.iter().any(|name| name == grid))

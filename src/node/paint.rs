@@ -7,7 +7,7 @@ use std::sync::{Arc, OnceLock};
 use glam::DAffine3;
 
 use crate::attribute::{Attribute, CellIndex, FieldValue, Part, Parts, Rule, Scalar, ScalarField};
-use crate::distance::method::{USUAL, named};
+use crate::distance::method::named;
 use crate::distance::octree::BuildError;
 use crate::field::{Expression, Field, Graph, Interval};
 use crate::node::argument::{Arguments, Component};
@@ -298,10 +298,7 @@ impl<const N: usize, W: Asked<N>> Sourcing<N> for Painting<'_, W> {
         let (id, voxel) = (self.id, self.voxel);
         // The depth is that below the surface of the bent shape.
         self.stands = self.shape.bare_steps();
-        let method = self.shape.distance;
-        if method == USUAL
-            && let Some(distance) = self.solids.distance_without_measuring(id, levels)?
-        {
+        if let Some(distance) = self.solids.distance_without_measuring(id, levels)? {
             return Ok(Arc::new(FieldValue(distance)));
         }
         let solid = self.solids.field(id, Stage::Bare)?;
@@ -313,7 +310,7 @@ impl<const N: usize, W: Asked<N>> Sourcing<N> for Painting<'_, W> {
         });
         let cancel = Arc::clone(self.solids.cancel());
         let tolerance = TOLERANCE_VOXELS * voxel;
-        let (method, measured) = (named(method), OnceLock::new());
+        let (method, measured) = (named(self.shape.distance), OnceLock::new());
         Ok(Arc::new(Depth { solid, aabb, levels, voxel, tolerance, method, cancel, failed, measured }))
     }
 

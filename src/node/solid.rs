@@ -8,7 +8,6 @@ use glam::{DAffine3, DVec3};
 
 use crate::attribute::{CellIndex, Scalar};
 use crate::distance::extent::extent;
-use crate::distance::method::USUAL;
 use crate::field::cells::{CellOptions, Cells};
 use crate::field::facet::Pieces;
 use crate::field::{Aabb, Expression, Field, Graph, Interval, Node, SetSystem, rotation};
@@ -184,7 +183,7 @@ impl Solids {
         levels: Interval,
     ) -> Result<Option<Arc<dyn Field>>, Problem> {
         let bare = self.node(id, Stage::Bare)?;
-        let distance = told(&mut self.graph, bare, levels);
+        let distance = told(&mut self.graph, bare, levels, self.model.shape(id).distance);
         Ok(distance.map(|distance| Arc::new(Expression::new(&self.graph, distance).keeping_values()) as Arc<dyn Field>))
     }
 
@@ -419,9 +418,7 @@ impl Solids {
         let model = self.model();
         let shape = model.shape(id);
         let purpose = &Purpose { method: shape.distance, ..*purpose };
-        if purpose.method == USUAL
-            && let Some(distance) = told(&mut self.graph, placed, levels)
-        {
+        if let Some(distance) = told(&mut self.graph, placed, levels, purpose.method) {
             return Ok(distance);
         }
         let scale = self.vector(&shape.placement.scale)?;
@@ -537,8 +534,7 @@ impl Build for Making<'_> {
     }
 
     fn moving_distance(&mut self, solid: Node, levels: Interval, key: &'static str) -> Result<Node, Problem> {
-        let is_usual = self.shape.distance == USUAL;
-        match is_usual.then(|| told(&mut self.solids.graph, solid, levels)).flatten() {
+        match told(&mut self.solids.graph, solid, levels, self.shape.distance) {
             Some(distance) => Ok(distance),
             // The same in every frame, wherever a scalar moves the surface in each.
             None => self.distance(solid, BESIDE_SURFACE, key),

@@ -27,13 +27,12 @@ impl Format for Vdb {
     }
 
     fn encode(&self, frame: &Frame<'_>) -> Result<Vec<Vec<u8>>, Error> {
-        let primaries = frame.prepared.model().output.primaries;
-        let colours = primaries.filter(|primaries| *primaries != Primaries::Rec709);
+        let output = &frame.prepared.model().output;
+        let colours = output.other_primaries();
         let colours = colours.map_or(Colours::Same, |primaries| Colours::in_primaries(frame.computed, primaries));
         let mut grids = grids(frame, &colours);
-        if let Some(primaries) = primaries {
-            let name = &frame.prepared.model().output.colour_name;
-            for grid in grids.iter_mut().filter(|grid| grid.name == name) {
+        if let Some(primaries) = output.primaries {
+            for grid in grids.iter_mut().filter(|grid| grid.name == output.colour_name) {
                 grid.metadata.insert(INTEROP_ID.into(), primaries.name().into());
             }
         }

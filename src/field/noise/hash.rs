@@ -8,6 +8,21 @@ pub(in crate::field) fn of_cell(cell: I64Vec3, seed: u64) -> u64 {
     [cell.x, cell.y, cell.z].into_iter().fold(mixed(seed), |hash, part| mixed(hash ^ part as u64))
 }
 
+/// The cells so many steps away along the axis along which they are the farthest; the own one where that is none.
+pub(in crate::field) fn cells_around(ring: i64, mut each: impl FnMut(I64Vec3)) {
+    for x in -ring..=ring {
+        for y in -ring..=ring {
+            let is_side = x.abs() == ring || y.abs() == ring;
+            let step = if is_side || ring == 0 { 1 } else { 2 * ring };
+            let mut z = -ring;
+            while z <= ring {
+                each(I64Vec3::new(x, y, z));
+                z += step;
+            }
+        }
+    }
+}
+
 pub(super) fn mixed(bits: u64) -> u64 {
     let mut bits = bits.wrapping_add(0x9e37_79b9_7f4a_7c15);
     bits = (bits ^ (bits >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);

@@ -6,7 +6,7 @@
 use glam::{DVec3, I64Vec3};
 
 use super::Noise;
-use super::hash::{of_cell, shares};
+use super::hash::{cells_around, of_cell, shares};
 
 /// Which distance.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -48,17 +48,7 @@ impl Worley {
         let mut nearest = [(f64::INFINITY, DVec3::ZERO); 2];
         // The cells in the order of how near they may be: most are never hashed.
         for ring in 0..=AROUND {
-            for x in -ring..=ring {
-                for y in -ring..=ring {
-                    let is_side = x.abs() == ring || y.abs() == ring;
-                    let step = if is_side || ring == 0 { 1 } else { 2 * ring };
-                    let mut z = -ring;
-                    while z <= ring {
-                        self.look(position, base, cell, I64Vec3::new(x, y, z), &mut nearest);
-                        z += step;
-                    }
-                }
-            }
+            cells_around(ring, |by| self.look(position, base, cell, by, &mut nearest));
         }
         nearest
     }

@@ -2,8 +2,9 @@
 
 use std::sync::Arc;
 
-use glam::{DAffine3, DMat3, DVec3};
+use glam::DAffine3;
 
+use crate::field::rotation_about;
 use crate::node::bend::Straight;
 use crate::node::spec::{Spec, flat};
 use crate::text::key::Absent::{Nothing, Number, Vector};
@@ -22,28 +23,23 @@ pub const NODE: Spec = Spec {
     bend: Some(|build| {
         let (axis, angle) = (build.direction("rotate_about")?.normalize(), build.number("angle")?);
         let pivot = build.vector("pivot")?;
-        let turn = about(axis, angle);
+        let turn = rotation_about(axis, angle.to_radians());
         let map = DAffine3::from_mat3_translation(turn, pivot - turn * pivot);
         Ok(Arc::new(Straight::new(map).ok_or_else(|| flat(build, "rotate_about"))?))
     }),
     ..Spec::PLAIN
 };
 
-/// Rodrigues' formula, by sine and cosine that are the same on every machine.
-fn about(axis: DVec3, degrees: f64) -> DMat3 {
-    let angle = degrees.to_radians();
-    let (sin, cos) = (libm::sin(angle), libm::cos(angle));
-    let column = |v: DVec3| v * cos + axis.cross(v) * sin + axis * (axis.dot(v) * (1.0 - cos));
-    DMat3::from_cols(column(DVec3::X), column(DVec3::Y), column(DVec3::Z))
-}
-
 #[cfg(test)]
 mod tests {
+    use glam::DVec3;
+
     use super::*;
     use crate::field::rotation;
 
     #[test]
     fn about_the_axes_it_is_the_usual_rotation() {
+        let about = |axis: DVec3, degrees: f64| rotation_about(axis, degrees.to_radians());
         for (axis, degrees) in [(DVec3::X, 30.0), (DVec3::Y, -70.0), (DVec3::Z, 200.0)] {
             assert!(about(axis, degrees).abs_diff_eq(rotation(axis * degrees), 1e-12), "{axis}");
         }

@@ -11,7 +11,7 @@ use glam::{DVec3, IVec3};
 use rayon::prelude::*;
 
 use super::Frame;
-use crate::attribute::{Attribute, LinearRgb, Primaries};
+use crate::attribute::{Attribute, LinearRgb};
 use crate::bake::{Error, Output};
 use crate::field::{Aabb, BATCH, Evaluator, Gradients, Points};
 use crate::grid::measure::{Lookup, Place, Surroundings, local_of};
@@ -41,7 +41,7 @@ pub fn check(model: &Model, output: &Output) -> Result<(), String> {
                 .into(),
         );
     }
-    if let Some(primaries) = model.output.primaries.filter(|primaries| *primaries != Primaries::Rec709) {
+    if let Some(primaries) = model.output.other_primaries() {
         return Err(format!(
             "output.color_space: polygons have colours of Rec.709, not `{}`; leave it out, or write .vdb",
             primaries.name()
