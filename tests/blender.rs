@@ -254,12 +254,12 @@ fn colours_arrive(scene: &str, frames: &str, exact: f64) {
 #[test]
 fn colours_of_cubism_arrive_in_blender() {
     // A quarter of the vertices is less than two voxels from another cell.
-    colours_arrive("cubism", "1,12-21,48", 0.6);
+    colours_arrive("cubism", "1,16-18,48", 0.6);
 }
 
 #[test]
 fn colours_of_cube_to_heart_arrive_in_blender() {
-    colours_arrive("cube-to-heart", "1,12-21,24", 0.9999);
+    colours_arrive("cube-to-heart", "1,16-18,24", 0.9999);
 }
 
 /// Files with what is to be found, made by OpenVDB's own Python module: balls whose insides are not filled, a crumb

@@ -132,7 +132,7 @@ fn what_every_node_declares_holds() {
 fn every_exact_distance_is_that_of_the_nearest_point() {
     let names: Vec<&str> = node_names().collect();
     let failures: Vec<String> =
-        names.into_par_iter().flat_map_iter(|name| wrong_distances(name, &built(name), 60)).collect();
+        names.into_par_iter().flat_map_iter(|name| wrong_distances(name, &built(name), 30)).collect();
     assert!(failures.is_empty(), "{}", failures.join("\n"));
 }
 
