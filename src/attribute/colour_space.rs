@@ -40,6 +40,11 @@ pub enum ColourSpace {
     Lch,
     /// Björn Ottosson's Oklab.
     Oklab,
+    /// Its lightness, chroma, hue in degrees.
+    Oklch,
+    /// The same numbers; on the way between the straight line of Oklab and the arc of Oklch: along the arc between hues
+    /// that are near, and nearer to the line the further they are apart. See [`super::Mixer`].
+    Auto,
 }
 
 /// Where a space keeps its hue and what tells a grey.
@@ -55,8 +60,15 @@ pub(super) struct HueAxis {
 
 impl ColourSpace {
     /// All spaces, by their name in a scene.
-    pub const NAMES: [(&'static str, Self); 5] =
-        [("rgb", Self::Rgb), ("hsv", Self::Hsv), ("lab", Self::Lab), ("lch", Self::Lch), ("oklab", Self::Oklab)];
+    pub const NAMES: [(&'static str, Self); 7] = [
+        ("auto", Self::Auto),
+        ("rgb", Self::Rgb),
+        ("hsv", Self::Hsv),
+        ("lab", Self::Lab),
+        ("lch", Self::Lch),
+        ("oklab", Self::Oklab),
+        ("oklch", Self::Oklch),
+    ];
 
     /// The space of this name in a scene.
     pub fn named(name: &str) -> Option<Self> {
@@ -86,6 +98,7 @@ impl ColourSpace {
             Self::Lab => each!(lanes => lanes, conversion::lab_of_linear),
             Self::Lch => each!(lanes => lanes, conversion::lch_of_linear),
             Self::Oklab => each!(lanes => lanes, conversion::oklab_of_linear),
+            Self::Oklch | Self::Auto => each!(lanes => lanes, conversion::oklch_of_linear),
         }
     }
 
@@ -98,6 +111,7 @@ impl ColourSpace {
             Self::Lab => each!(lanes => lanes, conversion::linear_of_lab),
             Self::Lch => each!(lanes => lanes, conversion::linear_of_lch),
             Self::Oklab => each!(lanes => lanes, conversion::linear_of_oklab),
+            Self::Oklch | Self::Auto => each!(lanes => lanes, conversion::linear_of_oklch),
         }
         // What is below 0 less itself: a choice between 0 and what is there becomes a masked store (see `lane_math`).
         for value in lanes.as_flattened_mut() {
@@ -110,6 +124,7 @@ impl ColourSpace {
             Self::Rgb | Self::Lab | Self::Oklab => None,
             Self::Hsv => Some(HueAxis { hue: 0, strength: 1, full: 0.04 }),
             Self::Lch => Some(HueAxis { hue: 2, strength: 1, full: 2.0 }),
+            Self::Oklch | Self::Auto => Some(HueAxis { hue: 2, strength: 1, full: 0.02 }),
         }
     }
 }

@@ -182,6 +182,27 @@ pub fn linear_of_oklab(numbers: [f32; 3]) -> LinearRgb {
     times(&OF_CONES, [long * long * long, medium * medium * medium, short * short * short])
 }
 
+/// Lightness, chroma and hue in degrees, −180…180, of Oklab.
+#[inline(always)]
+pub fn oklch_of_linear(colour: LinearRgb) -> [f32; 3] {
+    let [lightness, a, b] = oklab_of_linear(colour);
+    [lightness, (a * a + b * b).sqrt(), atan2(b, a).to_degrees()]
+}
+
+/// The part of Oklab of a chroma and a hue in degrees.
+#[inline(always)]
+pub fn ab_of(chroma: f32, hue: f32) -> [f32; 2] {
+    let angle = hue.to_radians();
+    [chroma * cos(angle), chroma * sin(angle)]
+}
+
+/// The colour of lightness, chroma and hue of Oklab, below 0 where it lies outside Rec.709.
+#[inline(always)]
+pub fn linear_of_oklch([lightness, chroma, hue]: [f32; 3]) -> LinearRgb {
+    let [a, b] = ab_of(chroma, hue);
+    linear_of_oklab([lightness, a, b])
+}
+
 #[cfg(test)]
 mod tests {
     use palette::{FromColor, Hsv, Lab, Lch, LinSrgb, Oklab, Srgb, white_point::D65};

@@ -3,12 +3,21 @@
 use std::hint::select_unpredictable;
 
 use super::colour_space::{HueAxis, LANES, Lanes};
+use super::conversion::ab_of;
 use super::{ColourSpace, LinearRgb};
 use crate::field::lane_math::{clamp01, smooth};
 use crate::field::{BATCH, Interval};
 
 /// Hues further apart than this have no short way that a small change could not turn round: they go the decided way.
 const NEARLY_OPPOSITE: f32 = 150.0;
+/// The same where the way may be decided by what lies on it.
+const NEARLY_OPPOSITE_AUTO: f32 = 130.0;
+/// How much of [`ColourSpace::Auto`]'s way between opposite hues is the arc, the rest being the line. Less is grey on the
+/// way, more goes through hues that neither has.
+const ARC_OF_OPPOSITES: f32 = 0.45;
+/// Hues of Oklab, in degrees, that are brown and olive where they are neither light nor strong: opposite colours do not go
+/// through them.
+const MUD: std::ops::Range<f32> = 30.0..150.0;
 /// Over these degrees before that, both ways are mixed, so that no two neighbours go different ways.
 const MIXED_WAYS: f32 = 15.0;
 
@@ -68,6 +77,9 @@ impl<const N: usize> Mix<N> for Straight {
 /// In spaces with a hue the hue goes the short way round and a grey takes the other's. Where two hues are nearly
 /// opposite, the way is that of the objects' mean colours, decided once, so that the body does not go through green
 /// on one side and through violet on the other.
+///
+/// [`ColourSpace::Auto`] goes between the line of Oklab, which is grey in the middle of opposite hues, and the arc of Oklch,
+/// which goes through all hues between them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Mixer {
     space: ColourSpace,
@@ -89,7 +101,17 @@ impl Turn {
     /// hangs on where they were sampled.
     pub fn between(space: ColourSpace, from: LinearRgb, to: LinearRgb) -> Self {
         let Some(axis) = space.hue_axis() else { return Self::Up };
-        let apart = half_turn(space.encode(to)[axis.hue] - space.encode(from)[axis.hue]);
+        let (start, end) = (space.encode(from)[axis.hue], space.encode(to)[axis.hue]);
+        let apart = half_turn(end - start);
+        if space == ColourSpace::Auto {
+            let middle_up = start + (end - start).rem_euclid(360.0) / 2.0;
+            let is_mud = |hue: f32| MUD.contains(&hue.rem_euclid(360.0));
+            match [middle_up, middle_up + 180.0].map(is_mud) {
+                [true, false] => return Self::Down,
+                [false, true] => return Self::Up,
+                _ => {}
+            }
+        }
         // Exactly opposite colours come out a rounding error to either side.
         if apart < -90.0 && apart > -180.0 + 0.01 { Self::Down } else { Self::Up }
     }
@@ -177,6 +199,15 @@ impl Mixer {
             }
         }
         let Some(axis) = self.space.hue_axis() else { return self.space.decode_lanes(mixed) };
+        let is_auto = self.space == ColourSpace::Auto;
+        let opposite = if is_auto { NEARLY_OPPOSITE_AUTO } else { NEARLY_OPPOSITE };
+        let decode = |lanes: &mut Lanes<N>| {
+            if is_auto {
+                towards_line(from, to, weights, lanes);
+                return ColourSpace::Oklab.decode_lanes(lanes);
+            }
+            self.space.decode_lanes(lanes);
+        };
         let mut round = *mixed;
         let mut long = [0.0; N];
         let mut both = false;
@@ -185,16 +216,16 @@ impl Mixer {
             let ends = [(from[axis.hue][i], from[axis.strength][i]), (to[axis.hue][i], to[axis.strength][i])];
             // Degrees by which the short way goes against the decided one.
             let against = -apart * self.turn.degrees().signum();
-            long[i] = clamp01((against - (NEARLY_OPPOSITE - MIXED_WAYS)) / MIXED_WAYS);
+            long[i] = clamp01((against - (opposite - MIXED_WAYS)) / MIXED_WAYS);
             let decided = hue_between(axis, ends, apart + self.turn.degrees(), weights[i]);
             let short = hue_between(axis, ends, apart, weights[i]);
             mixed[axis.hue][i] = select_unpredictable(long[i] >= 1.0, decided, short);
             round[axis.hue][i] = decided;
             both |= (long[i] > 0.0) & (long[i] < 1.0);
         }
-        self.space.decode_lanes(mixed);
+        decode(mixed);
         if both {
-            self.space.decode_lanes(&mut round);
+            decode(&mut round);
             let short = *mixed;
             for part in 0..3 {
                 for i in 0..N {
@@ -203,6 +234,22 @@ impl Mixer {
                     mixed[part][i] = select_unpredictable(is_between, between, short[part][i]);
                 }
             }
+        }
+    }
+}
+
+/// From lightness, chroma and hue on the arc between two colours to Oklab between that and the straight line.
+#[inline(always)]
+fn towards_line<const N: usize>(from: &Lanes<N>, to: &Lanes<N>, weights: &[f32; N], mixed: &mut Lanes<N>) {
+    for i in 0..N {
+        let (start, end) = (ab_of(from[1][i], from[2][i]), ab_of(to[1][i], to[2][i]));
+        let arc = ab_of(mixed[1][i], mixed[2][i]);
+        let lengths = from[1][i] * to[1][i];
+        let cosine = (start[0] * end[0] + start[1] * end[1]) / select_unpredictable(lengths > 0.0, lengths, 1.0);
+        let share = 1.0 - (1.0 - ARC_OF_OPPOSITES) * smooth(clamp01(0.5 - 0.5 * cosine));
+        for part in 0..2 {
+            let line = start[part] + (end[part] - start[part]) * weights[i];
+            mixed[1 + part][i] = line + (arc[part] - line) * share;
         }
     }
 }
@@ -286,6 +333,43 @@ mod tests {
             assert_eq!(mixer.mix(from, to, 1.0), to);
             assert_eq!(mixer.mix(from, from, 0.4), from);
         }
+    }
+
+    /// Near hues go along the arc; opposite ones neither through grey, nor through brown, nor by a full circle of hues.
+    #[test]
+    fn the_way_of_auto() {
+        let css = |text: &str| {
+            from_srgb([1, 3, 5].map(|at| f32::from(u8::from_str_radix(&text[at..at + 2], 16).unwrap()) / 255.0))
+        };
+        let chroma_and_hue = |colour: LinearRgb| {
+            let [_, chroma, hue] = ColourSpace::Oklch.encode(colour);
+            (chroma, hue.rem_euclid(360.0))
+        };
+        for (from, to) in
+            [("#d7263d", "#1b998b"), ("#f4a259", "#3d348b"), ("#2e7d32", "#c2185b"), ("#00bcd4", "#ff5722")]
+        {
+            for (from, to) in [(css(from), css(to)), (css(to), css(from))] {
+                let mixer = Mixer::between(ColourSpace::Auto, from, to);
+                let ends = [from, to].map(|colour| chroma_and_hue(colour).0);
+                let (middle, hue) = chroma_and_hue(mixer.mix(from, to, 0.5));
+                let mean = (ends[0] + ends[1]) / 2.0;
+                assert!(middle > 0.3 * mean && middle < 0.9 * mean, "{middle} of {mean}");
+                assert!(!MUD.contains(&hue) || middle > 0.1, "{hue}");
+                // Without jumps.
+                let mut last = from;
+                for step in 1..=200 {
+                    let now = mixer.mix(from, to, step as f32 / 200.0);
+                    let way = |colour: LinearRgb| ColourSpace::Oklab.encode(colour);
+                    let far = way(now).iter().zip(way(last)).map(|(a, b)| (a - b).powi(2)).sum::<f32>().sqrt();
+                    assert!(far < 0.01, "{far} at {step}");
+                    last = now;
+                }
+            }
+        }
+        let (red, orange) = (css("#d7263d"), css("#f4a259"));
+        let [auto, arc] =
+            [ColourSpace::Auto, ColourSpace::Oklch].map(|space| Mixer::new(space, Turn::Up).mix(red, orange, 0.5));
+        assert!(auto.iter().zip(arc).all(|(a, b)| (a - b).abs() < 0.01), "{auto:?} {arc:?}");
     }
 
     #[test]
