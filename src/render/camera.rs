@@ -1,4 +1,4 @@
-//! Where a picture is taken from. z is up and the front faces −y, as in Blender.
+//! Where a picture is taken from. Where z is up the front faces −y, as in Blender; where y is, +z, as in Houdini.
 
 use std::str::FromStr;
 
@@ -12,28 +12,85 @@ const LENS: f64 = 12.0 / 85.0;
 /// Room between the box and the picture's border, as a share of the box's extent in the picture.
 const MARGIN: f64 = 0.06;
 
+/// The axis that points up.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Up {
+    /// y: the front faces +z.
+    Y,
+    /// z: the front faces −y.
+    #[default]
+    Z,
+}
+
+impl Up {
+    /// The axis of this name, `y` or `z`.
+    pub fn named(name: &str) -> Option<Self> {
+        match name {
+            "y" => Some(Self::Y),
+            "z" => Some(Self::Z),
+            _ => None,
+        }
+    }
+
+    /// Its number: 0 is x.
+    pub(super) fn axis(self) -> usize {
+        match self {
+            Self::Y => 1,
+            Self::Z => 2,
+        }
+    }
+
+    /// A direction where z is up, as it is where this axis is.
+    fn turned(self, v: DVec3) -> DVec3 {
+        match self {
+            Self::Y => DVec3::new(v.x, v.z, -v.y),
+            Self::Z => v,
+        }
+    }
+}
+
 /// A direction to look from.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum View {
-    /// From −y, level.
+    /// From the front, level.
     Front,
+    /// From behind, level.
+    Back,
+    /// From −x, level.
+    Left,
+    /// From +x, level.
+    Right,
     /// From the front, 35° to the right and 27° above: three sides of a box are seen.
     #[default]
     ThreeQuarter,
-    /// From above, with +y upward in the picture.
+    /// From above, with the back upward in the picture.
     Top,
+    /// From below, with the front upward in the picture.
+    Bottom,
 }
 
 impl View {
-    /// The names that [`View::from_str`] takes.
-    pub const NAMES: [&'static str; 3] = ["front", "three-quarter", "top"];
+    /// All of them, by their names.
+    pub const NAMES: [(&'static str, Self); 7] = [
+        ("front", Self::Front),
+        ("back", Self::Back),
+        ("left", Self::Left),
+        ("right", Self::Right),
+        ("top", Self::Top),
+        ("bottom", Self::Bottom),
+        ("three-quarter", Self::ThreeQuarter),
+    ];
 
     /// Degrees to the right of the front, and above level.
     fn angles(self) -> (f64, f64) {
         match self {
             Self::Front => (0.0, 0.0),
+            Self::Back => (180.0, 0.0),
+            Self::Left => (-90.0, 0.0),
+            Self::Right => (90.0, 0.0),
             Self::ThreeQuarter => (35.0, 27.0),
             Self::Top => (0.0, 90.0),
+            Self::Bottom => (0.0, -90.0),
         }
     }
 }
@@ -42,12 +99,11 @@ impl FromStr for View {
     type Err = String;
 
     fn from_str(name: &str) -> Result<Self, String> {
-        match name {
-            "front" => Ok(Self::Front),
-            "three-quarter" => Ok(Self::ThreeQuarter),
-            "top" => Ok(Self::Top),
-            _ => Err(format!("there is no view `{name}`: take one of {}", Self::NAMES.join(", "))),
-        }
+        let found = Self::NAMES.iter().find(|(known, _)| *known == name).map(|(_, view)| *view);
+        found.ok_or_else(|| {
+            let names = Self::NAMES.map(|(name, _)| name);
+            format!("there is no view `{name}`: take one of {}", names.join(", "))
+        })
     }
 }
 
@@ -64,13 +120,15 @@ pub struct Camera {
     pub forward: DVec3,
     /// Half the picture's width and height at distance 1 from the eye.
     pub half_extent: DVec2,
+    /// The axis of the world that points up: where light comes from, and what ground lies across.
+    pub upright: Up,
 }
 
 impl Camera {
     /// The camera that shows a whole world box from a view, turned by `turn` degrees (counter-clockwise from
     /// above), in a picture of the given aspect (width ÷ height). Frame one box around a whole sequence, and
     /// nothing but the object moves. A box without extent, or not finite, is given one.
-    pub fn framing(bounds: &Aabb, view: View, turn: f64, aspect: f64) -> Self {
+    pub fn framing(bounds: &Aabb, upright: Up, view: View, turn: f64, aspect: f64) -> Self {
         let (azimuth, elevation) = view.angles();
         let turn = if turn.is_finite() { turn % 360.0 } else { 0.0 };
         let (sin_azimuth, cos_azimuth) = libm::sincos((azimuth + turn).to_radians());
@@ -79,6 +137,7 @@ impl Camera {
         let level = DVec3::new(-sin_azimuth, cos_azimuth, 0.0);
         let forward = level * cos_elevation - DVec3::Z * sin_elevation;
         let up = level * sin_elevation + DVec3::Z * cos_elevation;
+        let [right, forward, up] = [right, forward, up].map(|direction| upright.turned(direction));
 
         let aspect = if aspect.is_finite() && aspect > 0.0 { aspect } else { 1.0 };
         let half_extent = if aspect > 1.0 { DVec2::new(LENS * aspect, LENS) } else { DVec2::new(LENS, LENS / aspect) };
@@ -89,7 +148,14 @@ impl Camera {
         let (across, distance_across) = fit_axis(&corners, right, forward, fit.x);
         let (along, distance_along) = fit_axis(&corners, up, forward, fit.y);
         let distance = distance_across.max(distance_along);
-        Self { eye: centre + right * across + up * along - forward * distance, right, up, forward, half_extent }
+        Self {
+            eye: centre + right * across + up * along - forward * distance,
+            right,
+            up,
+            forward,
+            half_extent,
+            upright,
+        }
     }
 
     /// The unit direction through a place in the picture: −1 to 1 from left to right, and from bottom to top.
@@ -146,13 +212,13 @@ mod tests {
     #[test]
     fn a_framed_box_fills_the_picture_and_stays_inside() {
         let bounds = Aabb::new(DVec3::new(-3.0, 1.0, 100.0), DVec3::new(2.0, 1.5, 104.0));
-        for view in View::NAMES {
+        for (name, view) in View::NAMES {
             for aspect in [0.5, 1.0, 2.5] {
                 for turn in [0.0, 77.0] {
-                    let camera = Camera::framing(&bounds, view.parse().unwrap(), turn, aspect);
+                    let camera = Camera::framing(&bounds, Up::Y, view, turn, aspect);
                     let places = bounds_corners(&bounds).map(|corner| place(&camera, corner).abs());
                     let reach = places.into_iter().fold(DVec2::ZERO, DVec2::max).max_element();
-                    assert!((reach * (1.0 + MARGIN) - 1.0).abs() < 1e-9, "{view} {aspect} {turn}: {reach}");
+                    assert!((reach * (1.0 + MARGIN) - 1.0).abs() < 1e-9, "{name} {aspect} {turn}: {reach}");
                 }
             }
         }
@@ -161,11 +227,17 @@ mod tests {
     #[test]
     fn views_look_from_where_they_say() {
         let bounds = Aabb::new(DVec3::NEG_ONE, DVec3::ONE);
-        let eye = |view| Camera::framing(&bounds, view, 0.0, 1.0).eye;
+        let eye = |view| Camera::framing(&bounds, Up::Z, view, 0.0, 1.0).eye;
         assert!(eye(View::Front).y < -1.0 && eye(View::Front).x.abs() < 1e-9);
         assert!(eye(View::Top).z > 1.0);
         let three_quarter = eye(View::ThreeQuarter);
         assert!(three_quarter.x > 1.0 && three_quarter.y < -1.0 && three_quarter.z > 1.0);
+        assert!(eye(View::Left).x < -1.0 && eye(View::Right).x > 1.0 && eye(View::Back).y > 1.0);
+        assert!(eye(View::Bottom).z < -1.0);
+        // Where y is up: the front is +z, and the right stays the right.
+        let camera = |view| Camera::framing(&bounds, Up::Y, view, 0.0, 1.0);
+        assert!(camera(View::Front).eye.z > 1.0 && camera(View::Top).eye.y > 1.0 && camera(View::Right).eye.x > 1.0);
+        assert_eq!((camera(View::Front).up, camera(View::Front).right), (DVec3::Y, DVec3::X));
         assert!("side".parse::<View>().unwrap_err().contains("three-quarter"));
     }
 
@@ -176,7 +248,7 @@ mod tests {
             Aabb::new(DVec3::splat(f64::NAN), DVec3::ONE),
             Aabb::new(DVec3::NEG_INFINITY, DVec3::INFINITY),
         ] {
-            let camera = Camera::framing(&bounds, View::ThreeQuarter, f64::NAN, f64::NAN);
+            let camera = Camera::framing(&bounds, Up::Z, View::ThreeQuarter, f64::NAN, f64::NAN);
             assert!(camera.eye.is_finite() && camera.forward.is_normalized());
         }
     }

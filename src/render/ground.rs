@@ -33,7 +33,8 @@ impl Ground {
             let place = place / size * 2.0 - 1.0;
             let ray = Ray::new(camera.eye / studio.voxel_size(), camera.direction(DVec2::new(place.x, -place.y)));
             let phase = row % WINDOW * WINDOW + column % WINDOW;
-            ray.meets_level(plane).map_or(1.0, |t| studio.ground(ray.at(t), &draws[phase * DRAWS..][..DRAWS]))
+            ray.meets_level(camera.upright, plane)
+                .map_or(1.0, |t| studio.ground(ray.at(t), &draws[phase * DRAWS..][..DRAWS]))
         };
         let raw: Vec<f32> = (0..across * down).into_par_iter().map(point).collect();
         let smooth = |index: usize| {

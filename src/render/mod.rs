@@ -27,7 +27,7 @@ mod trace;
 mod volume;
 
 pub use animation::Animation;
-pub use camera::{Camera, View};
+pub use camera::{Camera, Up, View};
 pub use error::{PictureError, save};
 pub use field_slice::Shows;
 pub use image::Image;

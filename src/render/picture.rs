@@ -89,7 +89,7 @@ pub struct Look {
     pub quality: Quality,
     /// The plain background, sRGB.
     pub background: [u8; 3],
-    /// The height z, world units, of a ground that takes the object's shadow; seen from above only, and only under
+    /// The height, world units along the axis that points up, of a ground that takes the object's shadow; seen from above only, and only under
     /// [`Lighting::Studio`].
     pub ground: Option<f64>,
 }
@@ -487,7 +487,7 @@ impl<'a> Painter<'a> {
     fn look_at(&self, place: DVec2, may_show: bool) -> Met {
         let camera = &self.scene.camera;
         let ray = Ray::new(camera.eye / self.volume.voxel_size(), camera.direction(place));
-        let ground = self.ground.and_then(|plane| ray.meets_level(plane));
+        let ground = self.ground.and_then(|plane| ray.meets_level(camera.upright, plane));
         let end = if may_show { ground.unwrap_or(f64::INFINITY) } else { 0.0 };
         let Some(t) = first_hit(self.volume, &ray, 0.0, end) else {
             return if ground.is_some() { Met::Ground } else { Met::Nothing };

@@ -62,7 +62,11 @@ fn covered(camera: &Camera, eye: DVec3, origin: DVec3, edge: f64) -> Option<(DVe
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{field::Aabb, grid::testing::sphere, render::View};
+    use crate::{
+        field::Aabb,
+        grid::testing::sphere,
+        render::{Up, View},
+    };
 
     /// Every pixel that a fine picture of the sphere shows is flagged, and most others are not.
     #[test]
@@ -70,7 +74,7 @@ mod tests {
         let (centre, radius) = (DVec3::new(0.2, -0.1, 0.3), 0.6);
         let band = sphere(centre, radius, 0.01);
         let volume = Volume::new(&band);
-        let camera = Camera::framing(&Aabb::new(DVec3::NEG_ONE, DVec3::ONE), View::ThreeQuarter, 10.0, 1.5);
+        let camera = Camera::framing(&Aabb::new(DVec3::NEG_ONE, DVec3::ONE), Up::Z, View::ThreeQuarter, 10.0, 1.5);
         let screen = Screen::new(&volume, &camera, 150, 100);
         let to_centre = centre - camera.eye;
         let (mut shown, mut flagged) = (0, 0);
@@ -91,7 +95,7 @@ mod tests {
     #[test]
     fn an_eye_inside_sees_everywhere() {
         let band = sphere(DVec3::ZERO, 1.0, 0.1);
-        let camera = Camera::framing(&Aabb::new(DVec3::splat(-0.01), DVec3::splat(0.01)), View::Front, 0.0, 1.0);
+        let camera = Camera::framing(&Aabb::new(DVec3::splat(-0.01), DVec3::splat(0.01)), Up::Z, View::Front, 0.0, 1.0);
         let screen = Screen::new(&Volume::new(&band), &camera, 4, 4);
         assert!((0..16).all(|pixel| screen.may_show(pixel % 4, pixel / 4)));
     }

@@ -58,12 +58,14 @@ pub(super) struct Studio<'a> {
     volume: &'a Volume<'a>,
     key: DVec3,
     forward: DVec3,
+    /// The axis that points up.
+    upright: usize,
 }
 
 impl<'a> Studio<'a> {
     pub(super) fn new(volume: &'a Volume<'a>, camera: &Camera) -> Self {
         let key = camera.right * -0.55 + camera.up * 0.75 - camera.forward * 0.62;
-        Self { volume, key: key.normalize(), forward: camera.forward }
+        Self { volume, key: key.normalize(), forward: camera.forward, upright: camera.upright.axis() }
     }
 
     /// A voxel's edge in world units.
@@ -73,7 +75,7 @@ impl<'a> Studio<'a> {
 
     /// Light on a point of the object with an outward unit normal.
     pub(super) fn object(&self, normal: DVec3, albedo: [f32; 3]) -> Shade {
-        let upward = (0.5 + 0.5 * normal.z) as f32;
+        let upward = (0.5 + 0.5 * normal[self.upright]) as f32;
         let facing = (-normal.dot(self.forward)).max(0.0) as f32;
         let towards_key = normal.dot(self.key).max(0.0) as f32;
         let half = (self.key - self.forward).normalize();
@@ -98,7 +100,7 @@ impl<'a> Studio<'a> {
     /// How bright the ground is at a point of it, as a share of the open ground.
     pub(super) fn ground(&self, position: DVec3, draws: &[DVec2]) -> f32 {
         let key = self.key_seen(position, draws);
-        let sky = self.sky_seen(position, DVec3::Z, draws);
+        let sky = self.sky_seen(position, DVec3::AXES[self.upright], draws);
         (1.0 - GROUND_SHADOW[0] * (1.0 - key)) * (1.0 - GROUND_SHADOW[1] * (1.0 - sky))
     }
 

@@ -6,6 +6,7 @@
 
 use glam::{DVec3, IVec3};
 
+use super::camera::Up;
 use super::volume::{Content, Volume, interpolate, voxel_below};
 use crate::grid::BLOCK_EDGE;
 
@@ -33,10 +34,11 @@ impl Ray {
         self.origin + self.direction * t
     }
 
-    /// Where the ray comes down on a level plane from above, if it does.
-    pub(super) fn meets_level(&self, z: f64) -> Option<f64> {
-        let t = (z - self.origin.z) / self.direction.z;
-        (self.direction.z < 0.0 && t > 0.0).then_some(t)
+    /// Where the ray comes down on a plane at a height along the axis that points up, from above, if it does.
+    pub(super) fn meets_level(&self, upright: Up, height: f64) -> Option<f64> {
+        let (origin, direction) = (self.origin[upright.axis()], self.direction[upright.axis()]);
+        let t = (height - origin) / direction;
+        (direction < 0.0 && t > 0.0).then_some(t)
     }
 
     /// Where the ray enters and leaves a box; nowhere if it enters after it leaves.

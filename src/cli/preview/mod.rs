@@ -5,6 +5,7 @@ mod source;
 mod table;
 mod target;
 mod terminal;
+mod turntable;
 mod vary;
 mod watch;
 
@@ -42,6 +43,7 @@ Examples:
   hfvdb preview cubism -o cubism.apng                the morph, moving
   hfvdb preview my.toml -o my.png --watch --open     follow what is saved, in a browser
   hfvdb preview my.toml --terminal --frames 12       without any file
+  hfvdb preview covid -o turn.apng --turntable 48    once around one frame
   hfvdb preview cubism -o inside.png --slice z=0     colours inside, lines of equal distance
   hfvdb preview cubism -o f.png --slice z=0 --slice-of f --frames 24    F far from the surface
   hfvdb preview 'out/cubism.####.vdb' -o cubism.apng files that are there, of any maker
@@ -72,13 +74,22 @@ pub struct Arguments {
     #[arg(long, value_name = "FRAMES", allow_hyphen_values = true)]
     frames: Option<Frames>,
 
-    /// Where to look from: front, three-quarter or top
+    /// Where to look from: front, back, left, right, top, bottom or three-quarter
     #[arg(long, value_name = "VIEW", default_value = "three-quarter")]
     view: View,
 
     /// Degrees to turn the camera around the object
     #[arg(long, value_name = "DEGREES", default_value_t = 0.0, allow_negative_numbers = true)]
     turn: f64,
+
+    /// Frame each picture on its own object, so that it fills the picture; sizes and places then do not compare
+    #[arg(long, conflicts_with = "slice")]
+    follow: bool,
+
+    /// Turn the camera once around one frame in this many pictures: a turning .apng, ####.png, or a contact sheet
+    #[arg(long, value_name = "PICTURES", value_parser = clap::value_parser!(u32).range(2..=720),
+          conflicts_with_all = ["slice", "pictures", "vary", "csv"])]
+    turntable: Option<u32>,
 
     /// Show the inside in a plane across an axis, such as z=0 or x=-0.5 (world units), with lines of equal distance as
     /// far as the band reaches (see --half-width; 16 voxels here)
@@ -230,6 +241,9 @@ fn show(
     progress: &Progress,
     global: &Global,
 ) -> Result<(), Failure> {
+    if let Some(pictures) = arguments.turntable {
+        return turntable::show(arguments, target, source, pictures, interrupt, global);
+    }
     let count = source.numbers.len();
     let pictured: Vec<usize> = (0..count).filter(|&place| is_pictured(place, count, arguments.pictures)).collect();
     let numbers: Vec<i64> = pictured.iter().map(|&place| source.numbers[place]).collect();

@@ -3,8 +3,9 @@
 use super::source::{Inside, Shown, Source};
 use super::{Arguments, Quality};
 use crate::cli::failure::Failure;
-use crate::field::Field;
-use crate::render::{Camera, Fill, Image, Layers, Look, Scene, Shows, Slice, render, render_layers};
+use crate::field::{Aabb, Field};
+use crate::grid::measure;
+use crate::render::{Camera, Fill, Image, Layers, Look, Scene, Shows, Slice, Up, render, render_layers};
 
 /// Takes pictures that all show the same part of the world.
 pub struct Painter<'a> {
@@ -13,6 +14,8 @@ pub struct Painter<'a> {
     size: usize,
     quality: Quality,
     slice: Option<Slice>,
+    /// Degrees that the camera is turned by beside those asked for.
+    pub turned: f64,
 }
 
 impl<'a> Painter<'a> {
@@ -29,7 +32,7 @@ impl<'a> Painter<'a> {
                 "the slice {plane} misses the object, which reaches from {axis} = {least:.4} to {greatest:.4}"
             )));
         }
-        Ok(Self { arguments, source, size, quality, slice: None })
+        Ok(Self { arguments, source, size, quality, slice: None, turned: 0.0 })
     }
 
     /// A picture of a frame.
@@ -80,9 +83,15 @@ impl<'a> Painter<'a> {
     }
 
     fn scene<'s>(&self, shown: &'s Shown) -> Scene<'s> {
-        let bounds = &self.source.bounds;
-        let camera = Camera::framing(bounds, self.arguments.view, self.arguments.turn, 1.0);
-        let look = Look { ground: Some(bounds.min.z), quality: self.quality.into(), ..Look::default() };
+        let own = || measure::solid_extent(&shown.band).map(|(least, greatest)| Aabb::new(least, greatest));
+        let bounds = self.arguments.follow.then(own).flatten().unwrap_or(self.source.bounds);
+        let turn = self.arguments.turn + self.turned;
+        let camera = Camera::framing(&bounds, shown.up, self.arguments.view, turn, 1.0);
+        let ground = match shown.up {
+            Up::Y => bounds.min.y,
+            Up::Z => bounds.min.z,
+        };
+        let look = Look { ground: Some(ground), quality: self.quality.into(), ..Look::default() };
         Scene { band: &shown.band, colour: shown.colour.as_ref(), camera, look }
     }
 }

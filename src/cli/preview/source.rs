@@ -17,6 +17,7 @@ use crate::cli::options::{Global, Sampling, SceneArguments};
 use crate::cli::progress::Progress;
 use crate::field::{Aabb, Field};
 use crate::grid::{Band, Channel, block_origin, is_active, measure, node_origin, voxel_offset};
+use crate::render::Up;
 use crate::shot::Prepared;
 use crate::vdb::{self, MetadataValue, SparseBlocks, Voxels};
 
@@ -63,6 +64,8 @@ pub struct Shown {
     /// F itself, of a scene of which a slice was asked for.
     pub field: Option<Arc<dyn Field>>,
     pub fps: f64,
+    /// The axis that points up.
+    pub up: Up,
 }
 
 /// The colour of the inside.
@@ -136,7 +139,8 @@ pub fn frame_of(
     };
     let (field, inside) = content.map_or((None, None), |content| (Some(content.field), content.colour));
     let inside = inside.map_or(Inside::None, Inside::Everywhere);
-    Ok(Shown { band: computed.band, colour: computed.colour, inside, field, fps: prepared.model().shot.fps })
+    let (fps, up) = (prepared.model().shot.fps, Up::named(prepared.model().up).unwrap_or_default());
+    Ok(Shown { band: computed.band, colour: computed.colour, inside, field, fps, up })
 }
 
 /// Calls `show` with files of any maker, read one after the other.
@@ -195,6 +199,11 @@ fn read(path: &str) -> Result<Shown, Failure> {
         Some(MetadataValue::Double(fps)) if fps.is_finite() && *fps > 0.0 => *fps,
         _ => FPS,
     };
+    // A file of another maker does not say; in Blender, where most come from, it is z.
+    let up = match contents.metadata.get("hfvdb_up") {
+        Some(MetadataValue::Text(up)) => Up::named(up).unwrap_or_default(),
+        _ => Up::default(),
+    };
     let level_set = contents.grids.iter().find(|grid| grid.class == vdb::StoredClass::LevelSet);
     let level_set = level_set.ok_or_else(|| {
         let names: Vec<_> = contents.grids.iter().map(|grid| grid.name.as_str()).collect();
@@ -210,10 +219,10 @@ fn read(path: &str) -> Result<Shown, Failure> {
     let found = contents.grids.iter().position(is_colour);
     let origin = level_set.transform.world(DVec3::ZERO).unwrap_or_default();
     let Some(grid) = found.map(|place| contents.grids.swap_remove(place)) else {
-        return Ok(Shown { band, colour: None, inside: Inside::None, field: None, fps });
+        return Ok(Shown { band, colour: None, inside: Inside::None, field: None, fps, up });
     };
     let Voxels::Vectors(blocks) = grid.voxels else {
-        return Ok(Shown { band, colour: None, inside: Inside::None, field: None, fps });
+        return Ok(Shown { band, colour: None, inside: Inside::None, field: None, fps, up });
     };
     let colours = VoxelColours::new(blocks, origin, band.lattice.voxel_size.get());
     // A level set's blocks may be shifted, the colours' are as the file has them.
@@ -222,7 +231,7 @@ fn read(path: &str) -> Result<Shown, Failure> {
     let of_block = |place: &IVec3| colours.places.get(&(*place - shift)).map_or(none, |&at| colours.blocks.values[at]);
     let of_blocks = band.origins.iter().map(of_block);
     let colour = Channel::of_blocks(grid.name, &band.active, of_blocks, colours.blocks.background);
-    Ok(Shown { band, colour: Some(colour), inside: Inside::Voxels(Box::new(colours)), field: None, fps })
+    Ok(Shown { band, colour: Some(colour), inside: Inside::Voxels(Box::new(colours)), field: None, fps, up })
 }
 
 /// Colours that a file has, wherever it has them.

@@ -7,7 +7,7 @@ use crate::{
         BLOCK_VOXELS,
         testing::{band_of, sphere, voxel_of},
     },
-    render::View,
+    render::{Up, View},
 };
 
 const RED: [f32; 3] = [0.6, 0.05, 0.1];
@@ -33,7 +33,7 @@ fn the_silhouette_of_a_sphere_has_its_area() {
     let (radius, size) = (1.0, 160);
     let band = sphere(DVec3::ZERO, radius, 0.05);
     let white = painted(&band, |_| [1.0; 3]);
-    let camera = Camera::framing(&cube(3.0), View::Front, 0.0, 1.0);
+    let camera = Camera::framing(&cube(3.0), Up::Z, View::Front, 0.0, 1.0);
     let image = render(&flat(&band, Some(&white), camera), size, size);
     let covered: f64 = image.pixels().iter().map(|pixel| f64::from(decode_srgb(pixel[0]))).sum();
     // A sphere of radius r at distance d fills a disc of tangent r/√(d² − r²).
@@ -47,21 +47,21 @@ fn the_silhouette_of_a_sphere_has_its_area() {
 fn flat_colours_are_those_of_the_channel() {
     let band = sphere(DVec3::ZERO, 1.0, 0.05);
     let halves = painted(&band, |p| if p.x < 0.0 { RED } else { BLUE });
-    let camera = Camera::framing(&cube(2.0), View::Front, 0.0, 1.0);
+    let camera = Camera::framing(&cube(2.0), Up::Z, View::Front, 0.0, 1.0);
     let image = render(&flat(&band, Some(&halves), camera), 60, 60);
     let expected = |colour: [f32; 3]| colour.map(encode_srgb);
     assert_eq!(image.pixel(20, 30)[..3], expected(RED));
     assert_eq!(image.pixel(40, 30)[..3], expected(BLUE));
     assert_eq!(image.pixel(0, 0), [0, 0, 0, 255]);
     // From behind, left and right change places.
-    let behind = Camera::framing(&cube(2.0), View::Front, 180.0, 1.0);
+    let behind = Camera::framing(&cube(2.0), Up::Z, View::Front, 180.0, 1.0);
     assert_eq!(render(&flat(&band, Some(&halves), behind), 60, 60).pixel(20, 30)[..3], expected(BLUE));
 }
 
 #[test]
 fn a_colour_that_is_no_colour_is_drawn_without_harm() {
     let band = sphere(DVec3::ZERO, 1.0, 0.1);
-    let camera = Camera::framing(&cube(2.0), View::ThreeQuarter, 0.0, 1.0);
+    let camera = Camera::framing(&cube(2.0), Up::Z, View::ThreeQuarter, 0.0, 1.0);
     for value in [f32::NAN, f32::INFINITY, -3.0] {
         let odd = painted(&band, |_| [value; 3]);
         let bright = render(&flat(&band, Some(&odd), camera), 9, 9).pixel(4, 4)[0];
@@ -75,7 +75,7 @@ fn a_colour_that_is_no_colour_is_drawn_without_harm() {
 fn one_thread_and_two_give_the_same_bits() {
     let band = sphere(DVec3::new(0.2, 0.0, 0.1), 0.8, 0.05);
     let colour = painted(&band, |p| if (p.x * 5.0).floor() as i32 % 2 == 0 { RED } else { BLUE });
-    let camera = Camera::framing(&cube(2.0), View::ThreeQuarter, 20.0, 1.5);
+    let camera = Camera::framing(&cube(2.0), Up::Z, View::ThreeQuarter, 20.0, 1.5);
     let look = Look { ground: Some(-0.7), ..Look::default() };
     let scene = Scene { band: &band, colour: Some(&colour), camera, look };
     let with = |threads| {
@@ -88,7 +88,7 @@ fn one_thread_and_two_give_the_same_bits() {
 fn an_empty_band_is_plain_background() {
     let mut band = sphere(DVec3::ZERO, 1.0, 0.5);
     (band.origins, band.distances, band.active, band.inside_tiles) = Default::default();
-    let camera = Camera::framing(&cube(2.0), View::ThreeQuarter, 0.0, 1.0);
+    let camera = Camera::framing(&cube(2.0), Up::Z, View::ThreeQuarter, 0.0, 1.0);
     let look = Look { background: [1, 2, 3], ground: Some(-1.0), ..Look::default() };
     let image = render(&Scene { band: &band, colour: None, camera, look }, 20, 10);
     assert!(image.pixels().iter().all(|&pixel| pixel == [1, 2, 3, 255]));
@@ -101,7 +101,7 @@ fn thin_geometry_is_not_missed() {
     let size = 0.02;
     let sheet =
         band_of(|p| size * 0.5 - (p.z - 0.37 * size).abs().max(p.x.abs() - 1.0).max(p.y.abs() - 1.0), 1.1, size);
-    let camera = Camera::framing(&cube(2.4), View::ThreeQuarter, 0.0, 1.0);
+    let camera = Camera::framing(&cube(2.4), Up::Z, View::ThreeQuarter, 0.0, 1.0);
     let white = painted(&sheet, |_| [1.0; 3]);
     let image = render(&flat(&sheet, Some(&white), camera), 120, 120);
     let to_pixel = |p: DVec3| {
@@ -118,7 +118,7 @@ fn thin_geometry_is_not_missed() {
     }
     let wire = band_of(|p| size - DVec2::new(p.x - 0.3 * size, p.y).length(), 1.1, size);
     let white = painted(&wire, |_| [1.0; 3]);
-    let front = Camera::framing(&cube(2.0), View::Front, 0.0, 1.0);
+    let front = Camera::framing(&cube(2.0), Up::Z, View::Front, 0.0, 1.0);
     let image = render(&flat(&wire, Some(&white), front), 80, 80);
     for row in 4..76 {
         let bright: f32 = (36..44).map(|column| decode_srgb(image.pixel(column, row)[0])).sum();
@@ -133,7 +133,7 @@ fn layers_hold_what_they_say() {
     let (radius, size) = (1.0, 90);
     let band = sphere(DVec3::ZERO, radius, 0.05);
     let halves = painted(&band, |p| if p.x < 0.0 { RED } else { BLUE });
-    let camera = Camera::framing(&cube(3.0), View::Front, 0.0, 1.0);
+    let camera = Camera::framing(&cube(3.0), Up::Z, View::Front, 0.0, 1.0);
     let scene = Scene { band: &band, colour: Some(&halves), camera, look: Look::default() };
     let layers = render_layers(&scene, size, size);
     let at = |column: usize, row: usize| row * size + column;
