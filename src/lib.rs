@@ -27,7 +27,7 @@
 //! # }
 //! ```
 //!
-//! [`bake::compute_frame`] makes voxels of a frame, [`vdb::write`] a file; `examples/sphere.rs` does both,
+//! A program can make the scene without text, by [`node::Scene`]. [`bake::compute_frame`] makes voxels of a frame, [`vdb::write`] a file; `examples/sphere.rs` does both,
 //! `examples/morph.rs` follows a morph. [`node`] has the table of all that a scene can name; `docs/adding-a-node.md` adds to
 //! it.
 //!
@@ -40,6 +40,22 @@
 //!   edge is a [`grid::VoxelSize`]. Batches hold an `f64` origin and small `f32` offsets ([`field::Points`]), so
 //!   that a surface far from the world's origin keeps its accuracy.
 //! * **Time.** A scene's frames map to t in \[0, 1\]; nothing below the `shot` room knows frames.
+//!
+//! # Glossary
+//!
+//! * **Field**, F: a number at any point, positive inside; its bounds over a box, its gradient ([`field::Field`]).
+//! * **Distance**: a field whose value is the signed distance to its surface ([`distance::Distance`]), found by a **method**
+//!   ([`distance::method`]); where the method knows it, with the **closest point**, called foot in the code.
+//! * **Node**: what a scene can name. A **primitive** is a shape by itself, an **operator** joins shapes, a **modifier**
+//!   changes one; sources give colours and numbers. Each is a row of one table.
+//! * **Attribute**: a colour or a number at any point of an object ([`attribute::Attribute`]), in the file a grid of its own.
+//! * **Object**: a distance with its attributes in its own space, and its motion ([`morph::MorphObject`]).
+//! * **Morph**: two objects and what lies between them at each time ([`morph::Morph`]). Its **pace** keeps the change of
+//!   every frame alike; its **carry** takes objects that lie apart along one way; a **section** is the shape at one time of
+//!   the blend in space-time.
+//! * **Block**: 8³ voxels, OpenVDB's leaf. **Band**: the blocks around the surface, so many voxels to either side
+//!   (**half width**) ([`grid::Band`]). **Tile**: a block, or more, of one value.
+//! * **Shot**: a scene's frames, their box and lattice ([`shot`]). **Frame**: what becomes one file.
 //!
 //! # Layers
 //!

@@ -42,7 +42,7 @@ impl Default for Settings {
             octopus: false,
             alpha: 0.3.into(),
             beta: 0.5.into(),
-            colour_space: ColourSpace::Oklab,
+            colour_space: ColourSpace::Auto,
         }
     }
 }

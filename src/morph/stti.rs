@@ -7,8 +7,7 @@ use super::both::Both;
 use super::delay::DelayGrid;
 use super::real::{Real, intersection};
 use crate::attribute::{Attribute, Mix, Sampler};
-use crate::distance::Distance;
-use crate::field::{Aabb, BATCH, Gradients, Interval, Points};
+use crate::field::{Aabb, BATCH, Field, Gradients, Interval, Points};
 
 /// STTI's parameters at one instant, free of units.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -89,9 +88,9 @@ impl Transfer {
 /// in the world as they do at this instant.
 pub struct MorphAttribute<const N: usize, M> {
     /// The first object.
-    pub first: Arc<dyn Distance>,
+    pub first: Arc<dyn Field>,
     /// The second object.
-    pub second: Arc<dyn Distance>,
+    pub second: Arc<dyn Field>,
     /// The first object's attribute.
     pub from: Arc<dyn Attribute<N>>,
     /// The second object's attribute.
@@ -104,6 +103,19 @@ pub struct MorphAttribute<const N: usize, M> {
     pub(super) delay: Option<Arc<DelayGrid>>,
     /// The mixing.
     pub mix: M,
+}
+
+impl<const N: usize, M: Mix<N>> MorphAttribute<N, M> {
+    /// From the distances and the attributes of the first and of the second object, where no place waits.
+    pub fn new(
+        [first, second]: [Arc<dyn Field>; 2],
+        [from, to]: [Arc<dyn Attribute<N>>; 2],
+        unit: f64,
+        transfer: Transfer,
+        mix: M,
+    ) -> Self {
+        Self { first, second, from, to, unit, transfer, delay: None, mix }
+    }
 }
 
 impl<const N: usize, M: Mix<N>> Attribute<N> for MorphAttribute<N, M> {

@@ -3,7 +3,8 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use crate::attribute::{Attribute, Colour, LinearRgb, Scalar};
+use crate::attribute::{Attribute, Colour, LinearRgb, Scalar, Straight};
+use crate::morph::Morph;
 use crate::node::assets::Assets;
 use crate::node::id::Stage;
 use crate::node::model::{Shape, ShapeColour, ShapeId, ShapeScalar};
@@ -23,6 +24,9 @@ pub(crate) trait Asked<const N: usize>: Copy {
 
     /// What comes with a file.
     fn of_import(self, import: &Imported, voxel: f64) -> Option<Arc<dyn Attribute<N>>>;
+
+    /// That of a morph at a time of it, from those of its two objects.
+    fn morphed(self, morph: &Morph, time: f64, objects: [Arc<dyn Attribute<N>>; 2]) -> Arc<dyn Attribute<N>>;
 
     /// Its own name among those of its kind.
     fn name(&self) -> &str;
@@ -64,6 +68,10 @@ impl Asked<3> for TheColour {
         import.colours.as_ref().map(|colours| colours(voxel))
     }
 
+    fn morphed(self, morph: &Morph, time: f64, [from, to]: [Arc<Colour>; 2]) -> Arc<Colour> {
+        morph.colour_of(time, Some(from), Some(to))
+    }
+
     fn name(&self) -> &str {
         ""
     }
@@ -97,6 +105,10 @@ impl Asked<1> for TheScalar<'_> {
 
     fn of_import(self, _import: &Imported, _voxel: f64) -> Option<Arc<Scalar>> {
         None
+    }
+
+    fn morphed(self, morph: &Morph, time: f64, [from, to]: [Arc<Scalar>; 2]) -> Arc<Scalar> {
+        morph.attribute(time, from, to, Straight)
     }
 
     fn name(&self) -> &str {

@@ -198,7 +198,7 @@ pub const OPERATION: &[Key] = &[
 ];
 
 /// Names of colour spaces that colours are mixed in.
-pub const COLOUR_SPACES: &[&str] = &["rgb", "hsv", "lab", "lch", "oklab"];
+pub const COLOUR_SPACES: &[&str] = &["auto", "rgb", "hsv", "lab", "lch", "oklab", "oklch"];
 
 /// Grids whose names no scalar can have.
 pub const GRIDS: &[&str] = &["surface", "Cd", "vel"];

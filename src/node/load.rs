@@ -1,6 +1,6 @@
 //! A scene by its path or name, with overrides, as a checked model.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::Arc;
 
 use super::read::{self, Surroundings};
@@ -13,7 +13,6 @@ use crate::terminal;
 use crate::text::builtin::{builtin_names, builtin_text};
 use crate::text::diagnostic::{Diagnostic, Diagnostics, clip};
 use crate::text::files::{Base, Variables};
-use crate::text::frames::FrameRange;
 use crate::text::overrides::{self, Overrides};
 use crate::text::source::Sources;
 
@@ -21,39 +20,6 @@ use crate::text::source::Sources;
 pub fn load(source: &Source, overrides: &Overrides) -> Result<Model, Diagnostics> {
     let variables: Variables = Arc::new(|name| std::env::var(name).ok());
     load_with(source, overrides, variables)
-}
-
-/// The scene of `hfvdb morph A B`: two meshes, the one becoming the other over a shot, with the colours of their
-/// vertices where they have them. Overrides reach it as any scene: `morph.bridge=1`.
-pub fn morph_of_meshes(from: &Path, to: &Path, shot: FrameRange, overrides: &Overrides) -> Result<Model, Diagnostics> {
-    let text = format!(
-        "hfvdb = 1\nframes = \"{}-{}\"\n\n[shape.from]\nmesh = {}\n\n[shape.to]\nmesh = {}\n\n[morph]\nfrom = \"from\"\nto = \"to\"\n",
-        shot.first,
-        shot.last,
-        quoted(from),
-        quoted(to),
-    );
-    load(&Source::Text { name: "hfvdb morph".into(), text, folder: PathBuf::new() }, overrides)
-}
-
-/// The scene of a mesh as it stands.
-///
-/// # Errors
-/// Those of [`load`].
-pub fn mesh_as_it_is(mesh: &Path, overrides: &Overrides) -> Result<Model, Diagnostics> {
-    let text = format!("hfvdb = 1\n\n[shape.mesh]\nmesh = {}\n", quoted(mesh));
-    load(&Source::Text { name: "hfvdb convert".into(), text, folder: PathBuf::new() }, overrides)
-}
-
-/// A path as text of a scene. A `$` in a name on the command line is the name's own.
-fn quoted(path: &Path) -> String {
-    let shown = path.display().to_string().replace('$', "$$");
-    let escaped = shown.chars().map(|c| match c {
-        '"' | '\\' => format!("\\{c}"),
-        c if c.is_control() => format!("\\u{:04X}", u32::from(c)),
-        c => c.to_string(),
-    });
-    format!("\"{}\"", escaped.collect::<String>())
 }
 
 /// As [`load`], with the variables of paths given.

@@ -9,6 +9,7 @@ pub(crate) mod attributes;
 pub(crate) mod bend;
 pub(crate) mod blending;
 mod catalogue;
+mod compose;
 pub(crate) mod conformal;
 pub(crate) mod copied;
 pub(crate) mod corners;
@@ -31,6 +32,7 @@ pub(crate) mod load;
 pub(crate) mod measured;
 pub(crate) mod minimal;
 pub(crate) mod model;
+mod morphed;
 pub(crate) mod operation;
 mod origin;
 pub(crate) mod own_box;
@@ -76,8 +78,9 @@ mod tests;
 mod trap_tests;
 
 pub use catalogue::{Entry, Parameter, catalogue, nodes_page};
+pub use compose::{Part, Scene, Value, mesh_as_it_is, morph_of_meshes};
 pub use example::{node_names, node_scene};
-pub use load::{load, mesh_as_it_is, morph_of_meshes};
+pub use load::load;
 pub use model::*;
 pub use origin::Source;
 pub use probe::{Probe, Reading};
@@ -245,6 +248,7 @@ nodes! {
             intersection
             difference
             blend
+            morph
             symmetric_difference
             complement
             smooth_union

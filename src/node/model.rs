@@ -216,7 +216,7 @@ impl Shape {
         match self.spec.carries {
             Carries::Nothing | Carries::Import => &[],
             Carries::First => &main[..main.len().min(1)],
-            Carries::Any | Carries::Union | Carries::Blend => main,
+            Carries::Any | Carries::Union | Carries::Blend | Carries::Morph => main,
         }
     }
 }
@@ -515,7 +515,7 @@ impl Model {
         }
         let shape = self.shape(id);
         let operands = match shape.spec.key.kind {
-            Kind::Shapes(_) => shape.arguments.shapes(shape.spec.key.name).map_or(0, Vec::len),
+            Kind::Shapes(_) | Kind::TwoShapes => shape.arguments.shapes(shape.spec.key.name).map_or(0, Vec::len),
             _ if shape.arguments.applied().is_some() => shape.arguments.all_shapes().count(),
             _ => 0,
         };

@@ -137,7 +137,9 @@ impl Solids {
         match shape.spec.carries {
             Carries::Import => Ok(what.of_import(self.assets().imported(id), voxel).map(Paint::shared)),
             Carries::Union => self.parts_paint(what, shape.painters(), Rule::Union { seam: shape.seam() }, voxel),
+            Carries::Blend if shape.arguments.number("mix").is_some() => self.transferred_paint(what, id, voxel),
             Carries::Blend => self.parts_paint(what, shape.painters(), Rule::Blend, voxel),
+            Carries::Morph => self.morphed_paint(what, id, voxel),
             Carries::Nothing | Carries::Any | Carries::First => {
                 for part in shape.painters() {
                     if let Some(paint) = self.paint(what, *part, Stage::Placed, voxel)? {

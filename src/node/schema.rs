@@ -145,6 +145,9 @@ fn of_kind(kind: Kind) -> Value {
         Kind::ShapesOr(word) => json!({ "anyOf": [{ "const": word }, of_kind(Kind::Shapes(1))] }),
         Kind::OfSpace => number(),
         Kind::Shapes(least) => list(least, json!({ "type": ["string", "object"] })),
+        Kind::TwoShapes => {
+            json!({ "type": "array", "minItems": 2, "maxItems": 2, "items": { "type": ["string", "object"] } })
+        }
         Kind::Goals => list(1, json!({ "type": ["string", "object"] })),
         Kind::ShapePairs => list(1, list(2, json!({ "type": "string" }))),
         Kind::PlacePairs => list(1, list(2, list(3, json!({ "type": "number" })))),

@@ -11,6 +11,7 @@ use crate::distance::extent::extent;
 use crate::field::cells::{CellOptions, Cells};
 use crate::field::facet::Pieces;
 use crate::field::{Aabb, Expression, Field, Graph, Interval, Node, SetSystem, rotation};
+use crate::morph::Morph;
 use crate::node::argument::{Argument, Arguments};
 use crate::node::assets::Assets;
 use crate::node::attributes::{Paints, TheScalar};
@@ -22,7 +23,7 @@ use crate::node::insides::Insides;
 use crate::node::measured::{BESIDE_SURFACE, Distances, Purpose, SLACK, told};
 use crate::node::model::{CellsId, Fill, Model, Placement, Shape, ShapeId};
 use crate::node::reading::Reading;
-use crate::node::spec::{Build, Imported, Spec};
+use crate::node::spec::{Build, Carries, Imported, Spec};
 use crate::node::variation::Variation;
 use crate::text::diagnostic::Diagnostic;
 use crate::text::frames::sampled_frames;
@@ -52,6 +53,8 @@ pub(crate) struct Solids {
     pieces: BTreeMap<ShapeId, Arc<Pieces>>,
     /// How steps of shapes bend space.
     bends: BTreeMap<(ShapeId, usize), Arc<dyn Bend>>,
+    /// Of shapes made by `morph`, what is planned once.
+    pub(crate) morphs: BTreeMap<ShapeId, Arc<Morph>>,
     /// The attributes found at this moment.
     pub(crate) paints: Paints,
     /// What follows the insides of shapes.
@@ -93,6 +96,7 @@ impl Solids {
             cells: BTreeMap::new(),
             pieces: BTreeMap::new(),
             bends: BTreeMap::new(),
+            morphs: BTreeMap::new(),
             paints: Paints::default(),
             insides: Insides::default(),
         }
@@ -107,6 +111,8 @@ impl Solids {
         });
         other.bends.retain(|(id, step), _| !variation.step(*id, *step));
         other.pieces.retain(|id, _| !variation.step(*id, 0));
+        let still = |id: &ShapeId| !self.model.needs(*id).into_iter().any(|part| variation.placed(part));
+        other.morphs.retain(|id, _| still(id));
         other.cells.retain(|id, _| !variation.placed(self.model.cells[id.0].around));
         other.insides.keep_still(variation);
         other
@@ -142,6 +148,11 @@ impl Solids {
         let model = self.model();
         for &id in shapes {
             let shape = model.shape(id);
+            if shape.spec.carries == Carries::Morph
+                && !self.model.needs(id).into_iter().any(|part| variation.placed(part))
+            {
+                let _ = self.morphed(id);
+            }
             // What is measured of parts that do not change is kept: operands of a blend that only move, and what changes
             // by its offset or its wall alone.
             let bare = shape.bare_steps();
@@ -163,6 +174,11 @@ impl Solids {
     pub fn field(&mut self, id: ShapeId, stage: Stage) -> Result<Arc<dyn Field>, Problem> {
         let node = self.node(id, stage)?;
         Ok(Arc::new(Expression::new(&self.graph, node)))
+    }
+
+    /// About how many voxels go along the longest side of what is baked.
+    pub fn resolution(&self) -> f64 {
+        self.resolution
     }
 
     /// Set to stop.
@@ -570,6 +586,10 @@ impl Build for Making<'_> {
 
     fn host(&mut self, id: CellsId) -> Result<Arc<dyn Field>, Problem> {
         self.solids.host(id)
+    }
+
+    fn morph(&mut self) -> Result<Arc<Morph>, Problem> {
+        self.solids.morphed(self.id)
     }
 
     fn pieces(&mut self) -> Result<Arc<Pieces>, Problem> {

@@ -11,6 +11,7 @@ use crate::attribute::{CellIndex, Colour, Scalar};
 use crate::field::cells::Cells;
 use crate::field::facet::Pieces;
 use crate::field::{Aabb, Field, Graph, Interval, Node};
+use crate::morph::Morph;
 use crate::node::argument::Arguments;
 use crate::node::bend::Bend;
 use crate::node::id::{CellsId, ShapeId};
@@ -115,6 +116,8 @@ pub enum Carries {
     Union,
     /// Its operands', mixed by their distances.
     Blend,
+    /// Its operands', as a morph from the first to the second mixes them.
+    Morph,
     /// The first operand's that has one.
     Any,
     /// The first operand's.
@@ -205,6 +208,8 @@ pub trait Build {
     fn cells(&mut self, id: CellsId) -> Result<Arc<Cells>, Problem>;
     /// The field of the shape that cells stand around.
     fn host(&mut self, id: CellsId) -> Result<Arc<dyn Field>, Problem>;
+    /// The morph of this shape's two operands.
+    fn morph(&mut self) -> Result<Arc<Morph>, Problem>;
     /// The pieces that a `facet` was made of.
     fn pieces(&mut self) -> Result<Arc<Pieces>, Problem>;
     /// Keeps them.

@@ -45,13 +45,7 @@ pub(crate) fn settings(model: &Arc<Model>, morph: &Morph) -> Result<morph::Setti
         octopus: morph.octopus,
         alpha: over_time(model, &morph.alpha)?,
         beta: over_time(model, &morph.beta)?,
-        colour_space: match morph.colour_space {
-            "rgb" => ColourSpace::Rgb,
-            "hsv" => ColourSpace::Hsv,
-            "lab" => ColourSpace::Lab,
-            "lch" => ColourSpace::Lch,
-            _ => ColourSpace::Oklab,
-        },
+        colour_space: ColourSpace::named(morph.colour_space).unwrap_or(ColourSpace::Auto),
     })
 }
 

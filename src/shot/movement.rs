@@ -126,6 +126,7 @@ impl Both<'_> {
             Carries::Union => self.way_of_parts(parts, Rule::Union { seam: shape.seam() })?,
             Carries::Blend => self.way_of_parts(parts, Rule::Blend)?,
             Carries::First | Carries::Any => self.way(parts[0])?,
+            Carries::Morph => self.way_of_morph(id)?,
             Carries::Nothing | Carries::Import => None,
         };
         let mut way = inner;
@@ -140,6 +141,17 @@ impl Both<'_> {
             };
         }
         Ok(way)
+    }
+
+    /// The way of a morph as a shape, while its operands stand still: along with what carries them.
+    fn way_of_morph(&mut self, id: ShapeId) -> Result<Vectors, Problem> {
+        let model = Arc::clone(&self.prepared.model);
+        if model.needs(id).into_iter().any(|part| self.prepared.variation.placed(part)) {
+            return Ok(None);
+        }
+        let mix = model.shape(id).arguments.number("mix").expect("it has a default");
+        let (now, then) = (self.now.number(mix)?, self.then.number(mix)?);
+        Ok(self.now.morphed(id)?.own_way(now, then))
     }
 
     fn way_of_parts(&mut self, operands: &[ShapeId], rule: Rule) -> Result<Vectors, Problem> {

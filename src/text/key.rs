@@ -55,6 +55,8 @@ pub enum Kind {
     Fill,
     /// Names of shapes, at least so many; each may also be a shape written in place.
     Shapes(usize),
+    /// Names of two shapes; each may also be a shape written in place.
+    TwoShapes,
     /// The same, at least one; `"surface"` is the shape's own surface.
     Goals,
     /// Pairs of names of shapes.
@@ -137,6 +139,7 @@ impl Kind {
             Self::Scalar => "name of an attribute".into(),
             Self::Fill => "`{ mix = [shape, shape], by = attribute }`".into(),
             Self::Shapes(_) => "list of shapes".into(),
+            Self::TwoShapes => "two shapes".into(),
             Self::Goals => "list of shapes, `\"surface\"` among them".into(),
             Self::ShapesOr(word) => format!("list of shapes, or `\"{word}\"`"),
             Self::OfSpace => "number or formula of space".into(),

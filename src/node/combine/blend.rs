@@ -2,14 +2,29 @@
 
 use crate::field::{Blend, BlendBounds, Interval};
 use crate::node::spec::{Carries, Spec};
-use crate::text::key::Absent::{Nothing, Number, Required};
-use crate::text::key::{Key, Kind};
+use crate::text::key::Absent::{Nothing, Number, Required, Words};
+use crate::text::key::{Key, Kind, Limit};
 
 /// Shapes that flow together.
 pub const NODE: Spec = Spec {
     key: Key::new("blend", Kind::Shapes(2), Required, "Two shapes that flow into one another."),
     parameters: &[
         Key::length("blend_radius", Number(0.25), "How near they must be to one another to flow together."),
+        Key::new(
+            "mix",
+            Kind::Number,
+            Nothing,
+            "For two shapes: mixes their colours and attributes as a morph does at this time (0 is the first shape, 1 the \
+             second), instead of by their distances alone (STTI, figure 13).",
+        )
+        .limit(Limit::Within(0.0, 1.0)),
+        Key::new(
+            "alpha",
+            Kind::Number,
+            Words("`0.3`"),
+            "With `mix`: STTI's α; 0.1 lets colours sweep over the shape, 3 mixes them everywhere alike.",
+        )
+        .limit(Limit::NotNegative),
         Key::new("within", Kind::Shape, Nothing, "The blend stays within this shape (bounded blending)."),
     ],
     formula: "a + b + √(a² + b²) + a₀·disp",
@@ -18,6 +33,9 @@ pub const NODE: Spec = Spec {
     carries: Carries::Blend,
     measures: |_| true,
     build: |build| {
+        if build.arguments().number("alpha").is_some() && build.arguments().number("mix").is_none() {
+            return Err(build.wrong("alpha", "`alpha` counts beside `mix`, which is not there").help("mix = 0.5"));
+        }
         let (amount, most) = (build.number("blend_radius")?, build.ever("blend_radius")?.hi);
         let shapes = build.arguments().shapes("blend").cloned().unwrap_or_default();
         // The blend lies outside of all, and within its bounds.

@@ -9,7 +9,7 @@ use crate::text::key::{Key, Kind};
 pub const NODE: Spec = Spec {
     key: Key::new(
         "engrave",
-        Kind::Shapes(2),
+        Kind::TwoShapes,
         Required,
         "The first, with a line cut into it, of a right angle, where the surface of the second meets its own.",
     ),

@@ -9,7 +9,7 @@ use crate::text::key::{Key, Kind};
 pub const NODE: Spec = Spec {
     key: Key::new(
         "groove",
-        Kind::Shapes(2),
+        Kind::TwoShapes,
         Required,
         "The first, with a groove cut into it where the surface of the second meets its own.",
     ),

@@ -9,7 +9,7 @@ use crate::text::key::{Key, Kind};
 pub const NODE: Spec = Spec {
     key: Key::new(
         "seam_pipe",
-        Kind::Shapes(2),
+        Kind::TwoShapes,
         Required,
         "A tube along the curve where the surfaces of two shapes meet.",
     ),

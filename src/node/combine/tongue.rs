@@ -9,7 +9,7 @@ use crate::text::key::{Key, Kind};
 pub const NODE: Spec = Spec {
     key: Key::new(
         "tongue",
-        Kind::Shapes(2),
+        Kind::TwoShapes,
         Required,
         "The first, with a ridge on it where the surface of the second meets its own.",
     ),

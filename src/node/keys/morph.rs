@@ -58,7 +58,7 @@ pub const MORPH: &[Key] = &[
         "For `carry = \"anchors\"`, which may be left out then (`\"none\"` leaves them aside): places of the first shape and what they become on the last, `[[[0, 0, 1], [3, 0, 2]], …]`, in the world, each as its shape stands at the first and at the last frame of `over`, and in or on it; with `through` lists with a place of each of its shapes. One moves; two turn besides, the least turn there is; three or more that are not on one line turn and move as fits them best. Sizes do not change.",
     )
     .unit("units"),
-    Key::new("color_space", Kind::Choice(COLOUR_SPACES), Text("oklab"), "The space that colours are mixed in.")
+    Key::new("color_space", Kind::Choice(COLOUR_SPACES), Text("auto"), "How colours mix. `auto` runs between Oklab's straight line and Oklch's arc: opposite hues meet neither in grey-brown nor in a rainbow. The others are the space to mix in.")
         .also(&["colour_space"]),
     Key::new("alpha", Kind::Number, Number(0.3), "How colours come: 0.1 sweep over the shape, 3 everywhere at once.")
         .limit(Limit::NotNegative),

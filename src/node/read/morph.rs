@@ -50,7 +50,7 @@ impl<'r, 'a> Building<'r, 'a> {
             carry: MorphCarry::Left,
             ease,
             octopus: fields.flag("octopus"),
-            colour_space: fields.choice("color_space").unwrap_or("oklab"),
+            colour_space: fields.choice("color_space").unwrap_or("auto"),
             alpha: fields.required_number("alpha"),
             beta: fields.required_number("beta"),
             over: chain[0].over,

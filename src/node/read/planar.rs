@@ -5,7 +5,7 @@ use super::links::Node;
 use crate::node::argument::{Argument, Arguments};
 use crate::node::model::{Content, Shape, ShapeId};
 use crate::node::profile;
-use crate::node::spec::{Plane, Spec};
+use crate::node::spec::{Carries, Plane, Spec};
 use crate::text::diagnostic::{Diagnostic, clip};
 use crate::text::key::{Absent, Kind};
 use crate::text::number::Number;
@@ -16,7 +16,12 @@ impl Building<'_, '_> {
         let is = |spec: &Spec, plane: Plane| spec.plane == plane;
         let mut flat: Vec<bool> =
             self.shapes.iter().map(|shape| shape.as_ref().is_some_and(|shape| is(shape.spec, Plane::Flat))).collect();
-        let joins = |shape: &Shape| matches!(shape.spec.key.kind, Kind::Shapes(_)) && is(shape.spec, Plane::Solid);
+        // What a morph measures, it measures in space.
+        let joins = |shape: &Shape| {
+            matches!(shape.spec.key.kind, Kind::Shapes(_) | Kind::TwoShapes)
+                && is(shape.spec, Plane::Solid)
+                && shape.spec.carries != Carries::Morph
+        };
         // A shape is told after its operands; each round tells one level more.
         loop {
             let mut changed = false;

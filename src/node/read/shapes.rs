@@ -300,6 +300,7 @@ impl<'r, 'a> Building<'r, 'a> {
             Kind::Path => Argument::File(self.file(name, fields)?),
             Kind::Shape => Argument::Shape(self.operand(&path, Node::Shape(id), fields.value(name)?)?),
             Kind::Shapes(least) => Argument::Shapes(self.operands(name, least, fields, id)?),
+            Kind::TwoShapes => Argument::Shapes(self.two_operands(name, fields, id)?),
             Kind::Goals => Argument::Goals(self.goals(&path, fields.value(name)?, id)?),
             // The word is a list of none.
             Kind::ShapesOr(word) if fields.value(name)?.text() == Some(word) => Argument::Shapes(Vec::new()),
@@ -376,6 +377,17 @@ impl<'r, 'a> Building<'r, 'a> {
     ) -> Option<Vec<ShapeId>> {
         let value = fields.value(key)?;
         self.operand_list(&fields.full(key), value, least, id)
+    }
+
+    /// The two shapes of a key.
+    fn two_operands(&mut self, key: &str, fields: &Fields<'r, 'a>, id: ShapeId) -> Option<Vec<ShapeId>> {
+        let value = fields.value(key)?;
+        if let Some(third) = value.list().and_then(|list| list.get(2)) {
+            let problem = Diagnostic::error(third.span, format!("`{}` takes two shapes", clip(&fields.full(key))));
+            self.reader.say(problem.help("join some of them first: { union = [\"a\", \"b\"] } is a shape too"));
+            return None;
+        }
+        self.operands(key, 2, fields, id)
     }
 
     /// The shapes of a list, at least so many.
