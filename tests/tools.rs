@@ -38,6 +38,34 @@ fn first_scenes_are_written_once() {
 }
 
 #[test]
+fn scenes_are_formatted_in_place() {
+    let place = Workplace::new();
+    place.write("a.toml", "[shape.s]\nsphere=1   # units\n");
+    place.write("b.toml", "hfvdb = 1\n");
+    place.write("bad.toml", "[shape.s]\nsphere = 1\nbox == 2\n");
+    place.hfvdb("fmt --check a.toml b.toml").fails(1, &["1 file is not formatted: hfvdb fmt FILE formats it"]);
+    let told = place.hfvdb("fmt a.toml b.toml bad.toml");
+    told.fails(1, &["--> bad.toml:3:6"]);
+    assert_eq!(told.stdout, "a.toml\n");
+    assert_eq!(fs::read_to_string(place.path("a.toml")).unwrap(), "[shape.s]\nsphere = 1 # units\n");
+    assert_eq!(fs::read_to_string(place.path("bad.toml")).unwrap(), "[shape.s]\nsphere = 1\nbox == 2\n");
+    assert_eq!(place.hfvdb("fmt --check a.toml b.toml").ok().stdout, "");
+    // What a link leads to is formatted; what is write-protected is not.
+    place.write("far.toml", "a=1");
+    std::os::unix::fs::symlink("far.toml", place.path("link.toml")).unwrap();
+    place.hfvdb("fmt link.toml").ok();
+    assert!(place.path("link.toml").is_symlink());
+    assert_eq!(fs::read_to_string(place.path("far.toml")).unwrap(), "a = 1\n");
+    place.write("kept.toml", "a=1");
+    let mut permissions = fs::metadata(place.path("kept.toml")).unwrap().permissions();
+    permissions.set_readonly(true);
+    fs::set_permissions(place.path("kept.toml"), permissions).unwrap();
+    place.hfvdb("fmt kept.toml").fails(1, &["kept.toml: it is write-protected"]);
+    place.hfvdb("fmt cubism").fails(1, &["hfvdb scenes cubism > cubism.toml"]);
+    place.hfvdb("fmt none.toml").fails(1, &["there is no scene `none.toml`"]);
+}
+
+#[test]
 fn a_place_is_probed() {
     let place = Workplace::new();
     place.write("two.toml", "[output]\nshape = 'u'\n[shape.u]\nunion = ['a', 'b']\n[shape.a]\nsphere = 1\ncolor = 'red'\n[shape.b]\nbox = 1\nmove = [3, 0, 0]\n");

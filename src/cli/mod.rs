@@ -14,6 +14,7 @@ mod dry_run;
 mod events;
 mod failure;
 mod files;
+mod fmt;
 mod info;
 mod job;
 mod morph;
@@ -53,6 +54,7 @@ First steps:
   hfvdb morph a.obj b.ply -o out/m.####.vdb      a morph of two meshes, no scene file
   hfvdb convert fox.glb -o fox.vdb               a mesh with its colours, no scene file
   hfvdb new mine.toml                            a first scene, with remarks
+  hfvdb fmt mine.toml                            the same scene, neatly spaced
   hfvdb nodes lattice                            what scenes are made of, searched
   hfvdb verify out                               whether all frames are there and whole
 
@@ -85,6 +87,8 @@ enum Command {
     Probe(probe::Arguments),
     /// Write a first scene to change: one shape, a morph, or two meshes
     New(new::Arguments),
+    /// Format scene files: spaces, line breaks and commas; order, comments and values stay
+    Fmt(fmt::Arguments),
     /// Print the JSON Schema of the scene format, from which editors complete and check scenes
     Schema,
     /// Hold frames against their manifest: missing, foreign, or a single bit flipped
@@ -121,6 +125,7 @@ pub fn run() -> ExitCode {
         Command::Nodes(arguments) => nodes::run(&arguments, &global),
         Command::Probe(arguments) => probe::run(&arguments, &global),
         Command::New(arguments) => new::run(&arguments, &global),
+        Command::Fmt(arguments) => fmt::run(&arguments, &global),
         Command::Schema => schema::run(),
         Command::Verify(arguments) => verify::run(&arguments, &global),
         Command::Accuracy(arguments) => accuracy::run(&arguments, &global),

@@ -65,7 +65,7 @@ impl Temporary {
     }
 }
 
-/// Writes a small file so that it is whole or as it was, and on the disk.
+/// Writes a small file so that it is whole or as it was, and on the disk. A file that it replaces leaves its permissions.
 ///
 /// # Errors
 /// When the system refuses.
@@ -84,6 +84,10 @@ pub fn write_new(target: &Path, bytes: &[u8]) -> Result<(), Error> {
 fn write(target: &Path, bytes: &[u8], overwrite: bool) -> Result<(), Error> {
     let mut temporary = Temporary::beside(target)?;
     let file = temporary.file_mut();
+    if let Some(replaced) = std::fs::metadata(target).ok().filter(|_| overwrite) {
+        let kept = file.set_permissions(replaced.permissions());
+        kept.map_err(|error| Error::system(target, "keep its permissions", error))?;
+    }
     file.write_all(bytes).and_then(|()| file.sync_all()).map_err(|error| Error::system(target, "write it", error))?;
     temporary.persist(target, overwrite)
 }

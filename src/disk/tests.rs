@@ -40,6 +40,17 @@ fn whole_files_replace_whole_files() {
 }
 
 #[test]
+fn what_replaces_a_file_has_its_permissions() {
+    use std::os::unix::fs::PermissionsExt;
+    let folder = tempfile::tempdir().unwrap();
+    let target = folder.path().join("mine.toml");
+    write_new(&target, b"one").unwrap();
+    fs::set_permissions(&target, fs::Permissions::from_mode(0o600)).unwrap();
+    write_whole(&target, b"two").unwrap();
+    assert_eq!(fs::metadata(&target).unwrap().permissions().mode() & 0o777, 0o600);
+}
+
+#[test]
 fn names_of_temporaries() {
     assert_eq!(temporary_target(".m.0001.vdb.a1B2c3.hfvdb-tmp"), Some("m.0001.vdb"));
     assert_eq!(temporary_target("..m.0001.hfvdb-record.json.a1B2c3.hfvdb-tmp"), Some(".m.0001.hfvdb-record.json"));

@@ -83,6 +83,8 @@ pub use example::{node_names, node_scene};
 pub use load::load;
 pub use model::*;
 pub use origin::Source;
+#[cfg(feature = "cli")]
+pub(crate) use origin::text_of;
 pub use probe::{Probe, Reading};
 pub use reference::reference;
 pub use schema::schema;
