@@ -33,6 +33,7 @@ picture bat-to-robot --pictures 8 --output "$images/bat-to-robot.png"
 picture wood-morph --pictures 8 --output "$images/wood-morph.png"
 picture conformal-ell --size 480 --output "$images/conformal-ell.png"
 picture crawl --pictures 6 --output "$images/crawl.png"
+picture in-turn --pictures 8 --columns 4 --output "$images/in-turn.png"
 picture covid --size 480 --output "$images/covid.png"
 for scene in bat treble-clef snowflake robot heart-slabs marble aitch; do
     hfvdb bake "$scene" --quiet --output "$folder/$scene.vdb"

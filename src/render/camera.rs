@@ -158,6 +158,28 @@ impl Camera {
         }
     }
 
+    /// The camera that shows a whole world box from a view however it is [`Camera::turned`] about the box's middle: of the
+    /// same distance at every turn.
+    pub fn framing_all_around(bounds: &Aabb, upright: Up, view: View, turn: f64, aspect: f64) -> Self {
+        let bounds = with_extent(bounds);
+        let (centre, mut half) = ((bounds.min + bounds.max) * 0.5, bounds.size() * 0.5);
+        let height = half[upright.axis()];
+        half = DVec3::splat((half.length_squared() - height * height).sqrt());
+        half[upright.axis()] = height;
+        Self::framing(&Aabb::new(centre - half, centre + half), upright, view, turn, aspect)
+    }
+
+    /// The camera turned by some degrees (counter-clockwise from above) about the upright axis through a place.
+    pub fn turned(self, about: DVec3, degrees: f64) -> Self {
+        let (sin, cos) = libm::sincos(degrees.to_radians());
+        let turn = |v: DVec3| match self.upright {
+            Up::Y => DVec3::new(cos * v.x + sin * v.z, v.y, cos * v.z - sin * v.x),
+            Up::Z => DVec3::new(cos * v.x - sin * v.y, sin * v.x + cos * v.y, v.z),
+        };
+        let [right, up, forward] = [self.right, self.up, self.forward].map(turn);
+        Self { eye: about + turn(self.eye - about), right, up, forward, ..self }
+    }
+
     /// The unit direction through a place in the picture: −1 to 1 from left to right, and from bottom to top.
     pub(super) fn direction(&self, place: DVec2) -> DVec3 {
         let slope = place * self.half_extent;
@@ -239,6 +261,24 @@ mod tests {
         assert!(camera(View::Front).eye.z > 1.0 && camera(View::Top).eye.y > 1.0 && camera(View::Right).eye.x > 1.0);
         assert_eq!((camera(View::Front).up, camera(View::Front).right), (DVec3::Y, DVec3::X));
         assert!("side".parse::<View>().unwrap_err().contains("three-quarter"));
+    }
+
+    #[test]
+    fn all_around_a_box_stays_inside_at_one_distance() {
+        let bounds = Aabb::new(DVec3::new(-3.0, 1.0, 100.0), DVec3::new(2.0, 1.5, 104.0));
+        let centre = (bounds.min + bounds.max) * 0.5;
+        for upright in [Up::Y, Up::Z] {
+            let first = Camera::framing_all_around(&bounds, upright, View::ThreeQuarter, 0.0, 1.0);
+            for degrees in [0.0, 30.0, 90.0, 211.0] {
+                let camera = first.turned(centre, degrees);
+                assert!((camera.eye.distance(centre) - first.eye.distance(centre)).abs() < 1e-9);
+                let places = bounds_corners(&bounds).map(|corner| place(&camera, corner).abs().max_element());
+                assert!(places.into_iter().all(|reach| reach < 1.0), "{degrees}: {places:?}");
+            }
+            let whole = first.turned(centre, 77.0);
+            let plain = Camera::framing(&bounds, upright, View::ThreeQuarter, 77.0, 1.0);
+            assert!(whole.forward.abs_diff_eq(plain.forward, 1e-9) && whole.up.abs_diff_eq(plain.up, 1e-9));
+        }
     }
 
     #[test]

@@ -106,6 +106,11 @@ const SCENES: &[BuiltIn] = &[
         text: include_str!("../../scenes/conformal-ell.toml"),
         line: "colours that follow the inside of a bent body, and the same through the air",
     },
+    BuiltIn {
+        name: "in-turn",
+        text: include_str!("../../scenes/in-turn.toml"),
+        line: "a lamp becomes a mushroom, part by part",
+    },
     BuiltIn { name: "crawl", text: include_str!("../../scenes/crawl.toml"), line: "a change that crawls along a vine" },
 ];
 

@@ -14,8 +14,8 @@ pub struct Painter<'a> {
     size: usize,
     quality: Quality,
     slice: Option<Slice>,
-    /// Degrees that the camera is turned by beside those asked for.
-    pub turned: f64,
+    /// Degrees that the camera has gone around the object, for pictures of a turn.
+    pub around: Option<f64>,
 }
 
 impl<'a> Painter<'a> {
@@ -32,7 +32,7 @@ impl<'a> Painter<'a> {
                 "the slice {plane} misses the object, which reaches from {axis} = {least:.4} to {greatest:.4}"
             )));
         }
-        Ok(Self { arguments, source, size, quality, slice: None, turned: 0.0 })
+        Ok(Self { arguments, source, size, quality, slice: None, around: None })
     }
 
     /// A picture of a frame.
@@ -85,8 +85,12 @@ impl<'a> Painter<'a> {
     fn scene<'s>(&self, shown: &'s Shown) -> Scene<'s> {
         let own = || measure::solid_extent(&shown.band).map(|(least, greatest)| Aabb::new(least, greatest));
         let bounds = self.arguments.follow.then(own).flatten().unwrap_or(self.source.bounds);
-        let turn = self.arguments.turn + self.turned;
-        let camera = Camera::framing(&bounds, shown.up, self.arguments.view, turn, 1.0);
+        let Arguments { view, turn, .. } = *self.arguments;
+        let camera = match self.around {
+            None => Camera::framing(&bounds, shown.up, view, turn, 1.0),
+            Some(degrees) => Camera::framing_all_around(&bounds, shown.up, view, turn, 1.0)
+                .turned((bounds.min + bounds.max) * 0.5, degrees),
+        };
         let ground = match shown.up {
             Up::Y => bounds.min.y,
             Up::Z => bounds.min.z,

@@ -39,8 +39,9 @@ pub fn show(
         if interrupt.is_raised() {
             return Err(signals::interrupted());
         }
-        painter.turned = 360.0 * place as f64 / f64::from(pictures);
-        let label = format!("{:.0}\u{b0}", arguments.turn + painter.turned);
+        let degrees = 360.0 * place as f64 / f64::from(pictures);
+        painter.around = Some(degrees);
+        let label = format!("{:.0} deg", arguments.turn + degrees);
         let image = writer.take(&mut painter, &shown, *number)?;
         frames.push(SheetFrame { frame: *number, label: Some(label), image, volume, change: None, pieces });
     }
