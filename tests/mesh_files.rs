@@ -455,3 +455,60 @@ fn frames_as_polygons_are_closed_and_sharp() {
     assert_eq!(checked(&place, "m.0012.glb")["boundary_edges"], 0);
     place.hfvdb("convert m.0012.glb -o m.vdb --resolution 40").ok();
 }
+
+#[test]
+fn voxels_become_polygons() {
+    let place = Workplace::new();
+    let scene = "hfvdb = 1\nframes = '1-3'\nunit = 'cm'\n[shape.a]\nsphere = '0.8 + 0.1*t'\n\
+                 color = { linear = ['0.5+0.4*x', '0.5+0.4*y', 0.25] }\nattribute.wear = 'z'\n\
+                 [output]\ngrids = ['surface', 'density', 'Cd', 'wear', 'vel']\n";
+    place.write("ball.toml", scene);
+    place.hfvdb("bake ball.toml --voxel-size 0.05 -o a.####.vdb").ok();
+    let run = place.hfvdb("mesh a.####.vdb -o a.####.ply").ok();
+    assert!(run.stderr.contains("its velocity is left out"), "{}", run.stderr);
+    for frame in 1..=3 {
+        let name = format!("a.000{frame}.ply");
+        let mesh = checked(&place, &name);
+        assert_eq!((mesh["boundary_edges"].as_u64(), mesh["inconsistent_edges"].as_u64()), (Some(0), Some(0)));
+        let radius = 0.8 + 0.05 * f64::from(frame - 1);
+        let exact = 4.0 / 3.0 * std::f64::consts::PI * radius.powi(3);
+        assert!((mesh["volume"].as_f64().expect("a number") / exact - 1.0).abs() < 0.01, "{mesh}");
+        // Read by hand: x, y, z, three bytes of colour, the attribute.
+        let bytes = std::fs::read(place.path(&name)).expect("it was written");
+        let end = bytes.windows(11).position(|window| window == b"end_header\n").expect("a header") + 11;
+        let head = String::from_utf8_lossy(&bytes[..end]).into_owned();
+        assert!(head.contains("comment unit cm"), "{head}");
+        let count = head.lines().find_map(|line| line.strip_prefix("element vertex ")).expect("vertices");
+        for vertex in bytes[end..].chunks_exact(19).take(count.parse().expect("a number")) {
+            let float = |at: usize| f64::from(f32::from_le_bytes(vertex[at..at + 4].try_into().expect("four bytes")));
+            let [x, y, z] = [0, 4, 8].map(float);
+            assert!(((x * x + y * y + z * z).sqrt() - radius).abs() < 0.005, "{x} {y} {z}");
+            assert!((float(15) - z).abs() < 0.003, "{} at z = {z}", float(15));
+            for (byte, linear) in vertex[12..15].iter().zip([0.5 + 0.4 * x, 0.5 + 0.4 * y, 0.25]) {
+                let srgb = 1.055 * linear.powf(1.0 / 2.4) - 0.055;
+                assert!((f64::from(*byte) / 255.0 - srgb).abs() < 2.0 / 255.0, "{byte}, not {srgb}");
+            }
+        }
+    }
+    // Fog from a value on, and what such files are made of is said.
+    let run = place.hfvdb("convert a.0001.vdb -o fog.obj --grid density --threshold 0.25 --voxel-size 0.1").ok();
+    assert!(run.stderr.contains("wear: left out; .obj has no attributes"), "{}", run.stderr);
+    assert_eq!(checked(&place, "fog.obj")["boundary_edges"], 0);
+    // And back into voxels, by frame, with what they have.
+    place.hfvdb("convert a.####.vdb -o b.####.vdb --frames 2").ok();
+    let info = place.hfvdb("info b.0002.vdb").ok().stdout;
+    assert!(info.contains("grid wear") && info.contains("grid vel") && info.contains("hfvdb_unit: cm"), "{info}");
+    for (command, wanted) in [
+        ("mesh a.0001.vdb -o b.vdb", "mesh writes polygons"),
+        ("mesh fog.obj -o b.ply", "mesh takes .vdb files"),
+        ("convert fog.obj -o b.vdb --threshold 0.3", "are about .vdb files"),
+        ("convert a.0001.vdb -o b.ply --sign winding", "--sign is about meshes"),
+        ("mesh a.####.vdb -o b.ply", "3 frames would go into one file"),
+    ] {
+        place.hfvdb(command).fails(2, &[wanted]);
+    }
+    place.hfvdb("mesh c.####.vdb -o b.####.ply").fails(1, &["no frame with such a name"]);
+    place.hfvdb("mesh a.0001.vdb -o b.ply --grid wearr").fails(1, &["there is no grid 'wearr'"]);
+    place.write("bad.vdb", "no voxels");
+    place.hfvdb("mesh bad.vdb -o b.ply").fails(1, &["bad.vdb"]);
+}

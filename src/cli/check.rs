@@ -17,7 +17,7 @@ use crate::shot;
 use crate::shot::MorphReport;
 use crate::terminal;
 use crate::text;
-use crate::text::Origin;
+use crate::text::{FileSequence, Origin};
 use crate::vdb::{self, Client, Finding, Lint, Severity};
 
 /// Arguments of `hfvdb check`.
@@ -228,6 +228,10 @@ fn of_scene(arguments: &Arguments, global: &Global) -> Result<(), Failure> {
     } else {
         let mut text = if global.verbose { settings(&model) } else { String::new() };
         let size = prepared.extent.size();
+        if sequences(&model).next().is_some() {
+            let document_of = |(shape, files): (&str, &FileSequence)| json!({ "shape": shape, "files": files.name, "ends": files.ends(), "count": files.count() });
+            document["sequences"] = sequences(&model).map(document_of).collect();
+        }
         // Writing to a string cannot fail.
         let _ = write!(
             text,
@@ -235,6 +239,9 @@ fn of_scene(arguments: &Arguments, global: &Global) -> Result<(), Failure> {
              about {:.2e} voxels, {} of memory (limit {limit}), at most {} a file before compression\n",
             shot.first, shot.last, size.x, size.y, size.z, model.unit, estimate.voxels, estimate.memory, estimate.file
         );
+        for (shape, files) in sequences(&model) {
+            let _ = writeln!(text, "`{shape}`: {files}");
+        }
         if let count @ 1.. = model.set_operations() {
             let _ = writeln!(text, "{count} set operation{}", if count == 1 { "" } else { "s" });
         }
@@ -281,6 +288,11 @@ fn settings(model: &Model) -> String {
             _ => "scene",
         };
         format!("{:40} {:24} {origin}\n", setting.name, setting.value)
+/// The files by frame of all shapes.
+fn sequences(model: &Model) -> impl Iterator<Item = (&str, &FileSequence)> {
+    model.shapes.iter().flat_map(|shape| shape.sequences().map(|files| (shape.name.as_str(), files)))
+}
+
     });
     lines.collect()
 }

@@ -17,6 +17,7 @@ mod files;
 mod fmt;
 mod info;
 mod job;
+mod mesh;
 mod morph;
 mod new;
 mod nodes;
@@ -53,6 +54,7 @@ First steps:
   hfvdb bake cubism -o out/cubism.####.vdb       48 frames of a coloured morph
   hfvdb morph a.obj b.ply -o out/m.####.vdb      a morph of two meshes, no scene file
   hfvdb convert fox.glb -o fox.vdb               a mesh with its colours, no scene file
+  hfvdb mesh out/cubism.0048.vdb -o frame.glb    polygons with colours of any .vdb
   hfvdb new mine.toml                            a first scene, with remarks
   hfvdb fmt mine.toml                            the same scene, neatly spaced
   hfvdb nodes lattice                            what scenes are made of, searched
@@ -73,8 +75,10 @@ enum Command {
     Bake(bake::Arguments),
     /// Morph one mesh into another, without a scene file
     Morph(morph::Arguments),
-    /// Turn a mesh into a .vdb file: its distance and its colours, without a scene file
+    /// Turn a mesh or a .vdb file into another: distance, colours, attributes, without a scene file
     Convert(convert::Arguments),
+    /// Turn .vdb files of any maker into polygons with colours and attributes: .glb, .ply, .obj
+    Mesh(mesh::Arguments),
     /// Check a scene and estimate its voxels, memory and file size, a .vdb file for programs, or a mesh
     Check(check::Arguments),
     /// Show what a .vdb file holds
@@ -119,6 +123,7 @@ pub fn run() -> ExitCode {
         Command::Bake(arguments) => bake::run(&arguments, &global),
         Command::Morph(arguments) => morph::run(&arguments, &global),
         Command::Convert(arguments) => convert::run(&arguments, &global),
+        Command::Mesh(arguments) => mesh::run(&arguments, &global),
         Command::Check(arguments) => check::run(&arguments, &global),
         Command::Info(arguments) => info::run(&arguments, &global),
         Command::Scenes(arguments) => scenes::run(&arguments, &global),

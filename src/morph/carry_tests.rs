@@ -130,7 +130,8 @@ fn velocities(morph: &Morph, time: f64, step: f64) -> Vec<(DVec3, DVec3)> {
         field: morph.moving_field(time + instant.seconds),
         own: morph.own_way(time, time + instant.seconds),
     });
-    let movement = Movement { around: around.collect(), max_speed: 1e3, max_change: 1e3, frame_seconds: 0.04 };
+    let movement =
+        Movement { around: around.collect(), given: None, max_speed: 1e3, max_change: 1e3, frame_seconds: 0.04 };
     let field = morph.field(time);
     let extent = field.bounding_box().expect("a box");
     let (mut points, mut gradients) = (Points::new(extent.centre()), Gradients::new());

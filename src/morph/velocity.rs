@@ -70,6 +70,8 @@ pub struct Around {
 pub struct Movement {
     /// What there is at instants around the frame.
     pub around: Vec<Around>,
+    /// What files say of the velocity at points of the surface, world units a second: on top of all else.
+    pub given: Option<Arc<dyn Attribute<3>>>,
     /// The greatest speed, world units a second: faster surfaces are held to it.
     pub max_speed: f64,
     /// The greatest speed along the normal beside the objects' own motion, world units a second. Where pieces meet, part
@@ -84,6 +86,7 @@ impl Movement {
     pub fn meter(&self, voxel: f64) -> Meter<'_> {
         Meter {
             around: self.around.iter().map(Then::new).collect(),
+            given: self.given.as_ref().map(|given| given.sampler()),
             max_speed: self.max_speed,
             max_change: self.max_change,
             tolerance: TOLERANCE * voxel as f32,
@@ -113,6 +116,7 @@ impl<'a> Then<'a> {
 /// Measures velocities on one thread.
 pub struct Meter<'a> {
     around: Vec<Then<'a>>,
+    given: Option<Box<dyn Sampler<3> + 'a>>,
     max_speed: f64,
     max_change: f64,
     tolerance: f32,
@@ -144,6 +148,16 @@ impl Meter<'_> {
                 own[i] += DVec3::from_array(self.own[i].map(f64::from)) * weight;
                 along[i] += f64::from(self.along[i]) * weight;
                 held[i] |= limit > 0.0 && self.along[i].abs() >= limit;
+            }
+        }
+        if let Some(given) = &mut self.given
+            && let Some(region) = feet.bounding_box()
+        {
+            given.enter(&region);
+            given.sample(feet, &mut self.own);
+            given.leave();
+            for (own, given) in own.iter_mut().zip(&self.own).take(len) {
+                *own += DVec3::from_array(given.map(f64::from));
             }
         }
         for i in 0..len {

@@ -1,13 +1,17 @@
 //! The values of a node's keys, and what can be asked of all of them alike: which numbers, shapes, cells and files they
 //! name. Nothing that walks over a scene has to know what any node is.
 
+use std::sync::Arc;
+
 use crate::attribute::LinearRgb;
 use crate::field::{Aabb, CopyPlace};
 use crate::node::applied::Applied;
 use crate::node::id::{CellsId, ShapeId};
 use crate::text::files::FileReference;
+
 use crate::text::number::Number;
 use crate::text::number::formula::Formula;
+use crate::text::sequence::FileSequence;
 use crate::text::source::Span;
 
 /// The value of one key.
@@ -31,6 +35,8 @@ pub enum Argument {
     Formula(Formula),
     /// A file.
     File(FileReference),
+    /// A file for each frame.
+    Files(Arc<FileSequence>),
     /// A shape.
     Shape(ShapeId),
     /// Shapes.
@@ -291,11 +297,26 @@ impl Arguments {
 
     /// All files.
     pub fn files(&self) -> impl Iterator<Item = &FileReference> {
-        self.0.iter().filter_map(|(_, value)| match value {
+        let alone = self.0.iter().filter_map(|(_, value)| match value {
             Argument::File(file) => Some(file),
             Argument::Places(places) => places.file.as_ref(),
             _ => None,
-        })
+        });
+        alone.chain(self.sequence().into_iter().flat_map(FileSequence::files))
+    }
+
+    /// The files by frame, of a node that has such.
+    pub fn sequence(&self) -> Option<&FileSequence> {
+        self.0.iter().find_map(|(_, value)| if let Argument::Files(files) = value { Some(&**files) } else { None })
+    }
+
+    /// The file of a key at a frame.
+    pub fn file_at(&self, key: &str, frame: f64) -> Option<&FileReference> {
+        match self.get(key)? {
+            Argument::Files(files) => Some(&files.at(frame).1),
+            Argument::File(file) => Some(file),
+            other => unreachable!("`{key}` is {other:?}"),
+        }
     }
 
     /// All scalars of the shape itself.

@@ -5,10 +5,10 @@ use std::sync::Arc;
 
 use crate::attribute::{Attribute, Colour, LinearRgb, Scalar, Straight};
 use crate::morph::Morph;
-use crate::node::assets::Assets;
 use crate::node::id::Stage;
 use crate::node::model::{Shape, ShapeColour, ShapeId, ShapeScalar};
 use crate::node::painted::Paint;
+use crate::node::solid::Solids;
 use crate::node::source::Given;
 use crate::node::spec::Imported;
 use crate::text::colour::{GREY, css};
@@ -35,7 +35,7 @@ pub(crate) trait Asked<const N: usize>: Copy {
     fn known(paints: &mut Paints) -> &mut Known<N>;
 
     /// What comes from the volume of voxels that a shape has it from.
-    fn of_voxels(self, assets: &Assets, id: ShapeId) -> Arc<dyn Attribute<N>>;
+    fn of_voxels(self, solids: &Solids, id: ShapeId) -> Result<Arc<dyn Attribute<N>>, Problem>;
 
     /// The problem of copies whose parts have several values.
     fn several(self, shape: &Shape) -> Problem;
@@ -80,8 +80,9 @@ impl Asked<3> for TheColour {
         &mut paints.colours
     }
 
-    fn of_voxels(self, assets: &Assets, id: ShapeId) -> Arc<Colour> {
-        Arc::clone(assets.colours(id)) as Arc<Colour>
+    fn of_voxels(self, solids: &Solids, id: ShapeId) -> Result<Arc<Colour>, Problem> {
+        let colours = solids.assets().colours(&solids.model(), id, solids.moment().frame)?;
+        Ok(colours as Arc<Colour>)
     }
 
     fn several(self, shape: &Shape) -> Problem {
@@ -119,8 +120,9 @@ impl Asked<1> for TheScalar<'_> {
         &mut paints.scalars
     }
 
-    fn of_voxels(self, assets: &Assets, id: ShapeId) -> Arc<Scalar> {
-        Arc::clone(assets.scalar(id, self.0)) as Arc<Scalar>
+    fn of_voxels(self, solids: &Solids, id: ShapeId) -> Result<Arc<Scalar>, Problem> {
+        let scalar = solids.assets().scalar(&solids.model(), id, self.0, solids.moment().frame)?;
+        Ok(scalar as Arc<Scalar>)
     }
 
     fn several(self, shape: &Shape) -> Problem {

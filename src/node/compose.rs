@@ -56,7 +56,7 @@ impl Scene {
         self.model_with(name, folder.as_ref(), &Overrides::default())
     }
 
-    fn model_with(&self, name: &str, folder: &Path, overrides: &Overrides) -> Result<Model, Diagnostics> {
+    pub(super) fn model_with(&self, name: &str, folder: &Path, overrides: &Overrides) -> Result<Model, Diagnostics> {
         load(&Source::Text { name: name.to_owned(), text: self.to_string(), folder: folder.to_owned() }, overrides)
     }
 }
@@ -75,16 +75,8 @@ pub fn morph_of_meshes(from: &Path, to: &Path, shot: FrameRange, overrides: &Ove
         .model_with("hfvdb morph", Path::new(""), overrides)
 }
 
-/// The scene of a mesh as it stands.
-///
-/// # Errors
-/// Those of [`load`].
-pub fn mesh_as_it_is(mesh: &Path, overrides: &Overrides) -> Result<Model, Diagnostics> {
-    Scene::new().shape("mesh", Part::new("mesh", path(mesh))).model_with("hfvdb convert", Path::new(""), overrides)
-}
-
 /// A path as a scene has it. A `$` in a name on the command line is the name's own.
-fn path(path: &Path) -> String {
+pub(super) fn path(path: &Path) -> String {
     path.display().to_string().replace('$', "$$")
 }
 

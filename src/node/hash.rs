@@ -10,6 +10,7 @@ use crate::node::argument::Arguments;
 use crate::node::id::{ShapeId, Stage};
 use crate::node::model::{Model, Shape};
 use crate::text::files::{FilePlace, FileReference};
+use crate::text::sequence::FileSequence;
 use crate::text::value::Table;
 
 impl Model {
@@ -75,6 +76,8 @@ impl Model {
         for shape in shapes {
             let named = shape.all_arguments().flat_map(Arguments::files);
             let voxels = shape.given_arguments().flat_map(Arguments::files);
+            // Which frame shows which of them.
+            shape.sequences().flat_map(FileSequence::numbers).for_each(|number| digest.update(number.to_le_bytes()));
             for file in named.chain(voxels) {
                 let bytes = file.read().map_err(|error| (file.clone(), error))?;
                 digest.update(shape.name.as_bytes());

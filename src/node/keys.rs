@@ -71,6 +71,23 @@ pub fn metres(unit: &str) -> f64 {
 }
 
 /// How large a shape is made.
+/// Which file of a sequence stands for a frame.
+pub(crate) const FRAME_OFFSET: Key = Key::new(
+    "frame_offset",
+    Kind::Whole,
+    Number(0.0),
+    "Of files by frame, such as `sim.####.vdb`: what is added to a frame's number for its file's. 10 shows file 11 at frame 1.",
+)
+.limit(Limit::Within(-1e9, 1e9));
+
+/// What stands for a frame that a sequence has no file of.
+pub(crate) const OUTSIDE_FRAMES: Key = Key::new(
+    "outside_frames",
+    Kind::Choice(&["error", "hold", "loop"]),
+    Text("error"),
+    "Of files by frame: what frames before the first file and after the last one show. `error`: nothing; the scene is refused. `hold`: the first file, or the last. `loop`: the files again from the first.",
+);
+
 pub const SCALE: Key = Key::new("scale", Kind::Lengths, Number(1.0), "How many times as large.").limit(Limit::Positive);
 
 /// How a shape is turned.

@@ -4,6 +4,7 @@
 
 pub(crate) mod applied;
 pub(crate) mod argument;
+mod as_it_is;
 pub(crate) mod assets;
 pub(crate) mod attributes;
 pub(crate) mod bend;
@@ -77,8 +78,9 @@ mod tests;
 #[cfg(test)]
 mod trap_tests;
 
+pub use as_it_is::{Beside, Files};
 pub use catalogue::{Entry, Parameter, catalogue, nodes_page};
-pub use compose::{Part, Scene, Value, mesh_as_it_is, morph_of_meshes};
+pub use compose::{Part, Scene, Value, morph_of_meshes};
 pub use example::{node_names, node_scene};
 pub use load::load;
 pub use model::*;

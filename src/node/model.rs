@@ -19,6 +19,7 @@ use crate::text::key::Kind;
 use crate::text::moment::Moment;
 use crate::text::number::Number;
 use crate::text::reader::Setting;
+use crate::text::sequence::FileSequence;
 use crate::text::source::{Sources, Span};
 use crate::text::value::Table;
 
@@ -177,6 +178,11 @@ impl Shape {
     }
 
     /// The arguments of its own colour and scalars.
+    /// Its files by frame, those of its colour and scalars too.
+    pub fn sequences(&self) -> impl Iterator<Item = &FileSequence> {
+        self.all_arguments().chain(self.given_arguments()).filter_map(Arguments::sequence)
+    }
+
     pub(crate) fn given_arguments(&self) -> impl Iterator<Item = &Arguments> {
         let scalars = self.scalars.values().map(|scalar| &scalar.arguments);
         self.colour.iter().map(|colour| &colour.arguments).chain(scalars)
@@ -241,9 +247,9 @@ pub struct VoxelSource {
 }
 
 impl VoxelSource {
-    /// The grid that a source reads, by this name where the scene gives none.
-    pub(crate) fn of(arguments: &Arguments, usual: &str) -> Self {
-        let file = arguments.file("vdb").expect("it must be there").clone();
+    /// The grid that a source reads at a frame, by this name where the scene gives none.
+    pub(crate) fn of(arguments: &Arguments, usual: &str, frame: f64) -> Self {
+        let file = arguments.file_at("vdb", frame).expect("it must be there").clone();
         let (grid, grid_span) = match arguments.get("grid") {
             Some(Argument::Text(grid, span)) => (grid.clone(), *span),
             _ => (usual.to_owned(), file.span),

@@ -135,7 +135,7 @@ impl Solids {
         voxel: f64,
     ) -> Result<Option<Paint<N>>, Problem> {
         match shape.spec.carries {
-            Carries::Import => Ok(what.of_import(self.assets().imported(id), voxel).map(Paint::shared)),
+            Carries::Import => Ok(what.of_import(&*self.imported(id)?, voxel).map(Paint::shared)),
             Carries::Union => self.parts_paint(what, shape.painters(), Rule::Union { seam: shape.seam() }, voxel),
             Carries::Blend if shape.arguments.number("mix").is_some() => self.transferred_paint(what, id, voxel),
             Carries::Blend => self.parts_paint(what, shape.painters(), Rule::Blend, voxel),
@@ -325,8 +325,8 @@ impl<const N: usize, W: Asked<N>> Sourcing<N> for Painting<'_, W> {
         self.solids.paint(self.what, shape, Stage::Placed, self.voxel)
     }
 
-    fn volume(&self) -> Arc<dyn Attribute<N>> {
-        self.what.of_voxels(self.solids.assets(), self.id)
+    fn volume(&self) -> Result<Arc<dyn Attribute<N>>, Problem> {
+        self.what.of_voxels(self.solids, self.id)
     }
 
     fn absent(&self) -> [f32; N] {

@@ -134,7 +134,7 @@ fn of_kind(kind: Kind) -> Value {
         Kind::Rows(least, _) => list(least, list(1, json!({ "type": "number" }))),
         Kind::Lengths => json!({ "type": ["number", "string", "object", "array"] }),
         Kind::Flag => json!({ "type": "boolean" }),
-        Kind::Text | Kind::Path | Kind::Formula | Kind::Scalar => json!({ "type": "string" }),
+        Kind::Text | Kind::Path | Kind::Paths | Kind::Formula | Kind::Scalar => json!({ "type": "string" }),
         Kind::Choice(names) => json!({ "enum": names }),
         Kind::Span | Kind::TwoNumbers | Kind::TwoColours => json!({ "type": "array", "minItems": 2, "maxItems": 2 }),
         Kind::Grids | Kind::Names => list(0, json!({ "type": "string" })),

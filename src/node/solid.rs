@@ -274,9 +274,14 @@ impl Solids {
         Arc::clone(&self.model)
     }
 
-    /// Its meshes.
+    /// What was read from its files.
     pub fn assets(&self) -> &Assets {
         &self.assets
+    }
+
+    /// What the file of a shape holds at the moment.
+    pub fn imported(&self, id: ShapeId) -> Result<Arc<Imported>, Problem> {
+        self.assets.imported(&self.model, id, self.moment.frame)
     }
 
     fn node(&mut self, id: ShapeId, stage: Stage) -> Result<Node, Problem> {
@@ -600,8 +605,8 @@ impl Build for Making<'_> {
         self.solids.pieces.insert(self.id, Arc::new(pieces));
     }
 
-    fn imported(&self) -> Arc<Imported> {
-        Arc::clone(self.solids.assets.imported(self.id))
+    fn imported(&self) -> Result<Arc<Imported>, Problem> {
+        self.solids.imported(self.id)
     }
 
     fn needs_distance(&self) -> bool {

@@ -113,7 +113,7 @@ pub trait Sourcing<const N: usize> {
     /// What the attribute is on a shape, where that stands; `None` where it has none.
     fn of_shape(&mut self, shape: ShapeId) -> Result<Option<Paint<N>>, Problem>;
     /// What was read from its file.
-    fn volume(&self) -> Arc<dyn Attribute<N>>;
+    fn volume(&self) -> Result<Arc<dyn Attribute<N>>, Problem>;
     /// What a shape has that has none, beside others that have one.
     fn absent(&self) -> [f32; N];
     /// A problem of the shape.
@@ -236,5 +236,5 @@ pub(crate) fn power_is_used(fields: &Fields<'_, '_>, _has_cells: bool) -> Option
 
 /// A volume of voxels.
 pub(crate) fn of_volume<const N: usize>(source: &mut dyn Sourcing<N>) -> Result<Paint<N>, Problem> {
-    Ok(Paint::shared(source.volume()))
+    Ok(Paint::shared(source.volume()?))
 }

@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use glam::{DAffine3, DVec2, DVec3};
 
-use crate::attribute::{CellIndex, Colour, Scalar};
+use crate::attribute::{Attribute, CellIndex, Colour, Scalar};
 use crate::field::cells::Cells;
 use crate::field::facet::Pieces;
 use crate::field::{Aabb, Field, Graph, Interval, Node};
@@ -17,6 +17,7 @@ use crate::node::bend::Bend;
 use crate::node::id::{CellsId, ShapeId};
 use crate::node::reading::Reading;
 use crate::text::diagnostic::Diagnostic;
+use crate::text::files::FileReference;
 use crate::text::key::{Absent, Key, LEAST};
 use crate::text::moment::Moment;
 use crate::text::number::Number;
@@ -135,14 +136,25 @@ pub(crate) fn flat(build: &dyn Build, key: &str) -> Problem {
 pub struct Import<'a> {
     /// The values of its keys.
     pub arguments: &'a Arguments,
+    /// The frame that it is read for.
+    pub frame: f64,
     /// The axis that points up in the scene: `y` or `z`.
     pub up: &'a str,
     /// The scene's unit of length.
     pub unit: &'a str,
     /// Whether a frame shows the file's own colours.
     pub shows_colours: bool,
+    /// Whether a frame has velocities.
+    pub shows_velocity: bool,
     /// The most memory that a volume of voxels may take, in bytes.
     pub memory_limit: Option<usize>,
+}
+
+impl Import<'_> {
+    /// The file of a key that must be there.
+    pub fn file(&self, key: &str) -> &FileReference {
+        self.arguments.file_at(key, self.frame).expect("it must be there")
+    }
 }
 
 /// A file's colours, for voxels with an edge.
@@ -161,6 +173,8 @@ pub struct Imported {
     pub half_spaces: Option<Vec<(DVec3, f64)>>,
     /// Its colours, for voxels with an edge in its space.
     pub colours: Option<ColoursOf>,
+    /// Its velocities, world units a second in the shape's space, where they are asked for.
+    pub velocity: Option<Arc<dyn Attribute<3>>>,
     /// What there is to know about the file.
     pub warnings: Vec<Diagnostic>,
     /// Memory that it takes, about, in bytes.
@@ -215,7 +229,7 @@ pub trait Build {
     /// Keeps them.
     fn keep_pieces(&mut self, pieces: Pieces);
     /// What was read from the node's file.
-    fn imported(&self) -> Arc<Imported>;
+    fn imported(&self) -> Result<Arc<Imported>, Problem>;
     /// Whether the values of the node count beside its surface, not only their sign.
     fn needs_distance(&self) -> bool;
 }
@@ -223,7 +237,7 @@ pub trait Build {
 impl dyn Build + '_ {
     /// What the node's file holds, where it stands in the shape's own space.
     pub fn imported_field(&mut self) -> Result<Node, Problem> {
-        let file = self.imported();
+        let file = self.imported()?;
         let (name, span) = (self.name().to_owned(), self.span());
         let graph = self.graph();
         let node = graph.field(Arc::clone(&file.distance));

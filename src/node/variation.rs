@@ -4,6 +4,7 @@ use crate::node::argument::{Arguments, ScalarName};
 use crate::node::model::{Model, Placement, ShapeId};
 use crate::text::number::formula::Formula;
 use crate::text::number::{Number, NumberValue};
+use crate::text::sequence::FileSequence;
 
 /// Which shapes change over time.
 #[derive(Clone, Debug, PartialEq)]
@@ -79,6 +80,7 @@ impl Variation {
 
     fn source_varies(&self, model: &Model, id: ShapeId, arguments: &Arguments) -> bool {
         arguments.numbers().any(|number| model.varies(number))
+            || arguments.sequence().is_some_and(FileSequence::varies)
             || arguments.formulas().any(|formula| model.formula_varies(formula))
             || arguments.all_shapes().any(|part| self.placed[part.0] || self.painted[part.0])
             || model.read_by(id, arguments).any(|part| self.placed[part.0])
@@ -98,6 +100,7 @@ impl Variation {
             None => model.needs(id).into_iter().any(|part| self.painted[part.0]),
         };
         arguments.numbers().any(|number| model.varies(number))
+            || arguments.sequence().is_some_and(FileSequence::varies)
             || arguments.formulas().any(|formula| model.formula_varies(formula))
             || model.shapes_of(arguments).any(|part| self.placed[part.0])
             || model.read_by(id, arguments).any(|part| self.placed[part.0])

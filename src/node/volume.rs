@@ -36,6 +36,9 @@ pub(crate) const COLOURS: Wanted<3> = Wanted {
     own: |colour, primaries| primaries.to_rec709(colour),
 };
 
+/// Velocities, world units a second.
+pub(crate) const VELOCITIES: Wanted<3> = Wanted { plural: "velocities", own: |velocity, _| velocity, ..COLOURS };
+
 /// Scalars; of a level set the distance, positive inside.
 pub(crate) const SCALARS: Wanted<1> = Wanted {
     plural: "attributes",

@@ -43,6 +43,8 @@ mod ready_tests;
 #[cfg(test)]
 mod scalar_tests;
 #[cfg(test)]
+mod sequence_tests;
+#[cfg(test)]
 mod volume_tests;
 
 pub use cache::Cache;

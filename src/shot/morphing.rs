@@ -17,6 +17,7 @@ use crate::field::{Aabb, Field};
 use crate::grid::{Lattice, VoxelSize};
 use crate::morph::{self, MorphObject, Motion, Side, Similarity};
 
+use crate::node::argument::Arguments;
 use crate::node::attributes::{Asked, TheColour, TheScalar};
 use crate::node::extent::{box_of, solid_box};
 use crate::node::id::Stage;
@@ -144,6 +145,10 @@ fn part(model: &Model, solids: &mut Solids, whole: &Object, id: ShapeId) -> Resu
 fn side(model: &Arc<Model>, solids: &mut Solids, variation: &Variation, id: ShapeId) -> Result<Object, Problem> {
     let shape = model.shape(id);
     if variation.own(id) {
+        if let Some(files) = shape.all_arguments().find_map(Arguments::sequence) {
+            let problem = format!("`{}` is a file by frame, and so cannot enter a morph", shape.name);
+            return Err(Problem::new(files.span, problem).help("name one of the files"));
+        }
         let problem = format!("`{}` changes its shape over time, and so cannot enter a morph", shape.name);
         return Err(Problem::new(shape.span, problem)
             .help("only its own `scale`, `rotate` and `move` may change; parts and sizes stand still"));

@@ -12,7 +12,7 @@ use crate::morph::{Around, Instant, Movement};
 
 use crate::node::bend::Bend;
 use crate::node::id::Stage;
-use crate::node::model::ShapeId;
+use crate::node::model::{Content, ShapeId};
 use crate::node::paint::last_of_each;
 use crate::node::placed::Way;
 use crate::node::solid::Solids;
@@ -43,8 +43,15 @@ impl Prepared {
             Some(max_speed) => (max_speed, max_speed),
             None => (across, CHANGE * across),
         };
-        let mut movement = Movement { around: Vec::new(), max_speed, max_change, frame_seconds: 1.0 / shot.fps };
-        if first == last || frame < first || frame > last || matches!(self.content, Ready::Still(_)) {
+        let mut movement =
+            Movement { around: Vec::new(), given: None, max_speed, max_change, frame_seconds: 1.0 / shot.fps };
+        if frame < first || frame > last {
+            return Ok(movement);
+        }
+        if let Content::Shape(id) = self.model.content {
+            movement.given = self.given_way(id, frame)?;
+        }
+        if first == last || matches!(self.content, Ready::Still(_)) {
             return Ok(movement);
         }
         let side = match frame {
@@ -60,8 +67,8 @@ impl Prepared {
             let (field, own) = match &self.content {
                 Ready::Still(_) => continue,
                 Ready::Changing(id) => {
-                    let mut both =
-                        Both { prepared: self, now: &mut solids_now, then: solids(then), ways: BTreeMap::new() };
+                    let (then, ways) = (solids(then), BTreeMap::new());
+                    let mut both = Both { prepared: self, now: &mut solids_now, then, of: WayOf::Motion, ways };
                     (both.then.field(*id, Stage::Placed)?, both.way(*id)?)
                 }
                 Ready::Morph(planned) => {
@@ -76,13 +83,30 @@ impl Prepared {
         }
         Ok(movement)
     }
+
+    /// What the files of a shape say of its velocity, where and as it stands, world units a second.
+    fn given_way(&self, id: ShapeId, frame: i64) -> Result<Vectors, Problem> {
+        let mut now = self.base.at(self.model.moment(frame as f64), &self.variation);
+        let (then, ways) = (now.clone(), BTreeMap::new());
+        Both { prepared: self, now: &mut now, then, of: WayOf::Files, ways }.way(id)
+    }
 }
 
-/// Shapes at a frame and at an instant near it.
+/// What way is asked for.
+#[derive(Clone, Copy, PartialEq)]
+enum WayOf {
+    /// That of shapes which move.
+    Motion,
+    /// A second's way by the velocities of files.
+    Files,
+}
+
+/// Shapes at a frame and at an instant near it; of files the frame twice.
 struct Both<'a> {
     prepared: &'a Prepared,
     now: &'a mut Solids,
     then: Solids,
+    of: WayOf,
     /// The ways that were found.
     ways: BTreeMap<ShapeId, Vectors>,
 }
@@ -99,7 +123,7 @@ impl Both<'_> {
     }
 
     fn new_way(&mut self, id: ShapeId) -> Result<Vectors, Problem> {
-        if !self.prepared.variation.placed(id) {
+        if self.of == WayOf::Motion && !self.prepared.variation.placed(id) {
             return Ok(None);
         }
         let placement = &self.prepared.model.shape(id).placement;
@@ -127,12 +151,13 @@ impl Both<'_> {
             Carries::Blend => self.way_of_parts(parts, Rule::Blend)?,
             Carries::First | Carries::Any => self.way(parts[0])?,
             Carries::Morph => self.way_of_morph(id)?,
+            Carries::Import if self.of == WayOf::Files => self.now.imported(id)?.velocity.clone(),
             Carries::Nothing | Carries::Import => None,
         };
         let mut way = inner;
         for step in 1..=shape.modifiers.len() {
             let Some(bend) = self.now.bend(id, step)? else { continue };
-            let changes = self.prepared.variation.modifier(id, step);
+            let changes = self.of == WayOf::Motion && self.prepared.variation.modifier(id, step);
             let then = if changes { self.then.bend(id, step)? } else { None };
             way = match (way, then) {
                 (None, None) => None,

@@ -10,6 +10,7 @@ use crate::distance::extent;
 use crate::field::Aabb;
 use crate::grid::{Lattice, VoxelSize};
 
+use crate::node::argument::Arguments;
 use crate::node::assets::Assets;
 use crate::node::attributes::{TheColour, TheScalar};
 use crate::node::extent::{box_of, no_box, solid_box};
@@ -31,6 +32,7 @@ use crate::text::diagnostic::{Diagnostic, Diagnostics};
 use crate::text::frames::sampled_frames;
 use crate::text::number::plain_number;
 use crate::text::problem::Problem;
+use crate::text::sequence::FileSequence;
 
 /// The finest voxels that OpenVDB takes, in world units.
 const LEAST_VOXEL: f64 = 1.45e-5;
@@ -147,13 +149,12 @@ fn build(model: &Arc<Model>, options: &PrepareOptions<'_>, precision: Precision)
         },
         &options.cancel,
     );
-    let mut warnings = solids.cut_by_bounds(&parts)?;
-    warnings.extend(assets.warnings.iter().cloned());
+    let warnings = solids.cut_by_bounds(&parts)?;
     Ok(Built { parts, assets, variation, solids, warnings })
 }
 
 fn examine(model: &Arc<Model>, options: &PrepareOptions<'_>) -> Result<Diagnostics, Stop> {
-    let Built { mut solids, variation, warnings, .. } = build(model, options, Precision::Rough)?;
+    let Built { mut solids, variation, mut warnings, assets, .. } = build(model, options, Precision::Rough)?;
     match &model.content {
         Content::Shape(id) => {
             let extent = shape_box(model, &mut solids, &variation, *id, options)?;
@@ -167,6 +168,7 @@ fn examine(model: &Arc<Model>, options: &PrepareOptions<'_>) -> Result<Diagnosti
             }
         }
     }
+    warnings.extend(assets.warnings());
     Ok(Diagnostics::new(warnings, model.sources.clone()))
 }
 
@@ -176,6 +178,7 @@ fn prepare(model: &Arc<Model>, options: &PrepareOptions<'_>, precision: Precisio
         Content::Shape(id) => ready_shape(model, &mut solids, &variation, *id, options)?,
         Content::Morph(morphs) => ready_morphs(model, &mut solids, &variation, morphs, options, precision)?,
     };
+    warnings.extend(assets.warnings());
     warnings.extend(solids.insides.take_warnings());
     if let (Content::Morph(morphs), Ready::Morph(planned)) = (&model.content, &content) {
         warnings.extend(empty_frames(model, morphs, planned));
@@ -345,14 +348,25 @@ fn box_over_shot(
     id: ShapeId,
     options: &PrepareOptions<'_>,
 ) -> Result<Aabb, Stop> {
-    let frames =
-        if variation.placed(id) { sampled_frames(model.shot.range) } else { vec![model.shot.range.first as f64] };
+    let shot = model.shot.range;
+    let by_file = model.with_parts(&[id]).into_iter().any(|part| {
+        let mut sequences = model.shape(part).all_arguments().filter_map(Arguments::sequence);
+        sequences.any(FileSequence::varies)
+    });
+    let frames = match variation.placed(id) {
+        // No file tells of another one's box.
+        true if by_file => (shot.first..=shot.last).map(|frame| frame as f64).collect(),
+        true => sampled_frames(shot),
+        false => vec![shot.first as f64],
+    };
     let one = |frame: &f64| -> Result<Result<Aabb, extent::Error>, Stop> {
         stop_if(&options.cancel)?;
         let mut solids = solids.at(model.moment(*frame), variation);
         Ok(box_of(solids.field(id, Stage::Placed)?.as_ref()))
     };
-    let boxes: Result<Vec<_>, Stop> = frames.par_iter().map(one).collect();
+    // One file after the other: all at a time may not fit into the memory.
+    let boxes: Result<Vec<_>, Stop> =
+        if by_file { frames.iter().map(one).collect() } else { frames.par_iter().map(one).collect() };
     let union = |a, b| match (a, b) {
         (Ok(a), Ok(b)) => Ok(Aabb::union(a, b)),
         (Err(extent::Error::Empty), other) | (other, Err(extent::Error::Empty)) => other,

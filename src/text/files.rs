@@ -74,7 +74,7 @@ pub fn find(text: &str, span: Span, base: &Base, variables: &Variables) -> Resul
 }
 
 /// With the nearest name in the folder.
-fn suggest_neighbour(diagnostic: Diagnostic, path: &Path) -> Diagnostic {
+pub(super) fn suggest_neighbour(diagnostic: Diagnostic, path: &Path) -> Diagnostic {
     const MOST_LOOKED_AT: usize = 1000;
     let (Some(folder), Some(name)) = (path.parent(), path.file_name()) else { return diagnostic };
     let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };

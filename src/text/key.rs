@@ -45,6 +45,8 @@ pub enum Kind {
     Depth,
     /// A file.
     Path,
+    /// A file, or one for each frame.
+    Paths,
     /// F itself as a formula of x, y, z.
     Formula,
     /// A shape's name.
@@ -134,6 +136,7 @@ impl Kind {
             Self::Frames => "frames".into(),
             Self::Depth => "whole number or `[least, greatest]`".into(),
             Self::Path => "file".into(),
+            Self::Paths => "file, or files by frame".into(),
             Self::Formula => "formula".into(),
             Self::Shape => "shape".into(),
             Self::Scalar => "name of an attribute".into(),

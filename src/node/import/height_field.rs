@@ -31,7 +31,7 @@ pub const NODE: Spec = Spec {
     example: "height_field = \"relief.png\"\nwidth = 2",
     import: Some(import),
     build: |build| {
-        let heights = build.imported();
+        let heights = build.imported()?;
         let [width, height, base] = [build.number("width")?, build.number("height")?, build.number("base")?];
         let side = heights.solid.size() * width;
         let graph = build.graph();
@@ -51,7 +51,7 @@ pub const NODE: Spec = Spec {
 
 /// The heights from 0 to 1 of a picture one unit wide, and the box that it takes.
 fn import(import: &Import<'_>) -> Result<Imported, Problem> {
-    let file = import.arguments.file("height_field").expect("it must be there");
+    let file = import.file("height_field");
     let raster = raster(file, import.arguments)?;
     let pixels = (raster.width() * raster.height()) as u64;
     let heights = Heights::new(raster);
@@ -61,6 +61,7 @@ fn import(import: &Import<'_>) -> Result<Imported, Problem> {
         solid: Aabb::new(-half, half),
         half_spaces: None,
         colours: None,
+        velocity: None,
         warnings: Vec::new(),
         bytes: Heights::bytes(pixels),
         distance: Arc::new(heights) as Arc<dyn Field>,

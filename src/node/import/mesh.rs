@@ -9,7 +9,7 @@ use crate::field::SetSystem;
 use crate::mesh::{
     About, Conventions, Encoding, Holes, Lookup, Material, MeshDistance, Remark, Turn, is_gltf, read, read_obj,
 };
-use crate::node::keys::{UNITS, metres};
+use crate::node::keys::{FRAME_OFFSET, OUTSIDE_FRAMES, UNITS, metres};
 use crate::node::spec::{Carries, ColoursOf, Import, Imported, Spec};
 use crate::text::diagnostic::{Diagnostic, Severity};
 use crate::text::files::{FilePlace, FileReference};
@@ -21,7 +21,7 @@ use crate::text::problem::Problem;
 pub const NODE: Spec = Spec {
     key: Key::new(
         "mesh",
-        Kind::Path,
+        Kind::Paths,
         Required,
         "A closed mesh: OBJ, PLY, STL, glTF, GLB. Inside is where its winding number is not 0: pieces that overlap or cross \
          themselves are one solid, a piece wound inward is a hollow in the one around it, and apart from others it is \
@@ -61,13 +61,15 @@ pub const NODE: Spec = Spec {
             Text("filtered"),
             "How pictures are looked up: averaged over as much of them as a voxel covers, or the one pixel there.",
         ),
+        FRAME_OFFSET,
+        OUTSIDE_FRAMES,
     ],
     formula: "the signed distance to the boundary of that solid",
     example: "mesh = \"cube.obj\"",
     carries: Carries::Import,
     import: Some(import),
     build: |build| {
-        let mesh = build.imported();
+        let mesh = build.imported()?;
         // An operand is asked for its sign and its creases far more often than for its exact distance.
         // What grows needs the distance: planes are none beside edges.
         let planes = mesh.half_spaces.as_ref().filter(|_| !build.needs_distance());
@@ -97,7 +99,7 @@ pub const VERTEX_COLORS: Key = Key::new(
 .also(&["vertex_colours"]);
 
 fn import(import: &Import<'_>) -> Result<Imported, Problem> {
-    let file = import.arguments.file("mesh").expect("it must be there");
+    let file = import.file("mesh");
     let any_surface =
         import.arguments.get("thickness").is_some() || import.arguments.choice("sign") == Some(&"winding");
     let holes = if any_surface { Holes::Allow } else { Holes::Refuse };
@@ -131,6 +133,7 @@ fn import(import: &Import<'_>) -> Result<Imported, Problem> {
         solid: mesh.mesh().bounding_box(),
         half_spaces: if any_surface { None } else { mesh.half_spaces() },
         colours: has_any.then_some(colours),
+        velocity: None,
         warnings,
         bytes: mesh.mesh().triangles().len() as u64 * BYTES_A_TRIANGLE + pictures,
         distance: mesh,

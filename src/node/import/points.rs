@@ -9,7 +9,7 @@ use crate::attribute::{BallColours, Colour};
 use crate::field::{Balls, Field, Joined};
 use crate::mesh::read_cloud;
 use crate::node::import::mesh::{VERTEX_COLORS, conventions};
-use crate::node::keys::UNITS;
+use crate::node::keys::{FRAME_OFFSET, OUTSIDE_FRAMES, UNITS};
 use crate::node::spec::{Carries, ColoursOf, Import, Imported, Spec};
 use crate::text::key::Absent::{Required, Words};
 use crate::text::key::{Key, Kind, Limit};
@@ -19,7 +19,7 @@ use crate::text::problem::Problem;
 pub const NODE: Spec = Spec {
     key: Key::new(
         "points",
-        Kind::Path,
+        Kind::Paths,
         Required,
         "Points of a file as balls, a million and more: PLY (x, y, z, and radius, red, green, blue where there are any), or text with one point a line: x y z, x y z radius, x y z r g b, or x y z radius r g b, or columns named by the first line. Their colours are its colour where `color` is left out. `points.csv`, where there is no such file beside the scene, is a built-in cloud. `spheres` has the same as a list in the scene.",
     ),
@@ -45,6 +45,8 @@ pub const NODE: Spec = Spec {
             Words("the scene's `unit`"),
             "The file's unit of length: where the scene's is another, places and radii of the file are scaled.",
         ),
+        FRAME_OFFSET,
+        OUTSIDE_FRAMES,
     ],
     formula: "max(rᵢ − |p − cᵢ|): the signed distance outside",
     example: "points = \"points.csv\"\nradius = 0.09",
@@ -58,7 +60,7 @@ fn import(import: &Import<'_>) -> Result<Imported, Problem> {
     const MOST_BYTES: u64 = 4 << 30;
     /// Centre, radius, place in the tree and colour.
     const BYTES_A_POINT: u64 = 120;
-    let file = import.arguments.file("points").expect("it must be there");
+    let file = import.file("points");
     let content = file.read_at_most(MOST_BYTES)?;
     let cloud = read_cloud(Path::new(&file.name()), &content, &conventions(import, file)).map_err(|error| {
         Problem::new(file.span, error.to_string()).help("a PLY file, or text with x, y, z and more on each line")
@@ -83,6 +85,7 @@ fn import(import: &Import<'_>) -> Result<Imported, Problem> {
         solid: balls.bounding_box().expect("there are balls"),
         half_spaces: None,
         colours,
+        velocity: None,
         warnings: Vec::new(),
         bytes: cloud.positions.len() as u64 * BYTES_A_POINT,
         distance: balls as Arc<dyn Field>,

@@ -4,11 +4,12 @@ use std::sync::Arc;
 
 use glam::DAffine3;
 
-use crate::attribute::{Colour, Outside};
+use crate::attribute::{Attribute, Colour, Outside};
 use crate::distance::SampledLevelSet;
 use crate::field::Field;
 use crate::grid::{Band, InsideTile, Lattice, VoxelSize};
 use crate::node::argument::Argument;
+use crate::node::keys::{FRAME_OFFSET, OUTSIDE_FRAMES};
 use crate::node::model::VoxelSource;
 use crate::node::spec::{Carries, ColoursOf, Import, Imported, Spec};
 use crate::node::volume;
@@ -23,6 +24,8 @@ use crate::vdb::{Opened, SparseBlocks, StoredClass, StoredGrid, Transform, Voxel
 const THRESHOLD: f64 = 0.5;
 /// Grids that are a file's colour where it has one of them.
 const COLOURS: [&str; 2] = ["Cd", "color"];
+/// Grids that are its velocity.
+const VELOCITIES: [&str; 3] = ["vel", "velocity", "v"];
 /// A block's values, and what finds them.
 const BYTES_A_BLOCK: u64 = 2048 + 128;
 
@@ -30,7 +33,7 @@ const BYTES_A_BLOCK: u64 = 2048 + 128;
 pub const NODE: Spec = Spec {
     key: Key::new(
         "vdb",
-        Kind::Path,
+        Kind::Paths,
         Required,
         "What is solid in a `.vdb` file of any maker: a level set, or fog from a value on. It stands where its own transform puts it, also turned, sheared or with voxels that are no cubes. Between voxels it is trilinear; its distances are measured anew. Its `Cd` or `color` is its colour where `color` is left out.",
     ),
@@ -47,6 +50,8 @@ pub const NODE: Spec = Spec {
             Nothing,
             "Of fog: the value from which on it is solid; 0.5 where it is left out. Of a level set there is none.",
         ),
+        FRAME_OFFSET,
+        OUTSIDE_FRAMES,
     ],
     formula: "trilinear between voxels: −φ of a level set, v − `threshold` of fog",
     example: "vdb = \"ball.vdb\"",
@@ -57,7 +62,7 @@ pub const NODE: Spec = Spec {
 };
 
 fn import(import: &Import<'_>) -> Result<Imported, Problem> {
-    let file = import.arguments.file("vdb").expect("it must be there");
+    let file = import.file("vdb");
     let (named, span) = match import.arguments.get("grid") {
         Some(Argument::Text(grid, span)) => (Some(grid.as_str()), *span),
         _ => (None, file.span),
@@ -107,20 +112,28 @@ fn import(import: &Import<'_>) -> Result<Imported, Problem> {
         note.severity = Severity::Note;
         warnings.push(note);
     }
+    let three = |wanted: &volume::Wanted<3>, names: &[&str]| {
+        let is_there = |name: &&&str| opened.layout.grids.iter().any(|grid| grid.name == **name);
+        let Some(grid) = names.iter().find(is_there) else { return Ok(None) };
+        let grid = (*grid).to_owned();
+        let source = VoxelSource { file: file.clone(), grid, grid_span: file.span, outside: Outside::Foot };
+        volume::load(wanted, &source, import.memory_limit).map(|values| Some(Arc::new(values)))
+    };
     let mut colours = None;
     if import.shows_colours
-        && let Some(grid) = COLOURS.iter().find(|name| opened.layout.grids.iter().any(|grid| grid.name == **name))
+        && let Some(values) = three(&volume::COLOURS, &COLOURS)?
     {
-        let source =
-            VoxelSource { file: file.clone(), grid: (*grid).into(), grid_span: file.span, outside: Outside::Foot };
-        let values = Arc::new(volume::load(&volume::COLOURS, &source, import.memory_limit)?);
         colours = Some(Box::new(move |_: f64| Arc::clone(&values) as Arc<Colour>) as ColoursOf);
     }
-    Ok(Imported { distance: Arc::new(field), place, solid, half_spaces: None, colours, warnings, bytes })
+    let mut velocity = None;
+    if import.shows_velocity {
+        velocity = three(&volume::VELOCITIES, &VELOCITIES)?.map(|values| values as Arc<dyn Attribute<3>>);
+    }
+    Ok(Imported { distance: Arc::new(field), place, solid, half_spaces: None, colours, velocity, warnings, bytes })
 }
 
 /// The grid of a name, or the one that is most likely meant.
-fn chosen<'o>(opened: &'o Opened, named: Option<&str>) -> Result<&'o GridLayout, (String, String)> {
+pub(in crate::node) fn chosen<'o>(opened: &'o Opened, named: Option<&str>) -> Result<&'o GridLayout, (String, String)> {
     let grids = &opened.layout.grids;
     if let Some(name) = named {
         return grids.iter().find(|grid| grid.name == name).ok_or_else(|| {

@@ -1,5 +1,6 @@
 //! The scalars of a volume.
 
+use crate::node::keys::{FRAME_OFFSET, OUTSIDE_FRAMES};
 use crate::node::source::{OUTSIDE, POWER, Source, of_volume, power_is_used};
 use crate::text::key::Absent::{Required, Words};
 use crate::text::key::{Key, Kind};
@@ -8,7 +9,7 @@ use crate::text::key::{Key, Kind};
 pub const NODE: Source<1> = Source {
     key: Key::new(
         "vdb",
-        Kind::Path,
+        Kind::Paths,
         Required,
         "The numbers of a volume of voxels in a `.vdb` file, as colours have them: trilinear between voxels, in the \
          shape's own space, before `scale`. Of a level set they are distances, positive inside.",
@@ -22,6 +23,8 @@ pub const NODE: Source<1> = Source {
         ),
         OUTSIDE,
         POWER,
+        FRAME_OFFSET,
+        OUTSIDE_FRAMES,
     ],
     formula: "Σ aⱼ/dⱼᵖ / Σ 1/dⱼᵖ (STB, eq. 4), to 1/255 of the range of numbers",
     check: power_is_used,

@@ -42,7 +42,7 @@ pub const NODE: Spec = Spec {
 const MOST_BYTES: u64 = 256 << 20;
 
 fn import(import: &Import<'_>) -> Result<Imported, Problem> {
-    let file = import.arguments.file("svg").expect("it must be there");
+    let file = import.file("svg");
     let mut read = svg::read(&file.read_at_most(MOST_BYTES)?)
         .map_err(|problem| file.problem(problem).help("save it anew from the program that made it, as plain SVG"))?;
     let mut corners = read.loops.iter().flatten();

@@ -222,7 +222,7 @@ impl<'r, 'a> Building<'r, 'a> {
         let found = self.resolve("palette", &palettes, value, path)?;
         // Its problems were said where it stands.
         let quiet = Reader::new(self.reader.sources, self.reader.scope());
-        let mut silent = Building::new(&quiet, self.surroundings, self.root, self.seed);
+        let mut silent = Building::new(&quiet, self.surroundings, self.root, self.seed, self.shot);
         silent.enter(&self.global(name));
         silent.palette(name, found)
     }

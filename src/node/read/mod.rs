@@ -13,6 +13,7 @@ mod parameters;
 mod places;
 mod planar;
 mod scalars;
+mod sequence;
 mod shapes;
 
 use std::collections::BTreeMap;
@@ -61,6 +62,7 @@ struct Building<'r, 'a> {
     cells: Vec<Option<Cells>>,
     links: Vec<Link>,
     seed: u64,
+    shot: Shot,
     /// What stands before the names of the file whose text is read: nothing before the scene's own.
     space: String,
     /// How many shapes and cells in place stand around what is read.
@@ -149,7 +151,7 @@ impl Parts {
             parameters::check_name(reader, own, entry.key_span);
         }
         let parameters = parameters::parameters(reader, "param", family(root, "param"));
-        let mut building = Building::new(reader, surroundings, root, seed);
+        let mut building = Building::new(reader, surroundings, root, seed, shot);
         building.enter("");
         building.palettes();
         building.all_operations();
@@ -213,7 +215,7 @@ fn shot(top: &Fields<'_, '_>) -> Shot {
 }
 
 impl<'r, 'a> Building<'r, 'a> {
-    fn new(reader: &'r Reader<'a>, surroundings: &'r Surroundings, root: &'r Table, seed: u64) -> Self {
+    fn new(reader: &'r Reader<'a>, surroundings: &'r Surroundings, root: &'r Table, seed: u64, shot: Shot) -> Self {
         let shape_ids: BTreeMap<_, _> =
             family(root, "shape").enumerate().map(|(i, entry)| (entry.key.as_str(), ShapeId(i))).collect();
         let cells_ids: BTreeMap<_, _> =
@@ -232,6 +234,7 @@ impl<'r, 'a> Building<'r, 'a> {
             cells,
             links,
             seed,
+            shot,
             space: String::new(),
             depth: 0,
         }

@@ -1,6 +1,7 @@
 //! Shapes: one maker each, its parameters, the modifiers.
 
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 use glam::DVec3;
 
@@ -279,6 +280,7 @@ impl<'r, 'a> Building<'r, 'a> {
                 None => sound &= fields.entry(key.name).is_none() && key.default != Absent::Required,
             }
         }
+        sound &= self.in_time(&mut arguments, fields);
         sound.then_some(arguments)
     }
 
@@ -298,6 +300,10 @@ impl<'r, 'a> Building<'r, 'a> {
             Kind::Choice(_) => Argument::Choice(fields.choice(name)?),
             Kind::Formula => Argument::Formula(self.formula(&path, fields.value(name)?)?),
             Kind::Path => Argument::File(self.file(name, fields)?),
+            Kind::Paths => match self.sequence(name, fields)? {
+                Some(files) => Argument::Files(Arc::new(files)),
+                None => Argument::File(self.file(name, fields)?),
+            },
             Kind::Shape => Argument::Shape(self.operand(&path, Node::Shape(id), fields.value(name)?)?),
             Kind::Shapes(least) => Argument::Shapes(self.operands(name, least, fields, id)?),
             Kind::TwoShapes => Argument::Shapes(self.two_operands(name, fields, id)?),

@@ -82,7 +82,7 @@ impl fmt::Display for PatternError {
 impl std::error::Error for PatternError {}
 
 impl FramePattern {
-    /// Reads a path whose name must end in one of the extensions.
+    /// Reads a path whose name must end in one of the extensions, where there are any.
     pub fn new(path: &Path, extensions: &[&'static str]) -> Result<Self, PatternError> {
         let name = path.file_name().and_then(|name| name.to_str()).ok_or_else(|| PatternError::NoName(path.into()))?;
         let folder = path.parent().unwrap_or(Path::new("")).to_path_buf();
@@ -91,7 +91,7 @@ impl FramePattern {
         }
         // A name that is nothing but `.vdb` has no extension.
         let end = Path::new(name).extension().unwrap_or_default();
-        if !extensions.iter().any(|extension| end.eq_ignore_ascii_case(extension)) {
+        if !extensions.is_empty() && !extensions.iter().any(|extension| end.eq_ignore_ascii_case(extension)) {
             return Err(PatternError::Extension(path.into(), extensions.into()));
         }
         let Some((start, end, digits)) = find_token(name) else {
@@ -157,6 +157,21 @@ impl FramePattern {
             None => 0,
         };
         (self.file(frame).file_name()?.to_str()? == name).then_some(frame)
+    }
+
+    /// The frames whose files are there, rising.
+    ///
+    /// # Errors
+    /// Why the folder cannot be listed.
+    pub fn numbers(&self) -> std::io::Result<Vec<i64>> {
+        let folder = if self.folder.as_os_str().is_empty() { Path::new(".") } else { &self.folder };
+        let mut numbers = Vec::new();
+        for entry in std::fs::read_dir(folder)? {
+            // Names that are not UTF-8 are those of other files.
+            numbers.extend(entry?.file_name().to_str().and_then(|name| self.frame_of(name)));
+        }
+        numbers.sort_unstable();
+        Ok(numbers)
     }
 
     /// Whether Blender and others will see a sequence: they read the last run of digits before the extension.

@@ -1,0 +1,258 @@
+//! Files that a scene names by frame: `sim.####.vdb`. Which there are is looked up once, when the scene is read.
+
+use std::fmt;
+use std::ops::RangeInclusive;
+use std::path::PathBuf;
+
+use crate::terminal;
+use crate::text::diagnostic::{Diagnostic, clip};
+use crate::text::files::{Base, FilePlace, FileReference, Variables, expand, suggest_neighbour};
+use crate::text::frames::{FrameRange, in_ranges};
+use crate::text::pattern::FramePattern;
+use crate::text::source::Span;
+
+/// What a frame shows that no file of a sequence has.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum OutsideFrames {
+    /// It is an error.
+    Error,
+    /// The first file, or the last.
+    Hold,
+    /// The files again from the first.
+    Loop,
+}
+
+/// A file for each frame of the shot.
+#[derive(Clone, Debug)]
+pub struct FileSequence {
+    /// Its pattern, for messages.
+    pub name: String,
+    /// Where the scene names it.
+    pub span: Span,
+    /// The numbers that there are, rising.
+    there: Vec<i64>,
+    pattern: FramePattern,
+    shot: FrameRange,
+    offset: i64,
+    outside: OutsideFrames,
+    /// Those of the files that the shot shows, by number.
+    shown: Vec<(i64, FileReference)>,
+}
+
+/// The sequence that a path stands for; `None` where it is a file's own name, or has no frame token.
+///
+/// # Errors
+/// A frame token at a wrong place, and a sequence of no file.
+pub fn find(
+    text: &str,
+    span: Span,
+    base: &Base,
+    variables: &Variables,
+    shot: FrameRange,
+) -> Result<Option<FileSequence>, Diagnostic> {
+    let Base::Folder(folder) = base else { return Ok(None) };
+    // `$F4` is the frame's number, as in the names of what is written.
+    let is_token = |name: &str| name.strip_prefix('F').is_some_and(|width| width.bytes().all(|b| b.is_ascii_digit()));
+    let expanded = expand(text, &|name| if is_token(name) { Some(format!("${name}")) } else { variables(name) });
+    let Ok(expanded) = expanded else { return Ok(None) };
+    let path = folder.join(&expanded);
+    // A file is what its name says, even a name that could be a pattern.
+    if path.exists() {
+        return Ok(None);
+    }
+    let pattern = match FramePattern::new(&path, &[]) {
+        Ok(pattern) if !pattern.has_token() => return Ok(None),
+        Ok(pattern) => pattern,
+        Err(error) => return Err(Diagnostic::error(span, error.to_string())),
+    };
+    let name = terminal::path(&pattern.folder().join(pattern.text()));
+    let there = pattern
+        .numbers()
+        .map_err(|error| Diagnostic::error(span, format!("`{}`: its folder cannot be listed: {error}", clip(&name))))?;
+    if there.is_empty() {
+        let problem = format!("there is no frame of `{}`", clip(&name));
+        return Err(suggest_neighbour(Diagnostic::error(span, problem), &pattern.file(shot.first)));
+    }
+    let (offset, outside, shown) = (0, OutsideFrames::Error, Vec::new());
+    Ok(Some(FileSequence { name, span, there, pattern, shot, offset, outside, shown }))
+}
+
+impl FileSequence {
+    /// With what the scene says of frames: which file stands for one, and which where there is none.
+    ///
+    /// # Errors
+    /// Files that the shot needs and that are not there.
+    pub fn timed(mut self, offset: i64, outside: OutsideFrames) -> Result<Self, Diagnostic> {
+        (self.offset, self.outside) = (offset, outside);
+        let [first, last] = self.ends();
+        let [from, to] = [self.shot.first, self.shot.last].map(|frame| frame.saturating_add(offset));
+        let there = in_ranges(&self.there);
+        let name = clip(&self.name).into_owned();
+        if outside == OutsideFrames::Error && (from < first || to > last) {
+            let wanted = if from == to { format!("frame {from}") } else { format!("frames {from}-{to}") };
+            let problem = format!("the shot needs {wanted} of `{name}`, and there is {there}");
+            let fits = if self.shot.count() as i64 <= last - first + 1 {
+                format!("frame_offset = {} begins with the first file", first - self.shot.first)
+            } else {
+                format!("frames = \"{}-{}\" has a file each", first - offset, last - offset)
+            };
+            let help = format!("{fits}; outside_frames = \"hold\" or \"loop\" shows others where there is none");
+            return Err(Diagnostic::error(self.span, problem).help(help));
+        }
+        // Of a loop that is not shown in full some files may be missing.
+        let [begin, end] = [self.number(self.shot.first), self.number(self.shot.last)];
+        let shown = match outside {
+            OutsideFrames::Loop if to - from >= last - first => vec![first..=last],
+            OutsideFrames::Loop if begin > end => vec![first..=end, begin..=last],
+            _ => vec![begin..=end],
+        };
+        /// The most missing frames that are looked for: names of more say nothing new.
+        const MOST: usize = 100;
+        let gaps = || self.there.array_windows().map(|[before, next]| before + 1..=next - 1);
+        let both = |range: &RangeInclusive<i64>, gap: RangeInclusive<i64>| {
+            *range.start().max(gap.start())..=*range.end().min(gap.end())
+        };
+        let missing = shown.iter().flat_map(|range| gaps().flat_map(|gap| both(range, gap)));
+        let missing: Vec<i64> = missing.take(MOST).collect();
+        if let Some(one) = missing.first() {
+            let problem = format!(
+                "frame{} {} of `{name}` {} missing: there is {there}",
+                if missing.len() == 1 { "" } else { "s" },
+                in_ranges(&missing),
+                if missing.len() == 1 { "is" } else { "are" },
+            );
+            let help = format!("write {} again, or let `frames` of the scene leave it out", self.file_name(*one));
+            return Err(Diagnostic::error(self.span, problem).help(help));
+        }
+        let is_shown = |number: &i64| shown.iter().any(|range| range.contains(number));
+        let needed = self.there.iter().copied().filter(is_shown);
+        self.shown = needed.map(|number| (number, self.reference(number))).collect();
+        Ok(self)
+    }
+
+    /// The first number that there is, and the last.
+    pub fn ends(&self) -> [i64; 2] {
+        [self.there[0], self.there[self.there.len() - 1]]
+    }
+
+    /// How many files there are.
+    pub fn count(&self) -> usize {
+        self.there.len()
+    }
+
+    /// The number of the file that a frame shows.
+    fn number(&self, frame: i64) -> i64 {
+        let [first, last] = self.ends();
+        let number = frame.saturating_add(self.offset);
+        match self.outside {
+            OutsideFrames::Loop => first + (number - first).rem_euclid(last - first + 1),
+            _ => number.clamp(first, last),
+        }
+    }
+
+    /// The file that a frame shows, with its number: between two frames that of the nearer one.
+    pub fn at(&self, frame: f64) -> &(i64, FileReference) {
+        let frame = (frame.round() as i64).clamp(self.shot.first, self.shot.last);
+        let number = self.number(frame);
+        let place = self.shown.partition_point(|(known, _)| *known < number);
+        &self.shown[place.min(self.shown.len() - 1)]
+    }
+
+    /// The files that the shot shows, by number.
+    pub fn files(&self) -> impl Iterator<Item = &FileReference> {
+        self.shown.iter().map(|(_, file)| file)
+    }
+
+    /// The numbers of those files, rising.
+    pub fn numbers(&self) -> impl Iterator<Item = i64> {
+        self.shown.iter().map(|(number, _)| *number)
+    }
+
+    /// Whether the shot shows more than one of them.
+    pub fn varies(&self) -> bool {
+        self.shown.len() > 1
+    }
+
+    fn path(&self, number: i64) -> PathBuf {
+        self.pattern.file(number)
+    }
+
+    fn file_name(&self, number: i64) -> String {
+        terminal::path(self.path(number).file_name().unwrap_or_default().as_ref())
+    }
+
+    fn reference(&self, number: i64) -> FileReference {
+        FileReference { place: FilePlace::Disk(self.path(number)), span: self.span }
+    }
+}
+
+/// Its name, what there is, and what of it is shown.
+impl fmt::Display for FileSequence {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let plural = |count: usize| if count == 1 { "" } else { "s" };
+        let (count, shown) = (self.count(), self.shown.len());
+        write!(f, "{}: {count} file{}, {}", self.name, plural(count), in_ranges(&self.there))?;
+        if shown < count {
+            let numbers: Vec<i64> = self.numbers().collect();
+            write!(f, "; shown are {shown}, {}", in_ranges(&numbers))?;
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use super::*;
+
+    /// What is found of files with some numbers, for a shot.
+    fn found(numbers: &[i64], shot: FrameRange, offset: i64, outside: OutsideFrames) -> Result<Vec<i64>, String> {
+        let folder = tempfile::tempdir().unwrap();
+        for number in numbers {
+            std::fs::write(folder.path().join(format!("m.{number:04}.vdb")), "").unwrap();
+        }
+        let variables: Variables = Arc::new(|_| None);
+        let base = Base::Folder(folder.path().to_owned());
+        let problem = |problem: Diagnostic| problem.message.replace(&folder.path().display().to_string(), "IN");
+        let sequence = find("m.$F4.vdb", Span::default(), &base, &variables, shot).map_err(problem)?.unwrap();
+        let sequence = sequence.timed(offset, outside).map_err(problem)?;
+        Ok((shot.first..=shot.last).map(|frame| sequence.at(frame as f64).0).collect())
+    }
+
+    #[test]
+    fn frames_have_their_files() {
+        let shot = |first, last| FrameRange { first, last };
+        assert_eq!(found(&[1, 2, 3, 9], shot(1, 3), 0, OutsideFrames::Error), Ok(vec![1, 2, 3]));
+        assert_eq!(found(&[11, 12, 13], shot(1, 3), 10, OutsideFrames::Error), Ok(vec![11, 12, 13]));
+        assert_eq!(found(&[1, 2, 3], shot(-1, 5), 0, OutsideFrames::Hold), Ok(vec![1, 1, 1, 2, 3, 3, 3]));
+        assert_eq!(found(&[1, 2, 3], shot(-1, 5), 0, OutsideFrames::Loop), Ok(vec![2, 3, 1, 2, 3, 1, 2]));
+        // A loop over its end, shown in part.
+        assert_eq!(found(&[1, 2, 4, 5], shot(5, 7), 0, OutsideFrames::Loop), Ok(vec![5, 1, 2]));
+        assert_eq!(found(&[7], shot(1, 2), 0, OutsideFrames::Hold), Ok(vec![7, 7]));
+    }
+
+    #[test]
+    fn what_is_missing_is_told() {
+        let shot = |first, last| FrameRange { first, last };
+        let wrong = |numbers: &[i64], shot, outside| found(numbers, shot, 0, outside).unwrap_err();
+        assert_eq!(
+            wrong(&[1, 2, 5, 6, 8], shot(1, 8), OutsideFrames::Error),
+            "frames 3-4, 7 of `IN/m.####.vdb` are missing: there is 1-2, 5-6, 8"
+        );
+        assert_eq!(
+            wrong(&[1, 3], shot(-5, 9), OutsideFrames::Hold),
+            "frame 2 of `IN/m.####.vdb` is missing: there is 1, 3"
+        );
+        assert_eq!(
+            wrong(&[1, 2], shot(1, 3), OutsideFrames::Error),
+            "the shot needs frames 1-3 of `IN/m.####.vdb`, and there is 1-2"
+        );
+        assert_eq!(wrong(&[], shot(1, 3), OutsideFrames::Error), "there is no frame of `IN/m.####.vdb`");
+        // A shot of any length is told at once.
+        assert_eq!(
+            wrong(&[1, 999_999_999], shot(1, 999_999_999), OutsideFrames::Error).len(),
+            "frames 2-101 of `IN/m.####.vdb` are missing: there is 1, 999999999".len()
+        );
+    }
+}
