@@ -7,6 +7,7 @@ use super::job;
 use super::options::{Global, Sampling, SceneArguments, Writing};
 use super::writing::{Request, write_frames};
 use crate::bake::{Source, output};
+use crate::vdb::PROGRAM_NAMES;
 
 /// Arguments of `hfvdb bake`.
 #[derive(Args)]
@@ -15,6 +16,7 @@ Examples:
   hfvdb bake heart -o heart.vdb                               one file
   hfvdb bake cubism -o 'out/cubism.####.vdb'                  the whole shot
   hfvdb bake cubism -o 'out/cubism.####.glb'                  polygons with colours instead: .glb, .ply, .obj
+  hfvdb bake heart -o heart.vdb --for vray                    the grids as V-Ray looks for them
   hfvdb bake cubism -o 'out/cubism.####.vdb' --frames 1-48x4  every fourth frame
   hfvdb bake cubism -o 'out/cubism.####.vdb' --dry-run        what that would write and take
   hfvdb bake cubism -o 'out/cubism.####.vdb' --resume         what is missing or not whole
@@ -24,6 +26,10 @@ Examples:
 pub struct Arguments {
     #[command(flatten)]
     scene: SceneArguments,
+    /// Name the grids as a program looks for them, see docs/output.md; of renderers of fog with a density
+    #[arg(long = "for", value_name = "PROGRAM", value_parser = clap::builder::PossibleValuesParser::new(PROGRAM_NAMES))]
+    program: Option<String>,
+
     #[command(flatten)]
     writing: Writing,
     #[command(flatten)]
@@ -33,10 +39,11 @@ pub struct Arguments {
 /// Runs the command.
 pub fn run(arguments: &Arguments, global: &Global) -> Result<(), Failure> {
     let pattern = output::pattern(&arguments.writing.output)?;
-    let model = job::load(&arguments.scene, global)?;
-    let changes = &arguments.scene.changes;
-    let source =
-        Source { scene: arguments.scene.scene.clone(), variant: changes.variant.clone(), set: changes.set.clone() };
+    let mut scene = arguments.scene.clone();
+    scene.changes.set.extend(arguments.program.iter().map(|program| format!("output.for=\"{program}\"")));
+    let model = job::load(&scene, global)?;
+    let changes = &scene.changes;
+    let source = Source { scene: scene.scene.clone(), variant: changes.variant.clone(), set: changes.set.clone() };
     let request = Request { model, source, pattern, writing: &arguments.writing, sampling: &arguments.sampling };
     write_frames(&request, global)
 }

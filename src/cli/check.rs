@@ -42,7 +42,7 @@ pub struct Arguments {
     #[arg(value_name = "SCENE, FILE.vdb, MESH or FOLDER", required = true, value_parser = paths::text())]
     inputs: Vec<String>,
 
-    /// Programs that a .vdb file has to serve: blender, houdini, unreal, usd
+    /// Programs that a .vdb file has to serve: blender, houdini, karma, arnold, renderman, vray, redshift, moonray, unreal, usd
     #[arg(long = "for", value_name = "PROGRAMS", value_delimiter = ',')]
     clients: Vec<Client>,
 
@@ -83,8 +83,14 @@ pub fn run(arguments: &Arguments, global: &Global) -> Result<(), Failure> {
 
 /// Errors and warnings.
 fn counted(findings: &[Finding]) -> [usize; 2] {
-    let errors = findings.iter().filter(|finding| finding.severity == Severity::Error).count();
-    [errors, findings.len() - errors]
+    [Severity::Error, Severity::Warning].map(|how| findings.iter().filter(|finding| finding.severity == how).count())
+}
+
+/// Says what is good to know.
+fn note(text: &str, global: &Global) {
+    if !global.quiet {
+        super::say(&format!("note: {text}"));
+    }
 }
 
 /// What is wrong with files of any maker: one after the other, what cannot be read among them, and all together.
@@ -116,6 +122,7 @@ fn of_files(paths: &[String], clients: &[Client], global: &Global) -> Result<(),
         match finding.severity {
             Severity::Error => super::say(&format!("error: {text}")),
             Severity::Warning => global.warn(&text),
+            Severity::Note => note(&text, global),
         }
     }
     let [errors, warnings] = all;
@@ -142,6 +149,7 @@ fn of_file(path: &Path, clients: &[Client], global: &Global) -> Result<(), Failu
         match finding.severity {
             Severity::Error => super::say(&format!("error: {}: {finding}", terminal::path(path))),
             Severity::Warning => global.warn(&format!("{}: {finding}", terminal::path(path))),
+            Severity::Note => note(&format!("{}: {finding}", terminal::path(path)), global),
         }
     }
     if global.json {
@@ -220,6 +228,10 @@ fn of_scene(arguments: &Arguments, global: &Global) -> Result<(), Failure> {
             },
             "memory_limit_bytes": limit.0,
         });
+        if sequences(&model).next().is_some() {
+            let document_of = |(shape, files): (&str, &FileSequence)| json!({ "shape": shape, "files": files.name, "ends": files.ends(), "count": files.count() });
+            document["sequences"] = sequences(&model).map(document_of).collect();
+        }
         if !numbers.is_empty() {
             document["morph"] =
                 numbers.iter().map(|(frame, report)| json!({ "frame": frame, "report": report })).collect();
@@ -227,11 +239,10 @@ fn of_scene(arguments: &Arguments, global: &Global) -> Result<(), Failure> {
         super::print_json(&document)?;
     } else {
         let mut text = if global.verbose { settings(&model) } else { String::new() };
-        let size = prepared.extent.size();
-        if sequences(&model).next().is_some() {
-            let document_of = |(shape, files): (&str, &FileSequence)| json!({ "shape": shape, "files": files.name, "ends": files.ends(), "count": files.count() });
-            document["sequences"] = sequences(&model).map(document_of).collect();
+        for (shape, files) in sequences(&model) {
+            let _ = writeln!(text, "`{shape}`: {files}");
         }
+        let size = prepared.extent.size();
         // Writing to a string cannot fail.
         let _ = write!(
             text,
@@ -239,9 +250,6 @@ fn of_scene(arguments: &Arguments, global: &Global) -> Result<(), Failure> {
              about {:.2e} voxels, {} of memory (limit {limit}), at most {} a file before compression\n",
             shot.first, shot.last, size.x, size.y, size.z, model.unit, estimate.voxels, estimate.memory, estimate.file
         );
-        for (shape, files) in sequences(&model) {
-            let _ = writeln!(text, "`{shape}`: {files}");
-        }
         if let count @ 1.. = model.set_operations() {
             let _ = writeln!(text, "{count} set operation{}", if count == 1 { "" } else { "s" });
         }
@@ -280,6 +288,11 @@ fn table(numbers: &[(i64, MorphReport)], fps: f64) -> String {
     text
 }
 
+/// The files by frame of all shapes.
+fn sequences(model: &Model) -> impl Iterator<Item = (&str, &FileSequence)> {
+    model.shapes.iter().flat_map(|shape| shape.sequences().map(|files| (shape.name.as_str(), files)))
+}
+
 /// Every value and who gave it.
 fn settings(model: &Model) -> String {
     let lines = model.settings.iter().map(|setting| {
@@ -288,11 +301,6 @@ fn settings(model: &Model) -> String {
             _ => "scene",
         };
         format!("{:40} {:24} {origin}\n", setting.name, setting.value)
-/// The files by frame of all shapes.
-fn sequences(model: &Model) -> impl Iterator<Item = (&str, &FileSequence)> {
-    model.shapes.iter().flat_map(|shape| shape.sequences().map(|files| (shape.name.as_str(), files)))
-}
-
     });
     lines.collect()
 }

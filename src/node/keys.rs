@@ -7,6 +7,7 @@ pub use morph::{BY_MODE, DELAY, FILL, MORPH, ROUND};
 
 use crate::distance::method::{NAMES, USUAL};
 use crate::text::key::{Absent, Key, Kind, Limit};
+use crate::vdb::PROGRAM_NAMES;
 
 use Absent::{Nothing, Number, Required, Text, Words};
 
@@ -70,7 +71,6 @@ pub fn metres(unit: &str) -> f64 {
     }
 }
 
-/// How large a shape is made.
 /// Which file of a sequence stands for a frame.
 pub(crate) const FRAME_OFFSET: Key = Key::new(
     "frame_offset",
@@ -88,6 +88,7 @@ pub(crate) const OUTSIDE_FRAMES: Key = Key::new(
     "Of files by frame: what frames before the first file and after the last one show. `error`: nothing; the scene is refused. `hold`: the first file, or the last. `loop`: the files again from the first.",
 );
 
+/// How large a shape is made.
 pub const SCALE: Key = Key::new("scale", Kind::Lengths, Number(1.0), "How many times as large.").limit(Limit::Positive);
 
 /// How a shape is turned.
@@ -266,7 +267,19 @@ pub const OUTPUT: &[Key] = &[
         "What measures the distances of `surface`: see [accuracy.md](accuracy.md). Its sign, which voxels it has and where \
          colours are taken are the same by each.",
     ),
-    Key::new("color_name", Kind::Text, Text("Cd"), "The colour grid's name.").also(&["colour_name"]),
+    Key::new(
+        "color_name",
+        Kind::Text,
+        Words("`Cd`, or as `for` has it"),
+        "The colour grid's name.",
+    )
+    .also(&["colour_name"]),
+    Key::new(
+        "for",
+        Kind::Choice(PROGRAM_NAMES),
+        Nothing,
+        "A program that a `.vdb` is for: its grids have the names and types by which that finds them, see [output.md](output.md#grids-for-programs). Of renderers that show fog alone `density` is among them.",
+    ),
     Key::new(
         "color_space",
         Kind::Choice(&["lin_rec709_scene", "lin_ap1_scene", "lin_rec2020_scene"]),

@@ -22,6 +22,7 @@ use crate::text::reader::Setting;
 use crate::text::sequence::FileSequence;
 use crate::text::source::{Sources, Span};
 use crate::text::value::Table;
+use crate::vdb::Program;
 
 pub use crate::node::argument::{Component, ScalarName};
 pub use crate::node::id::{CellsId, ShapeId};
@@ -177,12 +178,12 @@ impl Shape {
         std::iter::once(&self.arguments).chain(self.modifiers.iter().map(|modifier| &modifier.arguments))
     }
 
-    /// The arguments of its own colour and scalars.
     /// Its files by frame, those of its colour and scalars too.
     pub fn sequences(&self) -> impl Iterator<Item = &FileSequence> {
         self.all_arguments().chain(self.given_arguments()).filter_map(Arguments::sequence)
     }
 
+    /// The arguments of its own colour and scalars.
     pub(crate) fn given_arguments(&self) -> impl Iterator<Item = &Arguments> {
         let scalars = self.scalars.values().map(|scalar| &scalar.arguments);
         self.colour.iter().map(|colour| &colour.arguments).chain(scalars)
@@ -470,6 +471,8 @@ pub struct Output {
     pub compression: &'static str,
     /// The colour grid's name.
     pub colour_name: String,
+    /// The program that files are for, where the scene says one.
+    pub program: Option<&'static Program>,
     /// The space of its colours, where the scene says one; Rec.709 else.
     pub primaries: Option<Primaries>,
     /// The greatest speed of `vel`, units a second; `None` for the longest side of the shot's box in one frame.

@@ -2,68 +2,21 @@
 //! program, or what its maker's documentation says: where nothing is known, nothing is said.
 
 use std::collections::HashSet;
-use std::fmt;
 use std::path::Path;
-use std::str::FromStr;
 
 use glam::IVec3;
-use serde::Serialize;
 
 use super::lint::{Severity, active_values, missing_voxels};
+use super::programs::{Client, Program, Three};
 use super::read::{SparseBlocks, StoredClass, Voxels};
 use super::walk::{GridLayout, Layout};
 use super::{Metadata, MetadataValue};
 use crate::grid::node_origin;
 
-/// A program that takes files.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Client {
-    /// Blender 5.0, tried.
-    Blender,
-    /// Houdini 20.0 to 21.0, by its documentation and the published code of its reader.
-    Houdini,
-    /// Unreal Engine 5.4, by its documentation.
-    Unreal,
-    /// `UsdVol` of USD 25.8 and 26.11, tried.
-    Usd,
-}
-
-impl Client {
-    /// All of them.
-    pub const ALL: [Self; 4] = [Self::Blender, Self::Houdini, Self::Unreal, Self::Usd];
-
-    fn name(self) -> &'static str {
-        match self {
-            Self::Blender => "blender",
-            Self::Houdini => "houdini",
-            Self::Unreal => "unreal",
-            Self::Usd => "usd",
-        }
-    }
-}
-
-impl fmt::Display for Client {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(self.name())
-    }
-}
-
-impl FromStr for Client {
-    type Err = String;
-
-    fn from_str(name: &str) -> Result<Self, String> {
-        Self::ALL.into_iter().find(|client| client.name() == name).ok_or_else(|| {
-            let names = Self::ALL.map(Self::name).join(", ");
-            format!("nothing is known of \"{name}\"; take one or more of {names}")
-        })
-    }
-}
-
 /// Channels that a Sparse Volume Texture has: two attributes of four.
 const UNREAL_CHANNELS: usize = 8;
-/// The names by which Blender finds a velocity.
-const BLENDER_VELOCITIES: [&str; 3] = ["velocity", "vel", "v"];
+/// Names that velocities have.
+const VELOCITIES: [&str; 3] = ["velocity", "vel", "v"];
 /// Cycles drops values up to this by default.
 const CLIPPED: f32 = 1e-3;
 /// Metadata that OpenVDB itself writes.
@@ -83,11 +36,18 @@ pub(super) type Note = (Severity, Option<String>, String);
 /// What is wrong for one program.
 pub(super) fn check(client: Client, subject: &Subject<'_>) -> Vec<Note> {
     let mut notes = Notes(Vec::new());
+    let program = client.program();
     match client {
         Client::Blender => blender(subject, &mut notes),
-        Client::Houdini => houdini(subject, &mut notes),
+        Client::Houdini | Client::Karma => houdini(subject, &mut notes),
         Client::Unreal => unreal(subject, &mut notes),
         Client::Usd => usd(subject, &mut notes),
+        Client::RenderMan => first_field(subject, &mut notes),
+        Client::Arnold | Client::VRay | Client::Redshift | Client::MoonRay => {}
+    }
+    names(program, subject, &mut notes);
+    if let Some(what) = program.not_verified {
+        notes.0.push((Severity::Note, None, format!("not verified: {what}")));
     }
     notes.0
 }
@@ -113,6 +73,80 @@ impl Notes {
 
     fn warn(&mut self, grid: Option<&str>, problem: impl Into<String>) {
         self.0.push((Severity::Warning, grid.map(Into::into), problem.into()));
+    }
+}
+
+/// Whether grids are called as a program looks for them.
+fn names(program: &Program, subject: &Subject<'_>, notes: &mut Notes) {
+    let is_fog = |grid: &GridLayout| class(grid) == StoredClass::FogVolume;
+    // What Unreal and Blender ask of fog is said of them alone.
+    if program.shows_fog && program.client != Client::Unreal {
+        let name = program.density;
+        let fog = subject.scalars().find(|(grid, _)| is_fog(grid) && grid.name != name);
+        match (subject.scalars().any(|(grid, _)| grid.name == name), fog) {
+            (true, _) => {}
+            (false, Some((fog, _))) => {
+                notes.warn(Some(&fog.name), format!("the density is called `{name}` by convention; rename it"));
+            }
+            // Of what reads USD some show surfaces.
+            (false, None) if program.client == Client::Usd => {}
+            (false, None) => {
+                notes.warn(None, format!("it has no fog volume `{name}`, which is what it shows; write one with it"));
+            }
+        }
+    }
+    for (grid, _) in subject.scalars().filter(|(grid, _)| class(grid) == StoredClass::LevelSet) {
+        match program.level_set {
+            // Another name is nowhere in the way but where nodes ask for it.
+            Some(name) if grid.name != name && matches!(program.client, Client::Houdini | Client::Karma) => {
+                let problem = format!("a level set is called `{name}` by convention; nodes ask for it by name");
+                notes.warn(Some(&grid.name), problem);
+            }
+            Some(_) => {}
+            None if program.client == Client::RenderMan => {
+                notes.warn(Some(&grid.name), "a level set is shown as fog, its outside too; leave it out");
+            }
+            None => notes.warn(Some(&grid.name), "a level set is not shown; leave it out, or make polygons of it"),
+        }
+    }
+    for (grid, _) in subject.colours() {
+        match program.colour {
+            Three::Numbers(_) => {
+                let problem = format!("a colour is three grids there, {}", program.colour.words());
+                notes.warn(Some(&grid.name), problem);
+            }
+            Three::Vectors(name) if program.needs_colour_name && grid.name != name => {
+                let problem = format!("a colour is called `{name}` by convention; nodes ask for it by name");
+                notes.warn(Some(&grid.name), problem);
+            }
+            Three::Vectors(_) => {}
+        }
+    }
+    for (grid, _) in subject.velocities() {
+        match program.velocity {
+            None => notes.warn(Some(&grid.name), "a velocity is of no use there; leave it out"),
+            Some(three @ Three::Numbers(_)) => {
+                let problem = format!("a velocity is three grids there, {}", three.words());
+                notes.warn(Some(&grid.name), problem);
+            }
+            Some(Three::Vectors(_)) => {
+                let known = program.velocities;
+                if !known.is_empty() && !known.contains(&grid.name.as_str()) {
+                    let problem = format!("a velocity is found by the names {}; rename it", known.join(", "));
+                    notes.warn(Some(&grid.name), problem);
+                }
+            }
+        }
+    }
+}
+
+/// hdPrman takes the first of a volume's fields, which are sorted by their names, for its density.
+fn first_field(subject: &Subject<'_>, notes: &mut Notes) {
+    let Some((first, voxels)) = subject.grids.iter().min_by(|(a, _), (b, _)| a.name.cmp(&b.name)) else { return };
+    if !matches!(voxels, Some(Voxels::Floats(_))) {
+        let problem = "its name is the first of all, and the first field is taken for the density; call it by a later \
+                       one, such as diffuseColor";
+        notes.warn(Some(&first.name), problem);
     }
 }
 
@@ -155,10 +189,6 @@ fn blender(subject: &Subject<'_>, notes: &mut Notes) {
         }
     }
     for (grid, vectors) in subject.velocities() {
-        if !BLENDER_VELOCITIES.contains(&grid.name.as_str()) {
-            let problem = format!("a velocity is found by the names {}; rename it", BLENDER_VELOCITIES.join(", "));
-            notes.warn(Some(&grid.name), problem);
-        }
         let rests = |velocity: [f32; 3]| velocity.iter().all(|part| part.abs() <= CLIPPED);
         if !densities.is_empty() && active_values(vectors).all(rests) {
             let problem = "it is nowhere more than 0.001, which Cycles drops, and 5.0.1 crashes where nothing is left of \
@@ -202,16 +232,6 @@ fn houdini(subject: &Subject<'_>, notes: &mut Notes) {
                 let problem = format!("metadata '{name}' becomes an attribute: name it in plain lower-case letters");
                 notes.warn(Some(&grid.name), problem);
             }
-        }
-    }
-    for (grid, _) in subject.scalars() {
-        if class(grid) == StoredClass::LevelSet && grid.name != "surface" {
-            notes.warn(Some(&grid.name), "a level set is called `surface` by convention; nodes ask for it by name");
-        }
-    }
-    for (grid, _) in subject.colours() {
-        if grid.name != "Cd" {
-            notes.warn(Some(&grid.name), "a colour is called `Cd` by convention; nodes ask for it by name");
         }
     }
     for (grid, _) in subject.velocities() {
@@ -304,7 +324,7 @@ fn vector_type(grid: &GridLayout) -> Option<&str> {
 
 /// Whether vectors are a velocity, by their name or by their type.
 pub(super) fn is_velocity(grid: &GridLayout) -> bool {
-    BLENDER_VELOCITIES.contains(&grid.name.as_str())
+    VELOCITIES.contains(&grid.name.as_str())
         || vector_type(grid).is_some_and(|kind| kind.starts_with("contra"))
         || class(grid) == StoredClass::Staggered
 }
@@ -363,13 +383,5 @@ mod tests {
         assert!(frame_number(Path::new("m.0007.vdb"), &metadata).unwrap().contains("is 7"));
         assert_eq!(frame_number(Path::new("m.0012.vdb"), &metadata), None);
         assert_eq!(frame_number(Path::new("heart.vdb"), &metadata), None);
-    }
-
-    #[test]
-    fn clients_by_name() {
-        for client in Client::ALL {
-            assert_eq!(client.to_string().parse(), Ok(client));
-        }
-        assert!("maya".parse::<Client>().unwrap_err().contains("blender, houdini, unreal, usd"));
     }
 }

@@ -10,7 +10,8 @@ use std::path::Path;
 use glam::{DVec3, IVec3};
 use serde::Serialize;
 
-use super::clients::{self, Client, Subject};
+use super::clients::{self, Subject};
+use super::programs::Client;
 use super::read::{Opened, SparseBlocks, StoredClass, Voxels, band_of};
 use super::walk::{GridLayout, Layout, Transform};
 use super::{Error, MetadataValue};
@@ -37,6 +38,8 @@ pub enum Severity {
     Error,
     /// Some programs may.
     Warning,
+    /// It is good to know.
+    Note,
 }
 
 /// One thing that is wrong.

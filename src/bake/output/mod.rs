@@ -4,6 +4,7 @@
 //! was written, is the same for all.
 
 mod glb;
+mod naming;
 mod obj;
 mod ply;
 mod polygons;

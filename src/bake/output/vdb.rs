@@ -4,7 +4,7 @@ use std::path::Path;
 
 use rayon::prelude::*;
 
-use super::{Format, Frame};
+use super::{Format, Frame, naming};
 use crate::attribute::{LinearRgb, Primaries};
 use crate::bake::{Computed, Error, Inside, Output, Velocities};
 use crate::grid::{Band, Channel, Lattice};
@@ -22,8 +22,8 @@ impl Format for Vdb {
     }
 
     /// It holds all that frames have.
-    fn check(&self, _: &Model, _: &Output) -> Result<(), String> {
-        Ok(())
+    fn check(&self, model: &Model, _: &Output) -> Result<(), String> {
+        naming::check(model)
     }
 
     fn encode(&self, frame: &Frame<'_>) -> Result<Vec<Vec<u8>>, Error> {
@@ -35,6 +35,10 @@ impl Format for Vdb {
             for grid in grids.iter_mut().filter(|grid| grid.name == output.colour_name) {
                 grid.metadata.insert(INTEROP_ID.into(), primaries.name().into());
             }
+        }
+        let splits = output.program.map_or_else(Vec::new, |program| naming::splits(&grids, program));
+        if let Some(program) = output.program {
+            grids = naming::named(grids, program, &output.colour_name, &splits);
         }
         let grids = vdb::Frame { grids, metadata: metadata(frame) };
         vdb::encode(&grids, frame.output.compression).map_err(|error| Error::Encode(error.to_string()))

@@ -20,6 +20,7 @@ use crate::text::number::{Number, NumberValue};
 use crate::text::reader::{Fields, NO_OWNER};
 use crate::text::source::Span;
 use crate::text::value::{Table, Value};
+use crate::vdb::{Client, Three};
 
 impl<'r, 'a> Building<'r, 'a> {
     /// `None` where there is none, or where an error was said.
@@ -225,19 +226,27 @@ impl<'r, 'a> Building<'r, 'a> {
             let problem = "`voxel_size` and `resolution` say the same thing twice";
             self.reader.say(Diagnostic::error(size.key_span, problem));
         }
-        let name = fields.text("color_name").unwrap_or_else(|| "Cd".into());
+        let program = fields.choice("for").and_then(|name| name.parse::<Client>().ok()).map(Client::program);
+        let name = fields.text("color_name").unwrap_or_else(|| match program.map(|program| program.colour) {
+            Some(Three::Vectors(name)) => name.into(),
+            _ => "Cd".into(),
+        });
         let taken = ["surface", "density", "vel"].contains(&name.as_str()) || self.is_scalar(&name);
         if name.is_empty() || taken || name.contains(char::is_whitespace) {
             let problem = format!("a grid cannot be called `{}`", clip(&name));
             self.reader
                 .say(Diagnostic::error(fields.entry("color_name").map_or(span, |entry| entry.value.span), problem));
         }
-        let grids = self.grids(&fields, "grids", &name);
+        let mut grids = self.grids(&fields, "grids", &name);
+        let fog = program.is_some_and(|program| program.shows_fog);
+        if let Some(grids) = grids.as_mut().filter(|grids| fog && !grids.iter().any(|name| name == "density")) {
+            grids.push("density".into());
+        }
         let output = Output {
             inside: fields.flag("inside"),
             density: grids
                 .as_ref()
-                .map_or_else(|| self.is_scalar("density"), |all| all.iter().any(|name| name == "density")),
+                .map_or_else(|| fog || self.is_scalar("density"), |all| all.iter().any(|name| name == "density")),
             voxel_size: fields.constant("voxel_size"),
             resolution: fields.whole("resolution").unwrap_or(256).clamp(1, i64::from(u32::MAX)) as u32,
             half_width: fields.constant("half_width").unwrap_or(3.0),
@@ -245,6 +254,7 @@ impl<'r, 'a> Building<'r, 'a> {
             half: self.grids(&fields, "half", &name).unwrap_or_default(),
             compression: fields.choice("compression").unwrap_or("blosc"),
             colour_name: name,
+            program,
             primaries: fields.choice("color_space").and_then(Primaries::named),
             max_speed: fields.constant("max_speed"),
             distance: fields.choice("distance"),
@@ -275,6 +285,8 @@ impl<'r, 'a> Building<'r, 'a> {
         let mut known: Vec<&str> = ["surface", "density", colour, "vel"].into_iter().chain(scalars).collect();
         known.sort_unstable();
         known.dedup();
+        // What a program calls the colour is no reason to write its name anew.
+        let is_colour = |name: &str| name == "Cd" && fields.entry("for").is_some() && !known.contains(&"Cd");
         let Some(list) = value.list().filter(|list| key != "grids" || !list.is_empty()) else {
             self.reader.wrong_kind(&path, &format!("a list of {}", listed(&known)), value);
             return None;
@@ -282,6 +294,7 @@ impl<'r, 'a> Building<'r, 'a> {
         let mut names = Vec::new();
         for value in list {
             match value.text() {
+                Some(name) if is_colour(name) => names.push(colour.to_owned()),
                 Some(name) if known.contains(&name) => names.push(name.to_owned()),
                 _ => self.reader.choice_problem(&path, &known, value),
             }
@@ -363,6 +376,7 @@ fn default_output() -> Output {
         half: Vec::new(),
         compression: "blosc",
         colour_name: "Cd".into(),
+        program: None,
         primaries: None,
         max_speed: None,
         distance: None,

@@ -34,6 +34,9 @@ pub fn check(model: &Model, output: &Output) -> Result<(), String> {
     if let Some(grid) = output.identity.half.first() {
         return Err(format!("--half: polygons have no grid `{grid}` of 16 bits"));
     }
+    if let Some(program) = model.output.program {
+        return Err(format!("--for {}: it names the grids of .vdb; leave it out for polygons", program.name));
+    }
     if model.output.fills_inside() || model.output.writes("vel") {
         return Err(
             "output.grids: polygons hold a surface alone, without `density`, `vel` and `inside`; leave them out, or \
