@@ -14,6 +14,16 @@ pub struct MeshColours {
     materials: Arc<[Material]>,
     lookup: Lookup,
     voxel: f32,
+    below: Option<Below>,
+}
+
+/// What lies deep inside.
+#[derive(Clone, Copy, Debug)]
+pub struct Below {
+    /// How far inward from the surface the mesh's colours reach, world units.
+    pub depth: f64,
+    /// What lies deeper.
+    pub colour: LinearRgb,
 }
 
 impl MeshColours {
@@ -21,7 +31,12 @@ impl MeshColours {
     /// world units.
     pub fn new(mesh: Arc<MeshDistance>, materials: Arc<[Material]>, lookup: Lookup, voxel: f64) -> Option<Self> {
         let has_any = mesh.mesh().colours().is_some() || mesh.mesh().places().is_some();
-        has_any.then_some(Self { mesh, materials, lookup, voxel: voxel as f32 })
+        has_any.then_some(Self { mesh, materials, lookup, voxel: voxel as f32, below: None })
+    }
+
+    /// The same with another colour deep inside.
+    pub fn with_below(self, below: Option<Below>) -> Self {
+        Self { below, ..self }
     }
 }
 
@@ -46,9 +61,16 @@ impl super::Sampler<3> for Sampler<'_> {
     }
 
     fn sample(&mut self, points: &Points, out: &mut [LinearRgb; BATCH]) {
-        let MeshColours { mesh, materials, lookup, voxel } = self.colours;
+        let MeshColours { mesh, materials, lookup, voxel, below } = self.colours;
         for (i, colour) in out.iter_mut().enumerate().take(points.len) {
             let nearest = self.evaluator.nearest(points.position(i));
+            if let Some(Below { depth, colour: below }) = below
+                && nearest.distance_squared > depth * depth
+                && mesh.is_inside(points.position(i), &nearest)
+            {
+                *colour = *below;
+                continue;
+            }
             // A mesh with neither has no colours: `new` saw to it.
             *colour = mesh.colour(&nearest).unwrap_or([1.0; 3]);
             if let Some(place) = mesh.place(&nearest)
@@ -82,6 +104,22 @@ mod tests {
                 assert_eq!(mesh.colour(&mesh.nearest(DVec3::from(place))), Some([bright; 3]));
             }
         }
+    }
+
+    /// Inside and deeper than the colours reach there is another one; outside there is none.
+    #[test]
+    fn what_lies_below() {
+        let corners = [DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z];
+        let triangles = vec![[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]];
+        let mesh = TriangleMesh::new(corners.to_vec(), triangles, Some(vec![[0.5; 3]; 4])).unwrap();
+        let mesh = Arc::new(MeshDistance::new(mesh, Holes::Refuse).unwrap());
+        let below = Below { depth: 0.1, colour: [1.0, 0.0, 0.0] };
+        let source = MeshColours::new(mesh, Arc::default(), Lookup::Filtered, 0.1).unwrap().with_below(Some(below));
+        let mut points = Points::new(DVec3::ZERO);
+        [[0.2; 3], [0.05, 0.2, 0.2], [-0.5; 3]].iter().for_each(|at| points.push(Vec3::from(*at)));
+        let mut out = [[0.0; 3]; BATCH];
+        source.sampler().sample(&points, &mut out);
+        assert_eq!(out[..3], [[1.0, 0.0, 0.0], [0.5; 3], [0.5; 3]]);
     }
 
     /// A tetrahedron with the corner positions as colours: the colour at a foot is the foot.

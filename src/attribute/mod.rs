@@ -32,7 +32,7 @@ pub use colour_space::{ColourSpace, LUMINANCE, from_srgb, to_srgb};
 pub use constant::Constant;
 pub use formula::{ByFormula, Components, FieldValue};
 pub use mapped::{MappedSampler, SpaceMap};
-pub use mesh_colour::MeshColours;
+pub use mesh_colour::{Below, MeshColours};
 pub use mix::{Mix, Mixer, Straight, Turn};
 pub use parts::{Overlap, Part, Parts, Rule};
 pub use primaries::Primaries;

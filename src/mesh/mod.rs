@@ -14,6 +14,7 @@ mod cut;
 mod distance;
 mod error;
 mod evaluator;
+mod exr_picture;
 mod faces;
 mod gltf;
 mod hull;

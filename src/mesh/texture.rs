@@ -57,6 +57,8 @@ pub enum Lookup {
     Filtered,
     /// The one pixel there.
     Nearest,
+    /// The colour that most pixels have of those that a voxel covers.
+    Majority,
 }
 
 /// sRGB bytes as scene-linear numbers.
@@ -66,17 +68,21 @@ static LINEAR: LazyLock<[f32; 256]> = LazyLock::new(|| {
 });
 
 impl Texture {
-    /// Decodes a PNG or JPEG. Of 16 bits a channel all count; alpha does not.
+    /// Decodes a PNG, JPEG or EXR. Of 16 bits a channel all count; alpha does not.
     ///
     /// # Errors
     /// What is wrong with it, in words.
     pub fn decode(bytes: &[u8]) -> Result<Self, String> {
+        if super::exr_picture::is_one(bytes) {
+            let (width, height, texels) = super::exr_picture::decode(bytes, LONGEST_SIDE as usize, MOST_BYTES)?;
+            return Ok(Self::new(width, height, Texels::Floats(texels)));
+        }
         let mut reader =
             ImageReader::new(Cursor::new(bytes)).with_guessed_format().map_err(|error| error.to_string())?;
         match reader.format() {
             Some(ImageFormat::Png | ImageFormat::Jpeg) => {}
-            Some(other) => return Err(format!("it is {}, and PNG and JPEG are read", words(other))),
-            None => return Err("it is neither a PNG nor a JPEG".into()),
+            Some(other) => return Err(format!("it is {}, and PNG, JPEG and EXR are read", words(other))),
+            None => return Err("it is neither a PNG nor a JPEG nor an EXR".into()),
         }
         let mut limits = Limits::default();
         (limits.max_image_width, limits.max_image_height) = (Some(LONGEST_SIDE), Some(LONGEST_SIDE));
@@ -157,6 +163,9 @@ impl Texture {
             let y = wrapped((f64::from(v) * self.height as f64).floor() as i64, self.height, wrap[1]);
             return self.texel(0, x, y);
         }
+        if lookup == Lookup::Majority {
+            return self.majority([u, v], wrap, across);
+        }
         let level = across.max(1.0).log2().min(self.smaller.len() as f32);
         let (fine, share) = (level as usize, level.fract());
         let one = self.between(fine, [u, v], wrap);
@@ -165,6 +174,34 @@ impl Texture {
         }
         let other = self.between(fine + 1, [u, v], wrap);
         std::array::from_fn(|i| one[i] + share * (other[i] - one[i]))
+    }
+
+    /// The colour of most pixels in a square so many pixels wide; of several that are as many, that of the pixel nearest to
+    /// the middle.
+    fn majority(&self, [u, v]: [f32; 2], wrap: [Wrap; 2], across: f32) -> [f32; 3] {
+        /// Pixels looked at along a side; of more, so many evenly. Fewer: thin lines win or lose by chance; more: time.
+        const MOST: usize = 16;
+        let (x, y) = (f64::from(u) * self.width as f64, f64::from(v) * self.height as f64);
+        let across = f64::from(across).clamp(1.0, self.width.max(self.height) as f64);
+        let count = (across.round() as usize).clamp(1, MOST);
+        let offset = |i: usize| ((i as f64 + 0.5) / count as f64 - 0.5) * across;
+        let mut found: Vec<([u32; 3], f64)> = Vec::with_capacity(count * count);
+        for (i, j) in (0..count).flat_map(|i| (0..count).map(move |j| (i, j))) {
+            let (left, top) = ((x + offset(i)).floor(), (y + offset(j)).floor());
+            let (dx, dy) = (left + 0.5 - x, top + 0.5 - y);
+            let at = [(left as i64, self.width, wrap[0]), (top as i64, self.height, wrap[1])];
+            let [column, row] = at.map(|(at, count, wrap)| wrapped(at, count, wrap));
+            found.push((self.texel(0, column, row).map(f32::to_bits), dx * dx + dy * dy));
+        }
+        // Those of one colour together, the nearest first.
+        found.sort_unstable_by(|(a, near), (b, far)| a.cmp(b).then_with(|| near.total_cmp(far)));
+        let best = found.chunk_by(|(a, _), (b, _)| a == b).max_by(|one, other| {
+            one.len()
+                .cmp(&other.len())
+                .then_with(|| other[0].1.total_cmp(&one[0].1))
+                .then_with(|| other[0].0.cmp(&one[0].0))
+        });
+        best.map_or([0.0; 3], |same| same[0].0.map(f32::from_bits))
     }
 
     /// Between the four nearest pixels of a level.
@@ -220,7 +257,6 @@ fn words(format: ImageFormat) -> &'static str {
         ImageFormat::Tga => "a TGA",
         ImageFormat::Bmp => "a BMP",
         ImageFormat::Gif => "a GIF",
-        ImageFormat::OpenExr => "an EXR",
         ImageFormat::Hdr => "an HDR",
         _ => "a picture of another kind",
     }
@@ -266,6 +302,22 @@ mod tests {
             assert!((found[1] - 0.5).abs() < 1e-6, "{across}: {found:?}");
         }
         assert_eq!(texture.sample([0.0; 2], [Wrap::Repeat; 2], Lookup::Nearest, 16.0), [1.0; 3]);
+    }
+
+    /// Three of four pixels are white: a mean is no colour of the picture, the majority is.
+    #[test]
+    fn most_of_what_a_voxel_covers() {
+        let texture = Texture::decode(&png(64, 64, |x, y| if x % 2 == 1 && y % 2 == 1 { 0 } else { 255 })).unwrap();
+        let at = |place: [f32; 2], across: f32| texture.sample(place, [Wrap::Repeat; 2], Lookup::Majority, across)[0];
+        for across in [3.0, 4.0, 9.0, 16.0, 100.0] {
+            assert_eq!(at([0.3, 0.6], across), 1.0, "{across}");
+        }
+        // No wider than a pixel: the one that is there.
+        assert_eq!((at([1.5 / 64.0; 2], 0.5), at([0.5 / 64.0; 2], 1.0)), (0.0, 1.0));
+        // As many of either: the one in the middle.
+        let halves = Texture::decode(&png(4, 4, |x, _| if x < 2 { 0 } else { 255 })).unwrap();
+        let at = |u: f32| halves.sample([u, 0.5], [Wrap::Clamp; 2], Lookup::Majority, 2.0)[0];
+        assert_eq!((at(0.49), at(0.51)), (0.0, 1.0));
     }
 
     #[test]

@@ -4,13 +4,15 @@ use std::sync::Arc;
 
 use glam::DAffine3;
 
-use crate::attribute::{Colour, MeshColours};
+use crate::attribute::{Below, Colour, MeshColours};
 use crate::field::SetSystem;
 use crate::mesh::{
     About, Conventions, Encoding, Holes, Lookup, Material, MeshDistance, Remark, Turn, is_gltf, read, read_obj,
 };
+use crate::node::argument::Argument;
 use crate::node::keys::{FRAME_OFFSET, OUTSIDE_FRAMES, UNITS, metres};
 use crate::node::spec::{Carries, ColoursOf, Import, Imported, Spec};
+use crate::text::colour::{GREY, css};
 use crate::text::diagnostic::{Diagnostic, Severity};
 use crate::text::files::{FilePlace, FileReference};
 use crate::text::key::Absent::{Nothing, Required, Text, Words};
@@ -57,10 +59,19 @@ pub const NODE: Spec = Spec {
         ),
         Key::new(
             "lookup",
-            Kind::Choice(&["filtered", "nearest"]),
+            Kind::Choice(&["filtered", "nearest", "majority"]),
             Text("filtered"),
-            "How pictures are looked up: averaged over as much of them as a voxel covers, or the one pixel there.",
+            "How pictures are looked up: averaged over as much of them as a voxel covers, the one pixel there, or the colour that most pixels have of those that a voxel covers (for pictures of few plain colours, such as masks).",
         ),
+        Key::new(
+            "depth",
+            Kind::Constant,
+            Words("all of the inside"),
+            "How far inward from the surface the file's colours reach, for `output.inside` and fog; deeper there is `below`.",
+        )
+        .limit(Limit::NotNegative)
+        .unit("units"),
+        Key::new("below", Kind::Colour, Words("`#cccccc`"), "With `depth`: the colour of what lies deeper."),
         FRAME_OFFSET,
         OUTSIDE_FRAMES,
     ],
@@ -120,11 +131,23 @@ fn import(import: &Import<'_>) -> Result<Imported, Problem> {
     let pictures: u64 = materials.iter().map(Material::bytes).sum();
     let lookup = match import.arguments.choice("lookup") {
         Some(&"nearest") => Lookup::Nearest,
+        Some(&"majority") => Lookup::Majority,
         _ => Lookup::Filtered,
+    };
+    let below = match (import.arguments.constant("depth"), import.arguments.get("below")) {
+        (Some(depth), Some(Argument::Colour(colour))) => Some(Below { depth: *depth, colour: *colour }),
+        (Some(depth), _) => css(GREY).map(|colour| Below { depth: *depth, colour }),
+        (None, Some(_)) => {
+            return Err(Problem::new(file.span, "`below` goes with `depth`").help("give both, or neither"));
+        }
+        (None, None) => None,
     };
     let materials: Arc<[Material]> = materials.into();
     let of_mesh = Arc::clone(&mesh);
-    let colours = move |voxel: f64| MeshColours::new(Arc::clone(&of_mesh), Arc::clone(&materials), lookup, voxel);
+    let colours = move |voxel: f64| {
+        let colours = MeshColours::new(Arc::clone(&of_mesh), Arc::clone(&materials), lookup, voxel)?;
+        Some(colours.with_below(below))
+    };
     let has_any = colours(1.0).is_some();
     let colours: ColoursOf =
         Box::new(move |voxel| Arc::new(colours(voxel).expect("it has colours, whatever the voxel")) as Arc<Colour>);

@@ -330,6 +330,7 @@ impl<'r, 'a> Building<'r, 'a> {
             Kind::Components(meaning) => self.components(&path, fields.value(name)?, meaning)?,
             Kind::Formulas => Argument::Components(self.formulas(&path, fields.value(name)?)?),
             Kind::Palette => Argument::Colours(self.named_palette(&path, fields.value(name)?)?),
+            Kind::Colour => Argument::Colour(self.solid(&path, fields.value(name)?)?),
             Kind::TwoColours => Argument::Colours(self.two_colours(&path, fields.value(name)?)?),
             Kind::Numbers => Argument::Numbers(self.several(&path, fields.value(name)?)?),
             Kind::TwoNumbers => Argument::Numbers(self.two_numbers(&path, fields.value(name)?)?),
