@@ -34,8 +34,9 @@ pub struct Arguments {
     #[arg(long, value_name = "AXIS", value_parser = ["y", "z"])]
     up: Option<String>,
 
-    /// What is inside of a mesh with holes: winding closes them by sheets [default: an error]
-    #[arg(long, value_name = "RULE", value_parser = ["closed", "winding"])]
+    /// What is inside of a mesh: what it encloses; what it goes round an odd number of times, so that pieces within pieces
+    /// are hollows; or, with holes, what it goes round by more than half [default: closed]
+    #[arg(long, value_name = "RULE", value_parser = ["closed", "parity", "winding"])]
     sign: Option<String>,
 
     /// A sheet of this thickness along a mesh in place of what it encloses

@@ -5,6 +5,7 @@ use std::cell::Cell;
 use glam::{DVec2, DVec3};
 use parry3d_f64::bounding_volume::Aabb as ParryBox;
 use parry3d_f64::partitioning::{Bvh, BvhBuildStrategy, BvhNode, TraversalAction};
+use rayon::prelude::*;
 
 use super::closest::{Closest, Part, closest, closest_of_sides};
 use super::copies::without_copies;
@@ -24,6 +25,29 @@ pub enum Holes {
     /// Take for inside what the surface goes round by more than half (generalised winding number). F then jumps
     /// from inside to outside across each hole.
     Allow,
+    /// Refuse it. Of a closed one that is inside which the surface goes round an odd number of times: what lies in one piece
+    /// is a hollow, in two solid again, whichever way they are wound.
+    Parity,
+}
+
+/// Whether a closed surface with this winding number goes round an odd number of times: it is a whole number, to what
+/// clusters are off by.
+fn is_odd(number: f64) -> bool {
+    number.round() as i64 % 2 != 0
+}
+
+/// Which triangles have on their outer side what is inside by parity. One that others cross may have it on a part alone: the
+/// sign does not go by its normal.
+fn faces_inward(mesh: &TriangleMesh, winding: &Winding) -> Vec<bool> {
+    /// How far off the surface it is looked, against the mesh's size: far above rounding, far below features.
+    const OFF: f64 = 1e-7;
+    let off = OFF * mesh.bounding_box().size().length();
+    let inward = |triangle: usize| {
+        let [a, b, c] = mesh.corners(triangle);
+        let normal = (b - a).cross(c - a).normalize_or_zero();
+        is_odd(winding.number((a + b + c) / 3.0 + normal * off))
+    };
+    (0..mesh.triangles().len()).into_par_iter().map(inward).collect()
 }
 
 /// The closest point of a mesh.
@@ -55,6 +79,7 @@ pub struct MeshDistance {
     tree: Bvh,
     /// Whether pseudonormals decide where there are any.
     normals_decide: bool,
+    by_parity: bool,
     winding: Option<Winding>,
     /// Edges where orientations do not cancel, each with how much is left over. Empty for a closed mesh.
     rim: Vec<([DVec3; 2], f64)>,
@@ -84,7 +109,7 @@ impl MeshDistance {
             }
         }
         let closed = topology.is_closed();
-        if holes == Holes::Refuse && !closed {
+        if holes != Holes::Allow && !closed {
             return Err(Problem::Open {
                 boundary_edges: topology.boundary_edges,
                 inconsistent_edges: topology.inconsistent_edges,
@@ -92,7 +117,8 @@ impl MeshDistance {
         }
         let mut tree = tree(&mesh);
         let mut touched = Vec::new();
-        if closed {
+        let by_parity = holes == Holes::Parity;
+        if closed && !by_parity {
             let boundary = boundary(mesh, &topology, &tree)?;
             notes.extend(boundary.notes);
             (mesh, touched) = (boundary.mesh, boundary.touched);
@@ -101,15 +127,20 @@ impl MeshDistance {
                 topology = mesh.topology();
             }
         }
+        let own_winding = by_parity.then(|| Winding::new(&mesh));
+        if let Some(winding) = &own_winding {
+            mesh.flip_those(&faces_inward(&mesh, winding));
+        }
         let normals = Pseudonormals::new(&mesh, &topology, &touched);
-        let sound = closed && normals.all_trusted();
+        let sound = closed && !by_parity && normals.all_trusted();
         Ok(Self {
             bounds: mesh.bounding_box(),
-            winding: (!sound).then(|| Winding::new(&mesh)),
+            winding: own_winding.or_else(|| (!sound).then(|| Winding::new(&mesh))),
             rim: if closed { Vec::new() } else { rim(&mesh, &topology) },
             tree,
             normals,
-            normals_decide: closed,
+            normals_decide: closed && !by_parity,
+            by_parity,
             mesh,
             notes,
         })
@@ -169,7 +200,8 @@ impl MeshDistance {
                 return (position - nearest.point).dot(normal) <= 0.0;
             }
         }
-        self.winding_number(position).is_some_and(|number| number > 0.5) && self.bounds.contains(position)
+        let goes_round = |number: f64| if self.by_parity { is_odd(number) } else { number > 0.5 };
+        self.winding_number(position).is_some_and(goes_round) && self.bounds.contains(position)
     }
 
     /// An evaluator that also gives closest points.

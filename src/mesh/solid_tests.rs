@@ -8,7 +8,7 @@ use glam::{DMat3, DVec3, EulerRot};
 use super::shapes::{ball, both, cube};
 use super::tests::{Numbers, in_convex};
 use super::{Conventions, Holes, MeshDistance, Problem, TriangleMesh, read};
-use crate::field::{Field, Slope};
+use crate::field::{Aabb, Evaluator, Field, Slope};
 
 /// A convex piece, and how often the solid goes round its inside: −1 for a hollow.
 struct Piece {
@@ -300,4 +300,49 @@ fn cut_faces_keep_their_colours() {
         let p = nearest.point;
         assert!((r - 0.5 - 0.2 * p.x).abs() < 1e-5 && (b - 0.5 + 0.1 * p.y).abs() < 1e-5, "{p}");
     }
+}
+
+/// By parity what lies in one piece is a hollow, in two solid again, and where two pieces cross is outside, whichever way any
+/// of them is wound.
+#[test]
+fn parity_counts_pieces() {
+    let (outer, inner) = (cube(1.0, 3), cube(0.25, 2));
+    let aside = moved(&cube(0.45, 2), DMat3::IDENTITY, DVec3::new(1.0, 0.1, 0.05));
+    for flips in 0..16 {
+        let turned = |mesh: TriangleMesh, bit: u32| {
+            let mut mesh = mesh;
+            if flips >> bit & 1 == 1 {
+                mesh.flip();
+            }
+            mesh
+        };
+        let nested = both(&turned(outer.clone(), 0), &turned(cube(0.5, 2), 1));
+        let mesh = both(&both(&nested, &turned(inner.clone(), 2)), &turned(aside.clone(), 3));
+        let field = MeshDistance::new(mesh, Holes::Parity).unwrap();
+        let value = |at: [f64; 3]| field.reference(DVec3::from(at));
+        for (at, wanted) in [
+            ([0.0, 0.0, 0.0], 0.25),
+            ([0.35, 0.0, 0.0], -0.1),
+            // Between the walls at 0.5 and at 1.
+            ([-0.8, 0.0, 0.0], 0.2),
+            ([0.8, 0.1, 0.05], -0.2),
+            ([1.2, 0.1, 0.05], 0.2),
+            ([-1.5, 0.0, 0.0], -0.5),
+        ] {
+            assert!((value(at) - wanted).abs() < 1e-9, "{flips}: {} at {at:?}, not {wanted}", value(at));
+        }
+        let mut numbers = Numbers(3);
+        let mut evaluator = field.mesh_evaluator();
+        for _ in 0..60 {
+            let at = numbers.position() * 1.4;
+            let size = 0.1;
+            let region = Aabb::new(at, at + size);
+            evaluator.enter(&region);
+            let bounds = evaluator.bounds();
+            evaluator.leave();
+            assert!(bounds.contains(field.reference(at + size / 3.0)), "{flips}: {at} not in {bounds:?}");
+        }
+    }
+    let hole = TriangleMesh::new(outer.positions().to_vec(), outer.triangles()[1..].to_vec(), None).unwrap();
+    assert!(MeshDistance::new(hole, Holes::Parity).unwrap_err().to_string().contains("boundary edges"));
 }

@@ -129,6 +129,13 @@ impl TriangleMesh {
         }
     }
 
+    /// Turns some triangles over.
+    pub(super) fn flip_those(&mut self, which: &[bool]) {
+        for (triangle, _) in self.triangles.iter_mut().zip(which).filter(|(_, flips)| **flips) {
+            triangle.swap(1, 2);
+        }
+    }
+
     /// Turns every triangle over.
     pub(super) fn flip(&mut self) {
         for triangle in &mut self.triangles {

@@ -39,9 +39,9 @@ pub const NODE: Spec = Spec {
         VERTEX_COLORS,
         Key::new(
             "sign",
-            Kind::Choice(&["closed", "winding"]),
+            Kind::Choice(&["closed", "parity", "winding", "none"]),
             Text("closed"),
-            "What is inside. `closed`: what the surface encloses; one with holes is an error. `winding`: also of a surface with holes, what it goes round by more than half, so that a hole is closed by a sheet across it (generalised winding number, Barill et al. 2018).",
+            "What is inside. `closed`, for most files: what the surface encloses, pieces that overlap as one solid, each way of winding put right where it can be told; one with holes is an error. `parity`, for pieces within pieces that are meant as hollows, whichever way they are wound (letters, pipes of CAD): what it goes round an odd number of times; where pieces overlap is outside. `winding`, for scans with holes: what it goes round by more than half, so that a hole is closed by a sheet across it (generalised winding number, Barill et al. 2018). `none`, for cloth and leaves: nothing; the surface is a sheet of `thickness`.",
         ),
         Key::new(
             "thickness",
@@ -111,9 +111,22 @@ pub const VERTEX_COLORS: Key = Key::new(
 
 fn import(import: &Import<'_>) -> Result<Imported, Problem> {
     let file = import.file("mesh");
-    let any_surface =
-        import.arguments.get("thickness").is_some() || import.arguments.choice("sign") == Some(&"winding");
-    let holes = if any_surface { Holes::Allow } else { Holes::Refuse };
+    let sign = import.arguments.choice("sign").copied().unwrap_or("closed");
+    let is_sheet = import.arguments.get("thickness").is_some();
+    if sign == "none" && !is_sheet {
+        let problem = Problem::new(file.span, "with `sign = \"none\"` nothing is inside of the mesh");
+        return Err(problem.help("give `thickness`, which makes a sheet of its surface, or another `sign`"));
+    }
+    if sign == "parity" && is_sheet {
+        let problem = Problem::new(file.span, "`thickness` makes a sheet, of which `sign = \"parity\"` says nothing");
+        return Err(problem.help("leave out one of them"));
+    }
+    let any_surface = is_sheet || sign == "winding";
+    let holes = match sign {
+        _ if any_surface => Holes::Allow,
+        "parity" => Holes::Parity,
+        _ => Holes::Refuse,
+    };
     let (mesh, materials, remarks) = load(file, &conventions(import, file), holes)?;
     let mut warnings: Vec<Diagnostic> =
         mesh.notes().iter().map(|note| Diagnostic::warning(file.span, format!("{}: {note}", file.name()))).collect();
@@ -154,7 +167,7 @@ fn import(import: &Import<'_>) -> Result<Imported, Problem> {
     Ok(Imported {
         place: DAffine3::IDENTITY,
         solid: mesh.mesh().bounding_box(),
-        half_spaces: if any_surface { None } else { mesh.half_spaces() },
+        half_spaces: if holes != Holes::Refuse { None } else { mesh.half_spaces() },
         colours: has_any.then_some(colours),
         velocity: None,
         warnings,
