@@ -9,6 +9,8 @@ blender_python=${HFVDB_BLENDER_PYTHON:-.venv/bin/python}
 
 scripts/install.sh --tests
 cargo build --release --locked
+# Damaged files of every kind, 300 variants of each of 27: 8,100. What fails is kept in target/damage.
+HFVDB_DAMAGE=300 HFVDB_DAMAGE_SEED="${RANDOM}" cargo test --locked --all-features --lib damaged_files_end_in_words
 rm -rf "$folder"
 mkdir -p "$folder"
 scene=

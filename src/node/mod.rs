@@ -60,6 +60,8 @@ mod volume;
 #[cfg(test)]
 mod conformal_tests;
 #[cfg(test)]
+mod damage_tests;
+#[cfg(test)]
 mod import_tests;
 #[cfg(test)]
 mod names_tests;
