@@ -38,6 +38,14 @@ pub fn one_line(text: &str) -> Cow<'_, str> {
     escaped(text, |_| false)
 }
 
+/// The same, at most so many characters of it.
+pub fn clipped(text: &str, most: usize) -> Cow<'_, str> {
+    match text.char_indices().nth(most) {
+        None => one_line(text),
+        Some((end, _)) => format!("{}…", one_line(&text[..end])).into(),
+    }
+}
+
 /// A path within a line of our own. What is not UTF-8 in it shows as `\xff`.
 pub fn path(path: &Path) -> String {
     use std::os::unix::ffi::OsStrExt;

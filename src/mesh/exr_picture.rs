@@ -11,13 +11,16 @@ const MAGIC: [u8; 4] = [0x76, 0x2f, 0x31, 0x01];
 /// Rec.709's red, green, blue and white, and how far files write them by rounding.
 const REC709: [[f32; 2]; 4] = [[0.64, 0.33], [0.3, 0.6], [0.15, 0.06], [0.3127, 0.329]];
 const ROUNDING: f32 = 2e-3;
+/// As bright as 16 bits hold: sums of four brighter ones may be without end.
+const BRIGHTEST: f32 = 65504.0;
 
 /// Whether bytes are those of an EXR.
 pub(super) fn is_one(bytes: &[u8]) -> bool {
     bytes.starts_with(&MAGIC)
 }
 
-/// Its width and height, and its pixels from the top row. A number below 0, or that is none, counts as 0.
+/// Its width and height, and its pixels from the top row. A number below 0, or that is none, counts as 0, one beyond 16
+/// bits as the greatest of these.
 ///
 /// # Errors
 /// What is wrong with it, in words.
@@ -40,7 +43,7 @@ pub(super) fn decode(bytes: &[u8], longest: usize, most: u64) -> Result<(usize, 
     }
     let pixels = |size: exr::math::Vec2<usize>, _: &_| (size, vec![[0.0; 3]; size.area()]);
     let set = |(size, pixels): &mut (exr::math::Vec2<usize>, Vec<[f32; 3]>), at: exr::math::Vec2<usize>, (r, g, b)| {
-        let sound = |part: f32| if part.is_finite() { part.max(0.0) } else { 0.0 };
+        let sound = |part: f32| if part.is_finite() { part.clamp(0.0, BRIGHTEST) } else { 0.0 };
         if let Some(pixel) = pixels.get_mut(at.y() * size.width() + at.x()) {
             *pixel = [r, g, b].map(sound);
         }

@@ -157,7 +157,10 @@ impl Texture {
     }
 
     /// The scene-linear colour at a place, averaged over about so many pixels across.
-    pub fn sample(&self, [u, v]: [f32; 2], wrap: [Wrap; 2], lookup: Lookup, across: f32) -> [f32; 3] {
+    pub fn sample(&self, place: [f32; 2], wrap: [Wrap; 2], lookup: Lookup, across: f32) -> [f32; 3] {
+        /// From here on places have no fraction that could tell pixels apart, and files that have them are damaged.
+        const FARTHEST: f32 = 1e7;
+        let [u, v] = place.map(|along| if along.abs() < FARTHEST { along } else { 0.0 });
         if lookup == Lookup::Nearest {
             let x = wrapped((f64::from(u) * self.width as f64).floor() as i64, self.width, wrap[0]);
             let y = wrapped((f64::from(v) * self.height as f64).floor() as i64, self.height, wrap[1]);

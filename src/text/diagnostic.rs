@@ -141,10 +141,7 @@ pub fn first_of(names: &[&str], most: usize) -> String {
 /// A user's text, cut so that one hostile name cannot fill the report.
 pub fn clip(text: &str) -> std::borrow::Cow<'_, str> {
     const MOST_CHARACTERS: usize = 48;
-    match text.char_indices().nth(MOST_CHARACTERS) {
-        None => terminal::one_line(text),
-        Some((end, _)) => format!("{}…", terminal::one_line(&text[..end])).into(),
-    }
+    terminal::clipped(text, MOST_CHARACTERS)
 }
 
 /// A text of at most so many bytes: its middle goes, for its beginning says what it is about and its end what to do.

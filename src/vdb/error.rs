@@ -65,20 +65,23 @@ impl From<disk::Error> for Error {
     }
 }
 
+/// Characters of a problem that are shown: names of grids are as long as a file says.
+const LONGEST: usize = 400;
+
 impl fmt::Display for Error {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Grid { grid, problem } => write!(f, "grid '{grid}': {problem}"),
             Self::Disk(error) => error.fmt(f),
             Self::Damaged { path, offset, problem } => {
-                let (path, problem) = (terminal::path(path), terminal::one_line(problem));
+                let (path, problem) = (terminal::path(path), terminal::clipped(problem, LONGEST));
                 write!(f, "{path}: damaged at byte {offset}: {problem}: write or fetch it again")
             }
             Self::Unsupported { path, problem } => {
-                write!(f, "{}: {}", terminal::path(path), terminal::one_line(problem))
+                write!(f, "{}: {}", terminal::path(path), terminal::clipped(problem, LONGEST))
             }
             Self::File { path, message } => {
-                write!(f, "{}: OpenVDB: {}", terminal::path(path), terminal::one_line(message))
+                write!(f, "{}: OpenVDB: {}", terminal::path(path), terminal::clipped(message, LONGEST))
             }
             Self::Library { message } => write!(f, "OpenVDB: {message}"),
         }
