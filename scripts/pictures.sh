@@ -51,7 +51,10 @@ for alpha in 0.05 0.3 3; do
     done
 done
 picture "$folder"/alpha*.vdb --columns 3 --output "$images/red-blue.png"
-mkdir -p "$images/nodes" "$folder/nodes"
+mkdir -p "$images/nodes" "$images/objects" "$folder/nodes"
+for object in gears logo-text rock crowd; do
+    picture "$object" --frames 1 --size 420 --output "$images/objects/$object.png"
+done
 for node in $(hfvdb scenes | sed -n 's/^Nodes, each as a scene of its own: //p'); do
     picture "$node" --size 240 --output "$images/nodes/$node.png"
     hfvdb bake "$node" --resolution 80 --quiet --overwrite --output "$folder/nodes/$node.vdb"

@@ -112,6 +112,18 @@ const SCENES: &[BuiltIn] = &[
         line: "a lamp becomes a mushroom, part by part",
     },
     BuiltIn { name: "crawl", text: include_str!("../../scenes/crawl.toml"), line: "a change that crawls along a vine" },
+    BuiltIn {
+        name: "gears",
+        text: include_str!("../../scenes/gears.toml"),
+        line: "three gear wheels that turn as their teeth have it",
+    },
+    BuiltIn {
+        name: "logo-text",
+        text: include_str!("../../scenes/logo-text.toml"),
+        line: "letters with round edges on a plate with a rim",
+    },
+    BuiltIn { name: "rock", text: include_str!("../../scenes/rock.toml"), line: "a weathered rock with strata" },
+    BuiltIn { name: "crowd", text: include_str!("../../scenes/crowd.toml"), line: "five hundred people on a hill" },
 ];
 
 const FILES: &[(&str, &[u8])] = &[
