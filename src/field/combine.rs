@@ -15,6 +15,29 @@ pub enum SetSystem {
     R0,
     /// Maximum and minimum: keep exact distances exact on one side.
     MinMax,
+    /// Rvachev's normalised system of class Cⁿ⁻¹: as steep on the surface as its operands.
+    Cn {
+        /// n, at least 2.
+        order: u32,
+    },
+}
+
+impl SetSystem {
+    fn union(self) -> Binary {
+        match self {
+            Self::R0 => Binary::Union,
+            Self::MinMax => Binary::Max,
+            Self::Cn { order } => Binary::CnUnion { order },
+        }
+    }
+
+    fn intersection(self) -> Binary {
+        match self {
+            Self::R0 => Binary::Intersection,
+            Self::MinMax => Binary::Min,
+            Self::Cn { order } => Binary::CnIntersection { order },
+        }
+    }
 }
 
 /// How the greater of two values is rounded where they are near one another.
@@ -149,14 +172,12 @@ impl Graph {
 
     /// The union of solids; of none, nothing (−1 everywhere).
     pub fn union(&mut self, system: SetSystem, solids: &[Node]) -> Node {
-        let operation = if system == SetSystem::R0 { Binary::Union } else { Binary::Max };
-        self.balanced(operation, solids).unwrap_or_else(|| self.constant(-1.0))
+        self.balanced(system.union(), solids).unwrap_or_else(|| self.constant(-1.0))
     }
 
     /// The intersection of solids; of none, everything (1 everywhere).
     pub fn intersection(&mut self, system: SetSystem, solids: &[Node]) -> Node {
-        let operation = if system == SetSystem::R0 { Binary::Intersection } else { Binary::Min };
-        self.balanced(operation, solids).unwrap_or_else(|| self.constant(1.0))
+        self.balanced(system.intersection(), solids).unwrap_or_else(|| self.constant(1.0))
     }
 
     /// The first solid without the others.

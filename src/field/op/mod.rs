@@ -206,6 +206,8 @@ operations! {
     Binary on 2:
     add: Add,
     atan2: Atan2,
+    cn_intersection: CnIntersection { order: u32 = 3 },
+    cn_union: CnUnion { order: u32 = 2 },
     corner: Corner,
     displacement: Displacement,
     div: Div,

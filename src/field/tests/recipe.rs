@@ -140,7 +140,24 @@ impl Recipe {
 }
 
 fn union(system: SetSystem, a: f64, b: f64) -> f64 {
-    if system == SetSystem::R0 { a + b + a.hypot(b) } else { a.max(b) }
+    match system {
+        SetSystem::R0 => a + b + a.hypot(b),
+        SetSystem::MinMax => a.max(b),
+        SetSystem::Cn { order } => {
+            let norm = (a.abs().powi(order as i32) + b.abs().powi(order as i32)).powf(1.0 / f64::from(order));
+            match (a > 0.0, b > 0.0) {
+                (true, true) => norm,
+                (false, false) => {
+                    if norm > 0.0 {
+                        -(a * b) / norm
+                    } else {
+                        0.0
+                    }
+                }
+                _ => a.max(b),
+            }
+        }
+    }
 }
 
 fn balanced(values: &[f64], operation: &dyn Fn(f64, f64) -> f64) -> f64 {
@@ -189,7 +206,11 @@ fn map() -> impl Strategy<Value = DAffine3> {
 }
 
 fn system() -> impl Strategy<Value = SetSystem> {
-    prop_oneof![Just(SetSystem::R0), Just(SetSystem::MinMax)]
+    prop_oneof![
+        4 => Just(SetSystem::R0),
+        4 => Just(SetSystem::MinMax),
+        2 => (2..5u32).prop_map(|order| SetSystem::Cn { order }),
+    ]
 }
 
 fn primitive() -> impl Strategy<Value = Recipe> {

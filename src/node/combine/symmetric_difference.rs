@@ -1,7 +1,7 @@
 //! What lies in one of two shapes only.
 
 use crate::node::spec::{Carries, Spec};
-use crate::node::system::{SYSTEM, system};
+use crate::node::system::{ORDER, SYSTEM, system};
 use crate::text::key::Absent::Required;
 use crate::text::key::{Key, Kind};
 
@@ -13,13 +13,13 @@ pub const NODE: Spec = Spec {
         Required,
         "What lies in an odd number of them: of two, in one but not in both.",
     ),
-    parameters: &[SYSTEM],
+    parameters: &[SYSTEM, ORDER],
     formula: "(a ∪ b) ∩ −(a ∩ b)",
     example: "symmetric_difference = [\"a\", \"b\"]",
     carries: Carries::Union,
     build: |build| {
         let shapes = build.shapes("symmetric_difference")?;
-        let system = system(build);
+        let system = system(build)?;
         let graph = build.graph();
         let odd = shapes.into_iter().reduce(|a, b| {
             let (first, second) = (graph.difference(system, a, &[b]), graph.difference(system, b, &[a]));
