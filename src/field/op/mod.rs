@@ -232,7 +232,7 @@ fn rounded(a: Facts, b: Facts, most: f64) -> Facts {
     let steep = Facts::steep(a.steepness().zip(b.steepness()).map(|(a, b)| a.max(b)));
     let greater = Facts::union(a, b, Slope::Unknown, 1.0);
     let grown = Unary::Linear { scale: 1.0, offset: most }.facts([greater]);
-    Facts { bounds: grown.bounds, slope: steep.slope, fall: 0.0 }
+    Facts { bounds: grown.bounds, slope: steep.slope, fall: grown.fall }
 }
 
 /// What that is where two values differ by more than the width in which anything is added.
