@@ -13,6 +13,11 @@ use crate::text::problem::Problem;
 /// What makes solids of shapes of the plane, for messages.
 pub const LIFTING: &str = "`extrude`, `revolve` or `sweep`";
 
+/// What to do with a shape of the plane where a solid is needed.
+pub fn lift_it() -> String {
+    format!("make it a solid with {LIFTING}")
+}
+
 /// The row of `extrude`.
 pub fn extrude() -> &'static Spec {
     table::maker("extrude").expect("it is in the table")
@@ -103,6 +108,59 @@ pub fn check_polygon(build: &dyn Build, key: &str, corners: &[DVec2]) -> Result<
         return Err(build.wrong(key, format!("`{key}` has no area")).help("corners that do not lie on one line"));
     }
     Ok(())
+}
+
+/// The polygon of a key, its corners `[x, y]` or `[x, y, radius]`: those with a radius are rounded by an arc.
+pub fn rounded_polygon(build: &dyn Build, key: &str) -> Result<Outline, Problem> {
+    let corners = build.plane_points(key);
+    check_polygon(build, key, &corners)?;
+    let rows = &build.arguments().rows(key).expect("it must be there").all;
+    let radii: Vec<f64> = rows.iter().map(|row| row.get(2).copied().unwrap_or(0.0)).collect();
+    let count = corners.len();
+    let shown = |i: usize| format!("[{}, {}, {}]", corners[i].x, corners[i].y, radii[i]);
+    if let Some(i) = (0..count).find(|i| radii[*i] < 0.0) {
+        return Err(build.wrong(key, format!("the radius of {} is less than 0", shown(i))).help("0 is a sharp corner"));
+    }
+    let is_doubled = |i: &usize| corners[*i] == corners[(i + 1) % count];
+    if let Some(i) = (0..count).find(is_doubled).filter(|_| radii.iter().any(|radius| *radius > 0.0)) {
+        return Err(build.wrong(key, format!("{} is there twice", shown(i))).help("leave one of them out"));
+    }
+    let ways = |i: usize| {
+        let to = |other: usize| (corners[other] - corners[i]).normalize_or_zero();
+        (to((i + count - 1) % count), to((i + 1) % count))
+    };
+    // How much of both edges the arc takes: the radius over the tangent of half of the angle between them.
+    let taken = |i: usize| {
+        let (back, on) = ways(i);
+        let (cosine, sine) = (back.dot(on), back.perp_dot(on).abs());
+        // Of a corner that is none nothing, of one that goes back the way it came no radius is small enough.
+        if radii[i] == 0.0 { 0.0 } else { radii[i] * (1.0 + cosine).max(0.0) / sine.max(1e-12) }
+    };
+    for i in 0..count {
+        let next = (i + 1) % count;
+        let (edge, both) = (corners[i].distance(corners[next]), taken(i) + taken(next));
+        if both > edge * (1.0 + 1e-9) {
+            let problem = format!(
+                "the arcs of {} and {} meet: they take {both:.4} of an edge of {edge:.4}",
+                shown(i),
+                shown(next)
+            );
+            return Err(build.wrong(key, problem).help("smaller radii, or corners that are farther apart"));
+        }
+    }
+    let mut outline = Outline::new();
+    for i in 0..count {
+        let ((back, on), taken) = (ways(i), taken(i));
+        let (from, to) = (corners[i] + back * taken, corners[i] + on * taken);
+        outline.line(from);
+        if from.distance(to) > 1e-12 * radii[i] {
+            let inward = (back + on).normalize_or_zero();
+            let centre = corners[i] + inward * taken.hypot(radii[i]);
+            outline.arc(to, centre, on.perp_dot(back) > 0.0);
+        }
+    }
+    outline.close();
+    Ok(outline)
 }
 
 /// An egg over (x, y): two balls on the y axis, and an arc that touches both on the right.
