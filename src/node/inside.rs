@@ -10,7 +10,8 @@ use crate::node::extent::{box_of, solid_box};
 use crate::node::id::ShapeId;
 use crate::node::insides::BodyKey;
 use crate::node::measured::Purpose;
-use crate::node::model::Model;
+use crate::node::model::{Model, Shape};
+use crate::node::profile::lift_it;
 use crate::node::solid::Solids;
 use crate::node::source::Inside;
 use crate::text::diagnostic::Diagnostic;
@@ -35,6 +36,10 @@ impl Solids {
             }
         };
         let model = self.model();
+        let flat = shapes.iter().map(|shape| model.shape(*shape)).find(|shape| shape.is_flat);
+        if let Some(problem) = flat.map(|shape| needs_solid(shape, key)) {
+            return Err(problem);
+        }
         body.admit(shapes.len()).map_err(|error| problem(&model, body_key, None, &error))?;
         let mut open: Vec<(ShapeId, Arc<dyn Field>)> = Vec::new();
         for shape in shapes {
@@ -58,6 +63,9 @@ impl Solids {
 
     fn body(&mut self, body_key: BodyKey, key: &'static str) -> Result<Body, Problem> {
         let (model, (id, step, along)) = (self.model(), body_key);
+        if model.shape(id).is_flat {
+            return Err(needs_solid(model.shape(id), key));
+        }
         let solid = solid_box(&model, id, self.step_field(id, step)?.as_ref())?;
         let size = solid.size();
         let shape = model.shape(id);
@@ -86,6 +94,11 @@ impl Solids {
         let purpose = Purpose { shape, key, span: shape.span, voxel: Some(body.edge()), method: shape.distance };
         Ok(Arc::new(self.distance_values(id, levels, &purpose)?))
     }
+}
+
+fn needs_solid(shape: &Shape, key: &str) -> Problem {
+    Problem::new(shape.span, format!("`{key}` needs solids, and `{}` is a shape of the plane", shape.name))
+        .help(lift_it())
 }
 
 /// Why an inside or a feature in it cannot be had.

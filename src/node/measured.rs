@@ -14,6 +14,7 @@ use crate::field::{Aabb, Expression, Field, Graph, Interval, Node, Side};
 
 use crate::node::extent::box_of;
 use crate::node::model::Shape;
+use crate::node::profile::lift_it;
 use crate::text::problem::Problem;
 use crate::text::source::Span;
 
@@ -108,6 +109,15 @@ pub(crate) struct Purpose<'a> {
 impl Purpose<'_> {
     fn failed(&self, error: &BuildError) -> Problem {
         Problem::new(self.span, format!("`{}`: {error}", self.shape.name))
+    }
+
+    /// Solids are measured in space, and a shape of the plane has no end there.
+    fn in_the_plane(&self) -> Problem {
+        let (Shape { name, .. }, key) = (self.shape, self.key);
+        let problem = format!(
+            "`{key}` needs the distance to `{name}`, and only that of solids is measured: this one is a shape of the plane"
+        );
+        Problem::new(self.span, problem).help(format!("{} first", lift_it()))
     }
 
     fn without_box(&self, error: extent::Error) -> Problem {
@@ -206,6 +216,9 @@ impl Distances {
         levels: Interval,
         purpose: &Purpose<'_>,
     ) -> Result<Node, Problem> {
+        if purpose.shape.is_flat {
+            return Err(purpose.in_the_plane());
+        }
         let field: Arc<dyn Field> = Arc::new(Expression::new(graph, solid));
         let aabb = box_of(field.as_ref()).map_err(|error| purpose.without_box(error))?;
         // No solid has more voxels than the whole that is baked, but where it is scaled.

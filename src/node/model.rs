@@ -104,6 +104,8 @@ pub struct Shape {
     pub distance: &'static str,
     /// The shapes whose distances its formulas read, by the names that they have there.
     pub reads: BTreeMap<String, ShapeId>,
+    /// Whether it is a shape of the plane.
+    pub is_flat: bool,
 }
 
 /// Something that is done to a shape.

@@ -38,13 +38,17 @@ impl Building<'_, '_> {
         }
     }
 
-    /// Says which operands are of the plane where a solid is needed, or the other way round.
-    pub(super) fn check_planes(&self) {
+    /// Marks the shapes of the plane, and says which stand where a solid is needed, or the other way round.
+    pub(super) fn check_planes(&mut self) {
         let flat = self.flat_shapes();
+        for (shape, is_flat) in self.shapes.iter_mut().zip(&flat) {
+            shape.iter_mut().for_each(|shape| shape.is_flat = *is_flat);
+        }
         for link in &self.links {
             let Node::Shape(to) = link.to else { continue };
             let (from, lifts) = match link.from {
-                Node::Shape(from) if flat[from.0] => continue,
+                // What reads a shape of the plane says so itself where it cannot.
+                Node::Shape(from) if flat[from.0] && !self.is_scattered_on(from, to) => continue,
                 Node::Shape(from) => match &self.shapes[from.0] {
                     Some(shape) => (shape.spec.key.name, shape.spec.plane == Plane::Lifts),
                     None => continue,
@@ -54,13 +58,16 @@ impl Building<'_, '_> {
             };
             let Some(name) = self.shapes[to.0].as_ref().map(|shape| clip(&shape.name).into_owned()) else { continue };
             match (flat[to.0], lifts) {
-                (true, false) => self.reader.say(
-                    Diagnostic::error(
-                        link.span,
-                        format!("`{from}` needs solids, and `{name}` is a shape of the plane"),
-                    )
-                    .help(format!("make it a solid with {}", profile::LIFTING)),
-                ),
+                (true, false) => {
+                    // A shape that it takes colours or distances from says nothing of what makes it.
+                    let needs = if self.is_made_of(link.from, to) {
+                        format!("`{from}` needs solids")
+                    } else {
+                        "a solid is needed here".into()
+                    };
+                    let problem = format!("{needs}, and `{name}` is a shape of the plane");
+                    self.reader.say(Diagnostic::error(link.span, problem).help(profile::lift_it()));
+                }
                 (false, true) if self.is_made_of(link.from, to) => self.reader.say(
                     Diagnostic::error(
                         link.span,
@@ -71,6 +78,12 @@ impl Building<'_, '_> {
                 _ => {}
             }
         }
+    }
+
+    /// Whether copies of a shape are scattered on another one.
+    fn is_scattered_on(&self, shape: ShapeId, host: ShapeId) -> bool {
+        let modifiers = self.shapes[shape.0].iter().flat_map(|shape| &shape.modifiers);
+        modifiers.map(|modifier| modifier.arguments.shape("host")).any(|named| named == Some(&host))
     }
 
     /// Whether a shape is made of another one. One whose colours it takes, or whose distance it reads, may be a solid.
@@ -131,6 +144,7 @@ impl Building<'_, '_> {
             scalars: Default::default(),
             distance: shape.distance,
             reads: Default::default(),
+            is_flat: false,
         };
         self.shapes.push(Some(lifted));
         ShapeId(self.shapes.len() - 1)

@@ -156,6 +156,7 @@ impl<'r, 'a> Building<'r, 'a> {
             scalars,
             distance,
             reads: BTreeMap::new(),
+            is_flat: false,
         };
         shape.reads = self.reads(&shape, id);
         self.say_made_by_given(&shape);
