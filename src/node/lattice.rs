@@ -2,18 +2,45 @@
 
 use glam::DVec3;
 
+use super::argument::{Argument, Component};
 use super::spec::Build;
 use crate::field::{Joined, Node, Strut, Struts};
+use crate::text::key::Absent::Of;
+use crate::text::key::{Key, Kind, Limit};
 use crate::text::problem::Problem;
 
 /// A line between two points.
 pub type Line = [DVec3; 2];
 
-/// The row's node.
+/// The key of a lattice's radius, a share of its cell where it is left out.
+pub const fn radius(cell: &'static str) -> Key {
+    let text = "The radius of its struts: a number, or a formula of x, y, z (`\"0.05 + 0.04*z\"`). Where that is 0 or less there is none.";
+    Key::new("radius", Kind::OfSpace, Of(cell, 0.08), text).limit(Limit::Positive).unit("units")
+}
+
+/// The row's node. Where the radius is a formula r, F is r − d, d the distance to the nearest line: as steep as 1 and the slope
+/// of r, so that the surface is where the lines are as far away as r says there.
 pub fn lattice(build: &mut dyn Build, key: &str, lines: &[Line]) -> Result<Node, Problem> {
-    let (edge, radius) = (build.number(key)?, build.number("radius")?);
+    let edge = build.number(key)?;
+    let given = match build.arguments().get("radius") {
+        Some(Argument::Components(components)) => components.first().cloned(),
+        _ => None,
+    };
+    let (radius, added) = match given {
+        Some(Component::Formula(formula)) => (0.0, Some(build.reading(&formula)?)),
+        Some(Component::Number(number)) => (number.at(build.moment())?, None),
+        None => (build.number("radius")?, None),
+    };
     let struts: Vec<Strut> = lines.iter().map(|[a, b]| Strut::new(*a * edge, *b * edge, [radius; 2])).collect();
-    Ok(build.graph().field(Joined::shared(Struts::periodic(&struts, edge))))
+    let graph = build.graph();
+    let solid = graph.field(Joined::shared(Struts::periodic(&struts, edge)));
+    Ok(match added {
+        Some(reading) => {
+            let radius = reading.node(graph);
+            graph.add(solid, radius)
+        }
+        None => solid,
+    })
 }
 
 const HALF: f64 = 0.5;

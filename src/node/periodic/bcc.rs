@@ -1,8 +1,8 @@
 //! A body-centred lattice.
 
-use crate::node::lattice::{lattice, space_diagonals};
+use crate::node::lattice::{lattice, radius, space_diagonals};
 use crate::node::spec::Spec;
-use crate::text::key::Absent::{Of, Required};
+use crate::text::key::Absent::Required;
 use crate::text::key::Key;
 
 /// A body-centred lattice.
@@ -12,7 +12,7 @@ pub const NODE: Spec = Spec {
         Required,
         "Lattice of round struts, from the corners of cubes to their centres: the edge of a cell. Unbounded: cut it with `bounds` or `intersection`.",
     ),
-    parameters: &[Key::length("radius", Of("bcc", 0.08), "The radius of its struts.")],
+    parameters: &[radius("bcc")],
     formula: "the greatest over the struts of r − |p − q|, q the nearest of the strut",
     example: "bcc = 1\nbounds = { box = 2.2, cut = true }",
     is_endless: true,

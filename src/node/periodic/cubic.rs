@@ -1,8 +1,8 @@
 //! A cubic lattice.
 
-use crate::node::lattice::{edges, lattice};
+use crate::node::lattice::{edges, lattice, radius};
 use crate::node::spec::Spec;
-use crate::text::key::Absent::{Of, Required};
+use crate::text::key::Absent::Required;
 use crate::text::key::Key;
 
 /// A cubic lattice.
@@ -12,7 +12,7 @@ pub const NODE: Spec = Spec {
         Required,
         "Lattice of round struts, along the edges of cubes: the edge of a cell. Unbounded: cut it with `bounds` or `intersection`.",
     ),
-    parameters: &[Key::length("radius", Of("cubic", 0.08), "The radius of its struts.")],
+    parameters: &[radius("cubic")],
     formula: "the greatest over the struts of r − |p − q|, q the nearest of the strut",
     example: "cubic = 1\nbounds = { box = 2.2, cut = true }",
     is_endless: true,

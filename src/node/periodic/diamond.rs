@@ -1,8 +1,8 @@
 //! The bonds of diamond.
 
-use crate::node::lattice::{diamond_bonds, lattice};
+use crate::node::lattice::{diamond_bonds, lattice, radius};
 use crate::node::spec::Spec;
-use crate::text::key::Absent::{Of, Required};
+use crate::text::key::Absent::Required;
 use crate::text::key::Key;
 
 /// The bonds of diamond.
@@ -12,7 +12,7 @@ pub const NODE: Spec = Spec {
         Required,
         "Lattice of round struts, along the bonds of diamond: the edge of a cell. Unbounded: cut it with `bounds` or `intersection`.",
     ),
-    parameters: &[Key::length("radius", Of("diamond", 0.08), "The radius of its struts.")],
+    parameters: &[radius("diamond")],
     formula: "the greatest over the struts of r − |p − q|, q the nearest of the strut",
     example: "diamond = 1\nbounds = { box = 2.2, cut = true }",
     is_endless: true,

@@ -1,8 +1,8 @@
 //! A face-centred lattice.
 
-use crate::node::lattice::{face_diagonals, lattice};
+use crate::node::lattice::{face_diagonals, lattice, radius};
 use crate::node::spec::Spec;
-use crate::text::key::Absent::{Of, Required};
+use crate::text::key::Absent::Required;
 use crate::text::key::Key;
 
 /// A face-centred lattice.
@@ -12,7 +12,7 @@ pub const NODE: Spec = Spec {
         Required,
         "Lattice of round struts, along the diagonals of the faces of cubes: the edge of a cell. Unbounded: cut it with `bounds` or `intersection`.",
     ),
-    parameters: &[Key::length("radius", Of("fcc", 0.08), "The radius of its struts.")],
+    parameters: &[radius("fcc")],
     formula: "the greatest over the struts of r − |p − q|, q the nearest of the strut",
     example: "fcc = 1\nbounds = { box = 2.2, cut = true }",
     is_endless: true,

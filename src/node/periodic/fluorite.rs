@@ -1,8 +1,8 @@
 //! The bonds of fluorite.
 
-use crate::node::lattice::{fluorite_bonds, lattice};
+use crate::node::lattice::{fluorite_bonds, lattice, radius};
 use crate::node::spec::Spec;
-use crate::text::key::Absent::{Of, Required};
+use crate::text::key::Absent::Required;
 use crate::text::key::Key;
 
 /// The bonds of fluorite.
@@ -12,7 +12,7 @@ pub const NODE: Spec = Spec {
         Required,
         "Lattice of round struts, along the bonds of fluorite, from the corners and face centres of cubes to the centres of their eighths: the edge of a cell. Unbounded: cut it with `bounds` or `intersection`.",
     ),
-    parameters: &[Key::length("radius", Of("fluorite", 0.08), "The radius of its struts.")],
+    parameters: &[radius("fluorite")],
     formula: "the greatest over the struts of r − |p − q|, q the nearest of the strut",
     example: "fluorite = 1\nbounds = { box = 2.2, cut = true }",
     is_endless: true,

@@ -1,8 +1,8 @@
 //! A lattice stiff in all directions.
 
-use crate::node::lattice::{edges, face_diagonals, lattice, space_diagonals};
+use crate::node::lattice::{edges, face_diagonals, lattice, radius, space_diagonals};
 use crate::node::spec::Spec;
-use crate::text::key::Absent::{Of, Required};
+use crate::text::key::Absent::Required;
 use crate::text::key::Key;
 
 /// A lattice stiff in all directions.
@@ -12,7 +12,7 @@ pub const NODE: Spec = Spec {
         Required,
         "Lattice of round struts, along the edges, face diagonals and space diagonals of cubes: the edge of a cell. Unbounded: cut it with `bounds` or `intersection`.",
     ),
-    parameters: &[Key::length("radius", Of("isotruss", 0.08), "The radius of its struts.")],
+    parameters: &[radius("isotruss")],
     formula: "the greatest over the struts of r − |p − q|, q the nearest of the strut",
     example: "isotruss = 1\nbounds = { box = 2.2, cut = true }",
     is_endless: true,

@@ -1,8 +1,8 @@
 //! Kelvin's foam.
 
-use crate::node::lattice::{lattice, truncated_octahedra};
+use crate::node::lattice::{lattice, radius, truncated_octahedra};
 use crate::node::spec::Spec;
-use crate::text::key::Absent::{Of, Required};
+use crate::text::key::Absent::Required;
 use crate::text::key::Key;
 
 /// Kelvin's foam.
@@ -12,7 +12,7 @@ pub const NODE: Spec = Spec {
         Required,
         "Lattice of round struts, along the edges of truncated octahedra that fill space, Kelvin's foam: the edge of a cell. Unbounded: cut it with `bounds` or `intersection`.",
     ),
-    parameters: &[Key::length("radius", Of("kelvin", 0.08), "The radius of its struts.")],
+    parameters: &[radius("kelvin")],
     formula: "the greatest over the struts of r − |p − q|, q the nearest of the strut",
     example: "kelvin = 1\nbounds = { box = 2.2, cut = true }",
     is_endless: true,

@@ -1,8 +1,8 @@
 //! The octet truss.
 
-use crate::node::lattice::{face_diagonals, lattice, octahedron};
+use crate::node::lattice::{face_diagonals, lattice, octahedron, radius};
 use crate::node::spec::Spec;
-use crate::text::key::Absent::{Of, Required};
+use crate::text::key::Absent::Required;
 use crate::text::key::Key;
 
 /// The octet truss.
@@ -12,7 +12,7 @@ pub const NODE: Spec = Spec {
         Required,
         "Lattice of round struts, along the edges of octahedra and tetrahedra that fill space, the octet truss: the edge of a cell. Unbounded: cut it with `bounds` or `intersection`.",
     ),
-    parameters: &[Key::length("radius", Of("octet", 0.08), "The radius of its struts.")],
+    parameters: &[radius("octet")],
     formula: "the greatest over the struts of r − |p − q|, q the nearest of the strut",
     example: "octet = 1\nbounds = { box = 2.2, cut = true }",
     is_endless: true,

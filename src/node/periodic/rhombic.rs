@@ -1,8 +1,8 @@
 //! Rhombic dodecahedra.
 
-use crate::node::lattice::{lattice, rhombic_dodecahedra};
+use crate::node::lattice::{lattice, radius, rhombic_dodecahedra};
 use crate::node::spec::Spec;
-use crate::text::key::Absent::{Of, Required};
+use crate::text::key::Absent::Required;
 use crate::text::key::Key;
 
 /// Rhombic dodecahedra.
@@ -12,7 +12,7 @@ pub const NODE: Spec = Spec {
         Required,
         "Lattice of round struts, along the edges of rhombic dodecahedra that fill space: the edge of a cell. Unbounded: cut it with `bounds` or `intersection`.",
     ),
-    parameters: &[Key::length("radius", Of("rhombic", 0.08), "The radius of its struts.")],
+    parameters: &[radius("rhombic")],
     formula: "the greatest over the struts of r − |p − q|, q the nearest of the strut",
     example: "rhombic = 1\nbounds = { box = 2.2, cut = true }",
     is_endless: true,
