@@ -123,6 +123,14 @@ const SCENES: &[BuiltIn] = &[
         line: "letters with round edges on a plate with a rim",
     },
     BuiltIn { name: "rock", text: include_str!("../../scenes/rock.toml"), line: "a weathered rock with strata" },
+    BuiltIn {
+        name: "wine-glass",
+        text: include_str!("../../scenes/wine-glass.toml"),
+        line: "a glass of wine, cut open",
+    },
+    BuiltIn { name: "chess-king", text: include_str!("../../scenes/chess-king.toml"), line: "a king of a chess set" },
+    BuiltIn { name: "bottle", text: include_str!("../../scenes/bottle.toml"), line: "a bottle with a liquid in it" },
+    BuiltIn { name: "bone", text: include_str!("../../scenes/bone.toml"), line: "a bone with pores, cut open" },
     BuiltIn { name: "crowd", text: include_str!("../../scenes/crowd.toml"), line: "five hundred people on a hill" },
 ];
 
