@@ -103,7 +103,6 @@ fn parameters_that_make_no_shape_are_errors_with_a_way_out() {
         ("union = [{ circle = 1 }, { sphere = 1 }]", "make it a solid with `extrude`, `revolve` or `sweep`"),
         ("facet = { circle = 1 }\ncells = { octree = { sphere = 1 } }", "`facet` needs solids"),
         ("circle = 0.1\nscatter = 5\nhost = { circle = 1 }", "a solid is needed here, and"),
-        ("rectangle = 1\nattribute.q = { interior = [{ circle = 0.5 }] }", "`interior` needs solids, and"),
         (
             "rectangle = 1\nattribute.q = \"dist('c')\"\n[shape.c]\nunion = [{ circle = 0.5 }, { rectangle = [0.9, 0.2] }]",
             "`dist` needs the distance to `c`, and only that of solids is measured: this one is a shape of the plane",

@@ -4,7 +4,7 @@ use glam::{DVec3, Vec3};
 
 use crate::attribute::Scalar;
 use crate::field::{BATCH, Points};
-use crate::shot::scalar_tests::prepared;
+use crate::shot::scalar_tests::{prepared, refused};
 
 fn sampled(scalar: &Scalar, at: DVec3) -> f64 {
     let (mut points, mut out) = (Points::new(at), [[f32::NAN]; BATCH]);
@@ -54,4 +54,11 @@ fn a_delay_crawls_along_the_body() {
     let field = scene.frame(5).expect("a frame").field;
     let beside = |x: f64| field.reference(DVec3::new(x, 0.0, 0.22));
     assert!(beside(-0.7) > 0.0 && beside(0.7) < 0.0, "{}, {}", beside(-0.7), beside(0.7));
+}
+
+#[test]
+fn the_inside_of_a_plane_shape_is_asked_for_as_a_solid() {
+    let said = refused("[shape.r]\nrectangle = 1\nattribute.q = { interior = [{ circle = 0.5 }] }\n");
+    assert!(said.contains("`interior` needs solids, and `r` is a shape of the plane"), "{said}");
+    assert!(said.contains("make it a solid with `extrude`"), "{said}");
 }

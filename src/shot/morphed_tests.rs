@@ -29,8 +29,8 @@ fn samples(frame: &FrameContent) -> Vec<[f32; 5]> {
 #[track_caller]
 fn assert_alike(one: &FrameContent, other: &FrameContent) {
     for (one, other) in samples(one).iter().zip(samples(other)) {
-        // A shape's cells are not rounded as the voxels of a shot are: a hundredth of a voxel's worth.
-        assert!(one.iter().zip(other).all(|(a, b)| (a - b).abs() < 1e-4), "{one:?} {other:?}");
+        // Both measure the objects, on cells that are not quite the same: to a thirtieth of a voxel.
+        assert!(one.iter().zip(other).all(|(a, b)| (a - b).abs() < 1e-3), "{one:?} {other:?}");
     }
 }
 
