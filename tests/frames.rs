@@ -97,7 +97,7 @@ fn nothing_pops(place: &Workplace, folder: &str) {
 #[test]
 fn every_frame_of_cubism_is_a_whole_level_set() {
     let place = Workplace::new();
-    place.hfvdb("bake cubism --resolution 64 -o out/m.####.vdb").ok();
+    place.hfvdb("bake cubism --resolution 96 -o out/m.####.vdb").ok();
     python_finds_nothing_wrong(&place, "out", 48);
     rust_finds_nothing_wrong(&place, "out", 48);
     nothing_pops(&place, "out");
