@@ -5,10 +5,10 @@ use std::sync::Arc;
 
 use crate::attribute::{Attribute, Colour, LinearRgb, Scalar, Straight};
 use crate::morph::Morph;
+use crate::node::assets::Assets;
 use crate::node::id::Stage;
-use crate::node::model::{Shape, ShapeColour, ShapeId, ShapeScalar};
+use crate::node::model::{Model, Shape, ShapeColour, ShapeId, ShapeScalar};
 use crate::node::painted::Paint;
-use crate::node::solid::Solids;
 use crate::node::source::Given;
 use crate::node::spec::Imported;
 use crate::text::colour::{GREY, css};
@@ -34,8 +34,14 @@ pub(crate) trait Asked<const N: usize>: Copy {
     /// What was found of its kind.
     fn known(paints: &mut Paints) -> &mut Known<N>;
 
-    /// What comes from the volume of voxels that a shape has it from.
-    fn of_voxels(self, solids: &Solids, id: ShapeId) -> Result<Arc<dyn Attribute<N>>, Problem>;
+    /// What comes from the volume of voxels that a shape has it from at a frame.
+    fn of_voxels(
+        self,
+        assets: &Assets,
+        model: &Model,
+        id: ShapeId,
+        frame: f64,
+    ) -> Result<Arc<dyn Attribute<N>>, Problem>;
 
     /// The problem of copies whose parts have several values.
     fn several(self, shape: &Shape) -> Problem;
@@ -80,8 +86,8 @@ impl Asked<3> for TheColour {
         &mut paints.colours
     }
 
-    fn of_voxels(self, solids: &Solids, id: ShapeId) -> Result<Arc<Colour>, Problem> {
-        let colours = solids.assets().colours(&solids.model(), id, solids.moment().frame)?;
+    fn of_voxels(self, assets: &Assets, model: &Model, id: ShapeId, frame: f64) -> Result<Arc<Colour>, Problem> {
+        let colours = assets.colours(model, id, frame)?;
         Ok(colours as Arc<Colour>)
     }
 
@@ -120,8 +126,8 @@ impl Asked<1> for TheScalar<'_> {
         &mut paints.scalars
     }
 
-    fn of_voxels(self, solids: &Solids, id: ShapeId) -> Result<Arc<Scalar>, Problem> {
-        let scalar = solids.assets().scalar(&solids.model(), id, self.0, solids.moment().frame)?;
+    fn of_voxels(self, assets: &Assets, model: &Model, id: ShapeId, frame: f64) -> Result<Arc<Scalar>, Problem> {
+        let scalar = assets.scalar(model, id, self.0, frame)?;
         Ok(scalar as Arc<Scalar>)
     }
 

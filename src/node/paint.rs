@@ -326,7 +326,7 @@ impl<const N: usize, W: Asked<N>> Sourcing<N> for Painting<'_, W> {
     }
 
     fn volume(&self) -> Result<Arc<dyn Attribute<N>>, Problem> {
-        self.what.of_voxels(self.solids, self.id)
+        self.what.of_voxels(self.solids.assets(), &self.solids.model(), self.id, self.solids.moment().frame)
     }
 
     fn absent(&self) -> [f32; N] {
