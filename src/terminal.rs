@@ -2,10 +2,12 @@
 //! shown as `\u{1b}` instead.
 
 use std::borrow::Cow;
+#[cfg(feature = "cli")]
 use std::io::IsTerminal;
 use std::path::Path;
 
 /// Whether stderr is a terminal that knows more than to print: `TERM=dumb` says that it does not.
+#[cfg(feature = "cli")]
 pub fn obeys() -> bool {
     std::io::stderr().is_terminal() && std::env::var_os("TERM").is_none_or(|kind| kind != "dumb")
 }
@@ -17,6 +19,7 @@ fn is_obeyed(c: char) -> bool {
 }
 
 /// Whether anything in a text is obeyed.
+#[cfg(feature = "cli")]
 pub fn is_obeyed_in(text: &str) -> bool {
     text.contains(is_obeyed)
 }
@@ -65,11 +68,13 @@ pub fn message(text: &str) -> Cow<'_, str> {
 }
 
 /// The same with colours: their sequences are kept.
+#[cfg(feature = "cli")]
 pub fn coloured(text: &str) -> Cow<'_, str> {
     escaped(text, |c| matches!(c, '\n' | '\t' | '\u{1b}'))
 }
 
 /// JSON, whose strings may hold what a terminal obeys as it is.
+#[cfg(feature = "cli")]
 pub fn json(text: &str) -> Cow<'_, str> {
     if !text.contains(|c| is_obeyed(c) && c != '\n') {
         return text.into();
