@@ -104,10 +104,6 @@ fn parameters_that_make_no_shape_are_errors_with_a_way_out() {
         ("facet = { circle = 1 }\ncells = { octree = { sphere = 1 } }", "`facet` needs solids"),
         ("circle = 0.1\nscatter = 5\nhost = { circle = 1 }", "a solid is needed here, and"),
         (
-            "rectangle = 1\nattribute.q = \"dist('c')\"\n[shape.c]\nunion = [{ circle = 0.5 }, { rectangle = [0.9, 0.2] }]",
-            "`dist` needs the distance to `c`, and only that of solids is measured: this one is a shape of the plane",
-        ),
-        (
             "extrude = { union = [{ circle = 0.5 }, { rectangle = [0.9, 0.2] }], shell = 0.1 }",
             "make it a solid with `extrude`, `revolve` or `sweep` first",
         ),
