@@ -130,7 +130,7 @@ fn parameters_that_make_no_shape_are_errors_with_a_way_out() {
         ("polygon = [[0, 0, 0.6], [1, 0, 0.6], [0, 1]]", "the arcs of [0, 0, 0.6] and [1, 0, 0.6] meet"),
         ("lathe = [[0, 0], [1, 0, -1], [1, 1]]", "is less than 0"),
         ("lathe = [[0, 0], [1, 0, 0.1], [1, 1], [1, 1]]", "[1, 1, 0] is there twice"),
-        ("cubic = 1\nradius = 0\nbounds = 2", "`radius` must be greater than 0"),
+        ("cubic = 1\nradius = 0\nbounds = 2", "radius` must be greater than 0"),
         ("sphere = 1\nat = { cells = { octree = { circle = 1 } } }", "a shape of the plane"),
         ("text = \"\"", "draws nothing; give it letters"),
         ("text = \" \\n \"", "draws nothing"),
