@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use crate::node::compose::{Part, Scene, path};
-use crate::node::import::vdb::chosen;
+use crate::node::import::vdb::{VELOCITIES, chosen};
 use crate::node::keys::{GRIDS, UNITS};
 use crate::node::model::Model;
 use crate::text::diagnostic::Diagnostics;
@@ -82,7 +82,7 @@ impl Files {
             chosen(&opened, grid).map_err(|(problem, help)| format!("{}: {problem}; {help}", self.first.display()))?;
         let mut beside = Beside {
             edge: surface.transform.voxel_size().map_or(0.0, |size| size.element_product().cbrt()),
-            has_velocity: layout.grids.iter().any(|grid| ["vel", "velocity", "v"].contains(&grid.name.as_str())),
+            has_velocity: layout.grids.iter().any(|grid| VELOCITIES.contains(&grid.name.as_str())),
             ..Beside::default()
         };
         let text = |name: &str| match layout.metadata.get(name) {

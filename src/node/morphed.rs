@@ -6,12 +6,12 @@ use crate::attribute::{ColourSpace, Straight};
 use crate::distance::method::{Request, named};
 use crate::distance::nearest::Watch;
 use crate::distance::octree;
-use crate::field::{Aabb, Field, Interval};
+use crate::field::{Aabb, Field};
 use crate::morph::{Carry, Flow, Mode, Morph, MorphAttribute, MorphObject, Motion, Settings, Transfer};
 use crate::node::attributes::{Asked, TheColour};
-use crate::node::extent::{box_of, solid_box};
+use crate::node::extent::solid_box;
 use crate::node::id::Stage;
-use crate::node::measured::{Purpose, smallest_cell};
+use crate::node::measured::smallest_cell;
 use crate::node::model::ShapeId;
 use crate::node::painted::Paint;
 use crate::node::solid::Solids;
@@ -30,13 +30,11 @@ impl Solids {
         let shape = model.shape(id);
         let arguments = &shape.arguments;
         let operands = arguments.shapes("morph").expect("it must be there");
-        let solids = [self.solid_of(operands[0])?, self.solid_of(operands[1])?];
-        let [one, two] = [solids[0].1, solids[1].1];
+        let (from, one) = self.solid_of(operands[0])?;
+        let (to, two) = self.solid_of(operands[1])?;
         let voxel = one.union(two).size().max_element() / self.resolution();
-        let mut objects = Vec::with_capacity(2);
-        for (operand, (surface, solid)) in operands.iter().zip(solids) {
-            objects.push(self.object(*operand, surface, solid, voxel)?);
-        }
+        let from = self.object(operands[0], from, one, voxel)?;
+        let to = self.object(operands[1], to, two, voxel)?;
         let carry = match arguments.choice("carry").copied() {
             Some("centroid") => Carry::Centroid,
             Some("inertia") => Carry::Inertia,
@@ -55,8 +53,6 @@ impl Solids {
                 .unwrap_or(ColourSpace::Auto),
             ..Settings::default()
         };
-        let to = objects.pop().unwrap_or_else(|| unreachable!("there are two"));
-        let from = objects.pop().unwrap_or_else(|| unreachable!("there are two"));
         let morph = Morph::new(from, to, settings).map_err(|error| {
             Problem::new(arguments.span("morph").unwrap_or(shape.span), format!("`{}`: {error}", shape.name))
         })?;
@@ -129,12 +125,8 @@ impl Solids {
         let (_, first) = self.solid_of(*one)?;
         let (_, second) = self.solid_of(*two)?;
         let unit = first.union(second).size().length() / 2.0;
-        let mut distance = |id: ShapeId| -> Result<Arc<dyn Field>, Problem> {
-            let shape = model.shape(id);
-            let size = box_of(&self.values(id)?).map_or(1.0, |aabb| aabb.size().length().max(f64::MIN_POSITIVE));
-            let purpose = Purpose { shape, key: "mix", span, voxel: None, method: shape.distance };
-            Ok(Arc::new(self.distance_values(id, Interval::new(-size, size), &purpose)?))
-        };
+        let mut distance =
+            |id: ShapeId| -> Result<Arc<dyn Field>, Problem> { Ok(Arc::new(self.distance_around(id, "mix", span)?)) };
         let (first, second) = (distance(*one)?, distance(*two)?);
         let [from, to] = paints.map(|paint| paint.attribute);
         let transfer = Transfer { time: mix, alpha, beta: 0.5 };

@@ -111,8 +111,7 @@ impl Solids {
         });
         other.bends.retain(|(id, step), _| !variation.step(*id, *step));
         other.pieces.retain(|id, _| !variation.step(*id, 0));
-        let still = |id: &ShapeId| !self.model.needs(*id).into_iter().any(|part| variation.placed(part));
-        other.morphs.retain(|id, _| still(id));
+        other.morphs.retain(|id, _| !variation.parts(&self.model, *id));
         other.cells.retain(|id, _| !variation.placed(self.model.cells[id.0].around));
         other.insides.keep_still(variation);
         other
@@ -148,9 +147,7 @@ impl Solids {
         let model = self.model();
         for &id in shapes {
             let shape = model.shape(id);
-            if shape.spec.carries == Carries::Morph
-                && !self.model.needs(id).into_iter().any(|part| variation.placed(part))
-            {
+            if shape.spec.carries == Carries::Morph && !variation.parts(&model, id) {
                 let _ = self.morphed(id);
             }
             // What is measured of parts that do not change is kept: operands of a blend that only move, and what changes
@@ -456,6 +453,16 @@ impl Solids {
 }
 
 impl Solids {
+    /// The distance of a shape where it stands, as far on both sides as the shape is large; beyond, the measured distance
+    /// goes on. `key` needs it, at `span` of the scene.
+    pub fn distance_around(&mut self, id: ShapeId, key: &str, span: Span) -> Result<Expression, Problem> {
+        let size = box_of(&self.values(id)?).map_or(1.0, |aabb| aabb.size().length().max(f64::MIN_POSITIVE));
+        let model = self.model();
+        let shape = model.shape(id);
+        let purpose = Purpose { shape, key, span, voxel: None, method: shape.distance };
+        self.distance_values(id, Interval::new(-size, size), &purpose)
+    }
+
     /// A formula of a shape at the moment, with further values that it reads by their names in it.
     pub fn reading(
         &mut self,
@@ -467,12 +474,7 @@ impl Solids {
         let mut distances = values;
         for (name, shape) in formula.distances() {
             let other = model.shape(id).reads[shape];
-            // As far as the shape is large on both sides; beyond, the measured distance goes on.
-            let size = box_of(&self.values(other)?).map_or(1.0, |aabb| aabb.size().length().max(f64::MIN_POSITIVE));
-            let shape = model.shape(other);
-            let (span, method) = (formula.span(), shape.distance);
-            let purpose = Purpose { shape, key: "dist", span, voxel: None, method };
-            let distance = self.distance_values(other, Interval::new(-size, size), &purpose)?;
+            let distance = self.distance_around(other, "dist", formula.span())?;
             distances.push((name.to_owned(), Arc::new(distance)));
         }
         Ok(Reading::new(formula.clone(), self.moment().clone(), distances))

@@ -65,6 +65,11 @@ impl Variation {
         self.placed[id.0]
     }
 
+    /// Whether a shape that it is made from changes or moves.
+    pub fn parts(&self, model: &Model, id: ShapeId) -> bool {
+        model.needs(id).into_iter().any(|part| self.placed(part))
+    }
+
     /// Whether its colour or a scalar of it changes in its own space.
     pub fn painted(&self, id: ShapeId) -> bool {
         self.painted[id.0]

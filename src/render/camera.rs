@@ -33,7 +33,7 @@ impl Up {
     }
 
     /// Its number: 0 is x.
-    pub(super) fn axis(self) -> usize {
+    pub fn axis(self) -> usize {
         match self {
             Self::Y => 1,
             Self::Z => 2,

@@ -171,7 +171,7 @@ impl Both<'_> {
     /// The way of a morph as a shape, while its operands stand still: along with what carries them.
     fn way_of_morph(&mut self, id: ShapeId) -> Result<Vectors, Problem> {
         let model = Arc::clone(&self.prepared.model);
-        if model.needs(id).into_iter().any(|part| self.prepared.variation.placed(part)) {
+        if self.prepared.variation.parts(&model, id) {
             return Ok(None);
         }
         let mix = model.shape(id).arguments.number("mix").expect("it has a default");

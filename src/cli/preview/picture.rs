@@ -5,7 +5,7 @@ use super::{Arguments, Quality};
 use crate::cli::failure::Failure;
 use crate::field::{Aabb, Field};
 use crate::grid::measure;
-use crate::render::{Camera, Fill, Image, Layers, Look, Scene, Shows, Slice, Up, render, render_layers};
+use crate::render::{Camera, Fill, Image, Layers, Look, Scene, Shows, Slice, render, render_layers};
 
 /// Takes pictures that all show the same part of the world.
 pub struct Painter<'a> {
@@ -91,11 +91,7 @@ impl<'a> Painter<'a> {
             Some(degrees) => Camera::framing_all_around(&bounds, shown.up, view, turn, 1.0)
                 .turned((bounds.min + bounds.max) * 0.5, degrees),
         };
-        let ground = match shown.up {
-            Up::Y => bounds.min.y,
-            Up::Z => bounds.min.z,
-        };
-        let look = Look { ground: Some(ground), quality: self.quality.into(), ..Look::default() };
+        let look = Look { ground: Some(bounds.min[shown.up.axis()]), quality: self.quality.into(), ..Look::default() };
         Scene { band: &shown.band, colour: shown.colour.as_ref(), camera, look }
     }
 }

@@ -29,7 +29,7 @@ impl Operation<2> for CnIntersection {
         let (inside, outside) = (lesser > 0.0, greater < 0.0);
         let ratio = if inside { lesser / greater } else { greater / lesser };
         let ratio = if inside || outside { ratio } else { 0.0 };
-        let below = whole_power(ratio, self.order - 1);
+        let below = powi::power(ratio, self.order - 1);
         let sum = 1.0 + below * ratio;
         // Of 1 to 2, where log is right to the last bits.
         let root = if self.order == 2 { sum.sqrt() } else { math::exp(math::log(sum) / self.order as f32) };
@@ -81,19 +81,6 @@ pub(super) fn steep(a: Facts, b: Facts) -> Slope {
 pub(super) fn widened_power(lo: f64, hi: f64) -> Interval {
     let slack = |value: f64| 16.0 * f64::EPSILON * value.abs();
     Interval::widened(lo - slack(lo), hi + slack(hi))
-}
-
-#[inline(always)]
-pub(super) fn whole_power(value: f32, exponent: u32) -> f32 {
-    let (mut result, mut square, mut rest) = (1.0, value, exponent);
-    while rest > 0 {
-        if rest & 1 == 1 {
-            result *= square;
-        }
-        square *= square;
-        rest >>= 1;
-    }
-    result
 }
 
 #[cfg(test)]

@@ -47,8 +47,9 @@ impl Operation<1> for Powi {
     }
 }
 
+/// A value to the power of a whole exponent.
 #[inline(always)]
-fn power(value: f32, exponent: u32) -> f32 {
+pub(super) fn power(value: f32, exponent: u32) -> f32 {
     let (mut result, mut square, mut rest) = (1.0, value, exponent);
     while rest > 0 {
         if rest & 1 == 1 {

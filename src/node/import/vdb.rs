@@ -25,7 +25,7 @@ const THRESHOLD: f64 = 0.5;
 /// Grids that are a file's colour where it has one of them.
 const COLOURS: [&str; 2] = ["Cd", "color"];
 /// Grids that are its velocity.
-const VELOCITIES: [&str; 3] = ["vel", "velocity", "v"];
+pub(in crate::node) const VELOCITIES: [&str; 3] = ["vel", "velocity", "v"];
 /// A block's values, and what finds them.
 const BYTES_A_BLOCK: u64 = 2048 + 128;
 
