@@ -1,6 +1,7 @@
 //! The batch loops for values: each instruction over [`LANES`] points, compiled for several vector widths.
 
 use multiversion::multiversion;
+use multiversion::target::match_target;
 
 use super::op::{Operation, Visitor, choose};
 use super::tape::{Code, Instruction, LaneQuadric, QuadricShape, Tape};
@@ -46,7 +47,7 @@ pub(super) fn run(width: VectorWidth, run: &Run, registers: &mut Vec<Lanes>, out
         registers.resize(run.tape.registers, Lanes([0.0; LANES]));
     }
     match width {
-        VectorWidth::Sse2 => either(run, registers, outs),
+        VectorWidth::Sse2 => run_sse2(run, registers, outs),
         VectorWidth::Avx2 => run_avx2(run, registers, outs),
         VectorWidth::Avx512 => run_avx512(run, registers, outs),
     }
@@ -58,13 +59,25 @@ fn either(run: &Run, registers: &mut [Lanes], outs: &mut [&mut [f32; BATCH]]) {
     if run.points.len <= FEW { body::<FEW>(run, registers, outs) } else { body::<LANES>(run, registers, outs) }
 }
 
-#[multiversion(targets("x86_64+avx+avx2"))]
-fn run_avx2(run: &Run, registers: &mut [Lanes], outs: &mut [&mut [f32; BATCH]]) {
-    either(run, registers, outs);
+/// Short of what it is compiled for each of these hands on to the next narrower one, so that none is compiled twice.
+#[multiversion(targets("x86_64+avx+avx2+avx512f+avx512bw+avx512dq+avx512vl"))]
+fn run_avx512(run: &Run, registers: &mut [Lanes], outs: &mut [&mut [f32; BATCH]]) {
+    match_target! {
+        "x86_64+avx+avx2+avx512f+avx512bw+avx512dq+avx512vl" => either(run, registers, outs),
+        _ => run_avx2(run, registers, outs),
+    }
 }
 
-#[multiversion(targets("x86_64+avx+avx2+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx+avx2"))]
-fn run_avx512(run: &Run, registers: &mut [Lanes], outs: &mut [&mut [f32; BATCH]]) {
+#[multiversion(targets("x86_64+avx+avx2"))]
+fn run_avx2(run: &Run, registers: &mut [Lanes], outs: &mut [&mut [f32; BATCH]]) {
+    match_target! {
+        "x86_64+avx+avx2" => either(run, registers, outs),
+        _ => run_sse2(run, registers, outs),
+    }
+}
+
+#[inline(never)]
+fn run_sse2(run: &Run, registers: &mut [Lanes], outs: &mut [&mut [f32; BATCH]]) {
     either(run, registers, outs);
 }
 

@@ -1,6 +1,7 @@
 //! The batch loops for values and gradients together: forward mode over the same tapes.
 
 use multiversion::multiversion;
+use multiversion::target::match_target;
 
 use super::kernel::{Run, pass};
 use super::op::{Operation, Visitor, choose};
@@ -40,7 +41,7 @@ pub(super) fn run(width: VectorWidth, run: &Run, registers: &mut Vec<Dual>, outs
         registers.resize(run.tape.registers, Dual::ZERO);
     }
     match width {
-        VectorWidth::Sse2 => either(run, registers, outs),
+        VectorWidth::Sse2 => run_sse2(run, registers, outs),
         VectorWidth::Avx2 => run_avx2(run, registers, outs),
         VectorWidth::Avx512 => run_avx512(run, registers, outs),
     }
@@ -52,13 +53,25 @@ fn either(run: &Run, registers: &mut [Dual], outs: &mut [&mut Gradients]) {
     if run.points.len <= FEW { body::<FEW>(run, registers, outs) } else { body::<LANES>(run, registers, outs) }
 }
 
-#[multiversion(targets("x86_64+avx+avx2"))]
-fn run_avx2(run: &Run, registers: &mut [Dual], outs: &mut [&mut Gradients]) {
-    either(run, registers, outs);
+/// Short of what it is compiled for each of these hands on to the next narrower one, so that none is compiled twice.
+#[multiversion(targets("x86_64+avx+avx2+avx512f+avx512bw+avx512dq+avx512vl"))]
+fn run_avx512(run: &Run, registers: &mut [Dual], outs: &mut [&mut Gradients]) {
+    match_target! {
+        "x86_64+avx+avx2+avx512f+avx512bw+avx512dq+avx512vl" => either(run, registers, outs),
+        _ => run_avx2(run, registers, outs),
+    }
 }
 
-#[multiversion(targets("x86_64+avx+avx2+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx+avx2"))]
-fn run_avx512(run: &Run, registers: &mut [Dual], outs: &mut [&mut Gradients]) {
+#[multiversion(targets("x86_64+avx+avx2"))]
+fn run_avx2(run: &Run, registers: &mut [Dual], outs: &mut [&mut Gradients]) {
+    match_target! {
+        "x86_64+avx+avx2" => either(run, registers, outs),
+        _ => run_sse2(run, registers, outs),
+    }
+}
+
+#[inline(never)]
+fn run_sse2(run: &Run, registers: &mut [Dual], outs: &mut [&mut Gradients]) {
     either(run, registers, outs);
 }
 
