@@ -52,7 +52,7 @@ for alpha in 0.05 0.3 3; do
 done
 picture "$folder"/alpha*.vdb --columns 3 --output "$images/red-blue.png"
 mkdir -p "$images/nodes" "$images/objects" "$folder/nodes"
-for object in gears logo-text rock crowd wine-glass bottle chess-king bone; do
+for object in gears logo-text rock crowd wine-glass bottle chess-king bone rope; do
     picture "$object" --frames 1 --size 420 --output "$images/objects/$object.png"
 done
 for node in $(hfvdb scenes | sed -n 's/^Nodes, each as a scene of its own: //p'); do

@@ -87,6 +87,11 @@ pub fn json(text: &str) -> Cow<'_, str> {
     out.into()
 }
 
+/// Whether messages may have colours.
+pub fn styled() -> bool {
+    obeys() && std::env::var_os("NO_COLOR").is_none_or(|set| set.is_empty())
+}
+
 #[cfg(test)]
 mod tests {
     use std::ffi::OsStr;

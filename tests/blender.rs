@@ -328,3 +328,69 @@ fn motion_is_blurred_in_blender_as_the_velocities_say() {
         assert!((alone - (1.0 - wider)).abs() < error, "{line:?}");
     }
 }
+
+/// What Pixar's library and Blender find in a layer.
+fn read_layer(python: &str, place: &Workplace, layer: &str) -> serde_json::Value {
+    let script = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/check_layer.py");
+    let run = place.run(Command::new(python).arg(script).arg(place.path(layer)));
+    let run = run.ok();
+    let found = run.stdout.lines().find_map(|line| line.strip_prefix("found "));
+    support::json(found.unwrap_or_else(|| panic!("{}", run.stderr)))
+}
+
+#[test]
+fn usd_layers_are_read() {
+    let Some(python) = blender() else { return };
+    let place = Workplace::new();
+    place.hfvdb("bake cube-to-heart -o out/m.####.vdb --frames 10-12 --resolution 32 --set output.grids=[\"surface\",\"Cd\",\"vel\"] --set frames=\"10-12\"").ok();
+    place.hfvdb("usd out/m.####.vdb -o m.usda").ok();
+    let found = read_layer(&python, &place, "m.usda");
+    assert_eq!(found["wrong"], serde_json::json!([]));
+    assert_eq!((&found["up"], &found["metres"], &found["fps"]), (&"Z".into(), &1.0.into(), &24.0.into()));
+    assert_eq!(found["shot"], serde_json::json!([10.0, 12.0]));
+    assert_eq!(found["times"], serde_json::json!([10, 11, 12]));
+    let fields = found["fields"].as_object().unwrap();
+    assert_eq!(fields.keys().collect::<Vec<_>>(), ["Cd", "color", "surface", "vel", "velocity"]);
+    for (name, grid, kind, class, role) in [
+        ("surface", "surface", "float", "levelSet", serde_json::Value::Null),
+        ("Cd", "Cd", "float3", "unknown", "Color".into()),
+        ("color", "Cd", "float3", "unknown", "Color".into()),
+        ("velocity", "vel", "float3", "unknown", "Vector".into()),
+    ] {
+        let field = &fields[name];
+        assert_eq!(
+            (&field["name"], &field["type"], &field["class"]),
+            (&grid.into(), &kind.into(), &class.into()),
+            "{name}"
+        );
+        assert!(field["role"] == role || role.is_null() && field["role"] == "None", "{field}");
+        let files = (10..=12).map(|frame| place.path(&format!("out/m.{frame:04}.vdb")).canonicalize().unwrap());
+        let files: Vec<String> = files.map(|file| file.display().to_string()).collect();
+        assert_eq!(field["files"], serde_json::json!(files), "{name}");
+    }
+    // Around all voxels, half of one beyond their centres.
+    let info = support::json(&place.hfvdb("info --json out/m.0012.vdb").ok().stdout);
+    let grid = &info["files"][0]["grids"][0];
+    let half = grid["voxel_size"][0].as_f64().unwrap() / 2.0;
+    for (corner, way) in [(0, -half), (1, half)] {
+        for axis in 0..3 {
+            let centre = grid["world_box"][corner][axis].as_f64().unwrap();
+            let edge = found["extent"][corner][axis].as_f64().unwrap();
+            assert!((edge - centre - way).abs() < 1e-5, "{found:#}");
+        }
+    }
+    let blender = &found["blender"];
+    assert_eq!(
+        (&blender["volumes"], &blender["sequence"], &blender["frames"]),
+        (&1.into(), &true.into(), &serde_json::json!([10, 3]))
+    );
+    assert_eq!(blender["scene"], serde_json::json!([10, 12]));
+
+    place.hfvdb("bake heart -o heart.vdb --resolution 32 --set unit=\"cm\" --set up=\"y\"").ok();
+    place.hfvdb("usd heart.vdb -o out/heart.usda --fps 25").ok();
+    let found = read_layer(&python, &place, "out/heart.usda");
+    assert_eq!((&found["up"], &found["metres"], &found["fps"]), (&"Y".into(), &0.01.into(), &25.0.into()));
+    assert_eq!((&found["wrong"], &found["times"]), (&serde_json::json!([]), &serde_json::json!([])));
+    assert_eq!(found["blender"]["grids"], serde_json::json!(["Cd", "surface"]));
+    assert_eq!(found["blender"]["sequence"], false);
+}

@@ -169,31 +169,6 @@ fn what_is_large_is_lit_and_what_has_no_density_is_smoke_all_the_same() {
     }
 }
 
-/// What Solaris takes says what a unit is, as the files do. USD's own module is not asked: only what it is told.
-#[test]
-fn the_layer_of_usd_has_the_unit_of_the_files() {
-    const LAYER: &str = "
-import sys, unittest.mock
-pxr = sys.modules['pxr'] = unittest.mock.MagicMock()
-sys.path.insert(0, sys.argv[1])
-import volume_layer
-volume_layer.write('m.usda', {1: sys.argv[2]}, {}, {})
-print(pxr.UsdGeom.SetStageMetersPerUnit.call_args.args[1])
-";
-    let place = Workplace::new();
-    let houdini = concat!(env!("CARGO_MANIFEST_DIR"), "/houdini_examples");
-    let unit = |path: &str| place.run(Command::new("/usr/bin/python3").args(["-c", LAYER, houdini, path])).ok().stdout;
-    for (name, metres) in [("m", "1.0"), ("cm", "0.01"), ("in", "0.0254")] {
-        place.write("ball.toml", format!("hfvdb = 1\nunit = \"{name}\"\n[shape.a]\nsphere = 80\n"));
-        place.hfvdb(&format!("bake ball.toml --resolution 16 -o {name}.vdb")).ok();
-        assert_eq!(unit(&format!("{name}.vdb")).trim(), metres);
-    }
-    // One of another maker.
-    let maker = "import pyopenvdb as vdb; vdb.write('other.vdb', grids=[vdb.FloatGrid()])";
-    place.run(Command::new("/usr/bin/python3").args(["-c", maker])).ok();
-    assert_eq!(unit("other.vdb").trim(), "1.0");
-}
-
 #[test]
 fn what_blender_would_show_wrong_without_a_word_is_refused() {
     let Some((python, place)) = blender() else { return };

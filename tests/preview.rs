@@ -116,7 +116,6 @@ fn layers_go_into_an_exr() {
     assert!(value("depth.Z") > 1.0 && value("depth.Z") < 100.0 && value("G") > value("R"));
     // Several need several files, and a slice has no layers.
     place.hfvdb("preview ball.toml -o ball.exr").fails(2, &["24 frames", "name.####.exr"]);
-    place.hfvdb("preview ball.toml --slice z=0 -o ball.exr").fails(2, &["a slice is a .png"]);
 }
 
 /// The same plane of a scene and of its file: the line of the surface is at the same place, and the colour of the voxels
@@ -265,4 +264,42 @@ fn a_draft_is_like_the_final_picture() {
     let (count, far) = (all().count(), all().filter(|&apart| apart > 12).count());
     assert!(far * 100 < count, "{far} of {count} pixels");
     assert!(all().any(|apart| apart > 0), "both are the same picture");
+}
+
+/// A slice as numbers: what a shape of the plane has of distance, F, colour and attributes.
+#[test]
+fn slices_are_numbers_in_an_exr() {
+    let place = Workplace::new();
+    place.write(
+        "disc.toml",
+        "hfvdb = 1\n[output]\ngrids = ['surface', 'Cd', 'heat']\n[shape.disc]\ncircle = 1\ncolor = ['x+0.5', 0.25, 0]\nattribute.heat = '10*y'\n",
+    );
+    place.hfvdb("preview disc.toml --slice z=0 --resolution 64 --size 50 -o disc.exr").ok();
+    let image = read().no_deep_data().largest_resolution_level().all_channels().first_valid_layer().all_attributes();
+    let image = image.from_file(place.path("disc.exr")).expect("an EXR");
+    let channel = |name: &str| {
+        let channels = &image.layer_data.channel_data.list;
+        let found = channels.iter().find(|channel| channel.name.to_string() == name);
+        found.unwrap_or_else(|| panic!("no {name}")).sample_data.values_as_f32().collect::<Vec<f32>>()
+    };
+    let [distance, f, red, inside, heat] = ["distance", "F", "R", "A", "heat"].map(channel);
+    // The picture is a little larger than the disc.
+    let pixel = 2.0 * 1.24 / 50.0;
+    for i in 0..50 * 50 {
+        let (x, y) = ((f64::from(i % 50) + 0.5 - 25.0) * pixel, (25.0 - f64::from(i / 50) - 0.5) * pixel);
+        let exact = 1.0 - x.hypot(y);
+        let i = i as usize;
+        // Beside the rim, and not where the slab's own faces are nearer.
+        assert!(
+            (f64::from(distance[i]) - exact).abs() < 2e-3 || !(-0.3..=0.1).contains(&exact),
+            "{} {exact}",
+            distance[i]
+        );
+        assert!((f64::from(f[i]) - exact).abs() < 1e-5 || exact > 0.1, "{} {exact}", f[i]);
+        assert_eq!(inside[i], f32::from(distance[i] >= 0.0));
+        assert!((f64::from(heat[i]) - 10.0 * y).abs() < 1e-4, "{} {y}", heat[i]);
+        // Colours in scenes are sRGB.
+        let expected = if inside[i] == 1.0 { ((x + 0.5 + 0.055) / 1.055).powf(2.4).min(1.0) } else { 0.0 };
+        assert!(exact.abs() < 0.02 || x < -0.4 || (f64::from(red[i]) - expected).abs() < 1e-2, "{} {expected}", red[i]);
+    }
 }

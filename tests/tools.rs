@@ -136,3 +136,51 @@ fn set_operations_are_counted() {
     let none = place.hfvdb("check sphere --resolution 32").ok().stdout;
     assert!(!none.contains("set operation"), "{none}");
 }
+
+#[test]
+fn usd_layers_refuse_what_they_cannot_name() {
+    let place = Workplace::new();
+    place.hfvdb("bake sphere -o m.0001.vdb --resolution 16").ok();
+    fs::copy(place.path("m.0001.vdb"), place.path("m.0004.vdb")).unwrap();
+    fs::copy(place.path("m.0001.vdb"), place.path("other.vdb")).unwrap();
+    let told = place.hfvdb("usd m.####.vdb -o m.usda").ok();
+    assert!(told.stderr.contains("no file for frames 2 to 3"), "{}", told.stderr);
+    let text = fs::read_to_string(place.path("m.usda")).unwrap();
+    assert!(text.contains("            4: @./m.0004.vdb@,\n"), "{text}");
+    place.hfvdb("usd m.####.vdb -o m.usda").fails(1, &["m.usda", "--overwrite"]);
+    place.hfvdb("usd m.0001.vdb -o m.usda --overwrite").ok();
+    let text = fs::read_to_string(place.path("m.usda")).unwrap();
+    assert!(text.contains("asset filePath = @./m.0001.vdb@") && !text.contains("timeSamples"), "{text}");
+    for (arguments, code, problem) in [
+        ("m.0001.vdb other.vdb -o a.usda", 2, "differ by more than a number"),
+        ("m.0001.vdb -o a.usd", 2, "ends in .usda"),
+        ("m.glb -o a.usda", 2, "usd takes .vdb files"),
+        ("none.vdb -o a.usda", 1, "none.vdb"),
+        ("n.####.vdb -o a.usda", 1, "there is no frame with such a name"),
+        ("m.0001.vdb -o a.usda --fps 0", 2, "greater than 0"),
+    ] {
+        place.hfvdb(&format!("usd {arguments}")).fails(code, &[problem]);
+    }
+    place.write("broken.vdb", &text);
+    place.hfvdb("usd broken.vdb -o a.usda").fails(1, &["broken.vdb"]);
+    assert!(!place.path("a.usda").exists());
+}
+
+#[test]
+fn usd_layers_have_the_unit_of_the_files() {
+    let place = Workplace::new();
+    let unit = |path: &str| {
+        place.hfvdb(&format!("usd {path} -o unit.usda --overwrite")).ok();
+        let text = fs::read_to_string(place.path("unit.usda")).unwrap();
+        text.lines().find_map(|line| line.strip_prefix("    metersPerUnit = ").map(str::to_owned)).unwrap()
+    };
+    for (name, metres) in [("m", "1"), ("cm", "0.01"), ("in", "0.0254")] {
+        place.write("ball.toml", format!("hfvdb = 1\nunit = \"{name}\"\n[shape.a]\nsphere = 80\n"));
+        place.hfvdb(&format!("bake ball.toml --resolution 16 -o {name}.vdb")).ok();
+        assert_eq!(unit(&format!("{name}.vdb")), metres);
+    }
+    // One of another maker, without a voxel.
+    let maker = "import pyopenvdb as vdb; vdb.write('other.vdb', grids=[vdb.FloatGrid()])";
+    place.run(std::process::Command::new("/usr/bin/python3").args(["-c", maker])).ok();
+    assert_eq!(unit("other.vdb"), "1");
+}

@@ -4,30 +4,18 @@ use std::path::{Path, PathBuf};
 use std::thread;
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
+use super::Interrupt;
 use super::frames::Frames;
 use super::identity::Identity;
-use super::manifest::{Known, Manifest, Source};
+use super::manifest::{Known, Manifest};
 use super::refusal::{Refusal, refusal};
 use super::sealed;
 use super::sequence::Sequence;
-use super::{Existing, Interrupt};
+use super::wish::Wish;
 use crate::disk::FileLock;
 
 /// How long the manifest's lock may be held by others, who need it for fractions of a second.
 const PATIENCE: Duration = Duration::from_secs(60);
-
-/// What somebody wants to bake.
-#[derive(Clone, Debug)]
-pub struct Wish {
-    /// What decides the voxels.
-    pub identity: Identity,
-    /// Where that came from.
-    pub source: Source,
-    /// The frames asked for.
-    pub frames: Frames,
-    /// What to do with files that exist.
-    pub existing: Existing,
-}
 
 /// The right to write frames of a sequence, shared with bakes of the same scene and options. Given up on every orderly
 /// end: locks and temporaries go, and the manifest tells what there is.

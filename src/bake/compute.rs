@@ -1,24 +1,21 @@
 //! One frame in memory: the band, and the attributes at each voxel's closest surface point.
 
-use std::fmt;
-use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 use glam::{DVec3, Vec3};
 
-use super::Bytes;
+use super::asked::{Attributes, ComputeError, Interior};
 use super::inside::{self, Inside, Insides};
 use super::range::Range;
+use super::survey::{Survey, survey};
 use super::velocity::{self, BlockVelocities, Velocities};
-use crate::attribute::{Attribute, Colour, LinearRgb, Sampler, Scalar};
-use crate::distance::band::{self, MeasuredBlock, Report, Settings};
+use crate::attribute::{Attribute, LinearRgb, Sampler};
+use crate::distance::band::{MeasuredBlock, Report, Settings};
 use crate::distance::method::{Method, USUAL};
 use crate::distance::nearest::Watch;
-use crate::distance::octree::BuildError;
 use crate::distance::without::{Keep, measure_kept};
 use crate::field::{Aabb, BATCH, Field, Points};
 use crate::grid::{Band, Channel, mask};
-use crate::morph::Movement;
 
 /// A frame's grids, and what to tell about them.
 #[derive(Clone, Debug)]
@@ -59,88 +56,6 @@ impl Ranges {
     }
 }
 
-/// Why a frame could not be computed.
-#[derive(Clone, Debug, PartialEq)]
-pub enum ComputeError {
-    /// The distances.
-    Distance(band::Error),
-    /// A colour is negative, infinite or not a number at a world position.
-    Colour {
-        /// World units.
-        position: [f64; 3],
-        /// The colour.
-        value: LinearRgb,
-    },
-    /// The inside takes more memory than is allowed: about so much, in bytes, of so many voxels.
-    Memory {
-        /// Bytes.
-        needed: u64,
-        /// Voxels inside.
-        voxels: u64,
-    },
-    /// A density is negative at a world position.
-    Density {
-        /// World units.
-        position: [f64; 3],
-        /// The number.
-        value: f32,
-    },
-    /// A scalar is infinite or not a number at a world position.
-    Scalar {
-        /// The name of its grid.
-        name: String,
-        /// World units.
-        position: [f64; 3],
-        /// The number.
-        value: f32,
-    },
-}
-
-impl fmt::Display for ComputeError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Distance(error) => error.fmt(f),
-            Self::Colour { position: [x, y, z], value: [r, g, b] } => write!(
-                f,
-                "the colour at ({x:.6}, {y:.6}, {z:.6}) is ({r}, {g}, {b}): a channel is negative, infinite or not a number"
-            ),
-            Self::Memory { needed, voxels } => {
-                write!(f, "{voxels} voxels inside would take about {} of memory", Bytes(*needed))
-            }
-            Self::Density { position: [x, y, z], value } => {
-                write!(f, "`density` at ({x:.6}, {y:.6}, {z:.6}) is {value}: it cannot be negative")
-            }
-            Self::Scalar { name, position: [x, y, z], value } => {
-                write!(f, "`{name}` at ({x:.6}, {y:.6}, {z:.6}) is {value}: it must be a finite number")
-            }
-        }
-    }
-}
-
-impl std::error::Error for ComputeError {}
-
-/// The attributes that a frame's grids are made from, each with the name of its grid.
-#[derive(Clone, Copy)]
-pub struct Attributes<'a> {
-    /// The colour, if there is one.
-    pub colour: Option<(&'a str, &'a Colour)>,
-    /// The scalars.
-    pub scalars: &'a [(String, Arc<Scalar>)],
-    /// How the surface moves, where velocities are asked for.
-    pub movement: Option<&'a Movement>,
-    /// What of the inside is asked for.
-    pub interior: Option<Interior>,
-}
-
-/// What of the inside is asked for.
-#[derive(Clone, Copy, Debug)]
-pub struct Interior {
-    /// Whether it has a density.
-    pub density: bool,
-    /// The most memory that one of its grids may take.
-    pub limit: Bytes,
-}
-
 /// What one block has of all attributes.
 struct BlockAttributes {
     /// The range of the distances. Found here, while they are in the caches, as those of the attributes.
@@ -159,18 +74,6 @@ struct Sampled<const N: usize> {
     bright_voxels: u64,
     /// Where a number is out of range, and what it is.
     wrong: Option<([f64; 3], [f32; N])>,
-}
-
-impl ComputeError {
-    /// What a method can fail by whose band was measured before.
-    fn of_method(error: BuildError) -> Self {
-        match error {
-            BuildError::Surface(error) => Self::Distance(error),
-            BuildError::NotFinite { position } => Self::Distance(band::Error::NotANumber { position }),
-            // It solves the band's own voxels, so it has no sizes of its own.
-            _ => Self::Distance(band::Error::Cancelled),
-        }
-    }
 }
 
 /// Measures what is kept of a field, by a method, and samples attributes at the closest points.
@@ -374,62 +277,6 @@ impl<'a, const N: usize> Visitor<'a, N> {
     }
 }
 
-/// Below the least, infinite or not a number.
-#[inline(always)]
-fn is_wrong(number: f32, least: f32) -> bool {
-    !(least..f32::INFINITY).contains(&number)
-}
-
-/// What there is to know about a block's values.
-pub(super) struct Survey<const N: usize> {
-    sum: [f64; N],
-    range: Range<N>,
-}
-
-impl<const N: usize> Survey<N> {
-    /// Whether a number is above 1.
-    fn is_bright(&self) -> bool {
-        self.range.greatest.iter().any(|&part| part > 1.0)
-    }
-
-    /// Whether a number is below the least, infinite or not a number. A sum with one that is none is none.
-    fn is_wrong(&self, least: f32) -> bool {
-        let Range { least: lowest, greatest } = &self.range;
-        (0..N).any(|part| self.sum[part].is_nan() || lowest[part] < least || greatest[part] == f32::INFINITY)
-    }
-
-    /// The first of the values with such a number.
-    pub(super) fn first_wrong(&self, values: &[[f32; N]], least: f32) -> Option<usize> {
-        let is_wrong = |value: &[f32; N]| value.iter().any(|&part| is_wrong(part, least));
-        if self.is_wrong(least) { values.iter().position(is_wrong) } else { None }
-    }
-}
-
-/// Looks at values.
-pub(super) fn survey<const N: usize>(values: &[[f32; N]]) -> Survey<N> {
-    Survey { sum: sum(values), range: Range::of(values) }
-}
-
-/// The sum: of every eighth value, then of these, at any vector width.
-#[multiversion::multiversion(targets = "simd")]
-fn sum<const N: usize>(values: &[[f32; N]]) -> [f64; N] {
-    let mut sums = [[0.0; N]; 8];
-    let (rows, rest) = values.as_chunks::<8>();
-    for row in rows {
-        for i in 0..8 {
-            for part in 0..N {
-                sums[i][part] += f64::from(row[i][part]);
-            }
-        }
-    }
-    for (i, value) in rest.iter().enumerate() {
-        for part in 0..N {
-            sums[i][part] += f64::from(value[part]);
-        }
-    }
-    std::array::from_fn(|part| sums.iter().map(|sum| sum[part]).sum())
-}
-
 /// The mean value, summed block after block so that it does not depend on threads.
 fn mean<const N: usize>(blocks: &[Sampled<N>], active_voxels: u64) -> [f32; N] {
     let mut sum = [0.0; N];
@@ -439,33 +286,4 @@ fn mean<const N: usize>(blocks: &[Sampled<N>], active_voxels: u64) -> [f32; N] {
         }
     }
     sum.map(|sum| (sum / active_voxels.max(1) as f64) as f32)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_survey_sums_and_notices_in_every_place() {
-        for len in [0, 1, 7, 8, 9, 100, BATCH] {
-            let colours: Vec<LinearRgb> =
-                (0..len).map(|i| [0.001, 0.002, 0.0005].map(|part| part * i as f32)).collect();
-            let plain = survey(&colours);
-            assert!(!plain.is_wrong(0.0) && plain.is_bright() == (len == BATCH));
-            assert_eq!(plain.range, Range::of_blocks(&[&colours]));
-            for channel in 0..3 {
-                let exact: f64 = colours.iter().map(|colour| f64::from(colour[channel])).sum();
-                assert!((plain.sum[channel] - exact).abs() <= 1e-12 * exact);
-            }
-            for place in 0..3 * len {
-                for (value, wrong) in [(-1e-9, true), (f32::NAN, true), (f32::INFINITY, true), (1.5, false)] {
-                    let mut changed = colours.clone();
-                    changed.as_flattened_mut()[place] = value;
-                    let noticed = survey(&changed);
-                    assert_eq!(noticed.is_wrong(0.0), wrong, "{value} at {place} of {len}");
-                    assert!(noticed.is_bright() || value <= 1.0 || value.is_nan());
-                }
-            }
-        }
-    }
 }

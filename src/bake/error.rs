@@ -3,7 +3,7 @@
 use std::fmt;
 
 use super::Bytes;
-use super::compute::ComputeError;
+use super::asked::ComputeError;
 use crate::distance::band;
 use crate::{disk, shot};
 

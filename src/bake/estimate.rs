@@ -1,6 +1,6 @@
 //! What frames will take, estimated before anything is allocated.
 
-use super::compute::Attributes;
+use super::asked::Attributes;
 use super::{Bytes, Error, inside, velocity};
 use crate::attribute::LinearRgb;
 use crate::distance::descent::Scope;

@@ -2,7 +2,8 @@
 
 use std::time::{Duration, Instant};
 
-use super::compute::{Attributes, ComputeError, Computed, Interior, Ranges, compute};
+use super::asked::{Attributes, ComputeError, Interior};
+use super::compute::{Computed, Ranges, compute};
 use super::estimate::check_memory;
 use super::record::{Record, RecordFile};
 use super::sealed::{self, hexadecimal};

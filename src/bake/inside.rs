@@ -5,7 +5,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use glam::{DVec3, IVec3};
 use rayon::prelude::*;
 
-use super::compute::{Attributes, ComputeError, survey};
+use super::asked::{Attributes, ComputeError};
+use super::survey::survey;
 use crate::attribute::{Attribute, LinearRgb, Sampler};
 use crate::distance::band;
 use crate::field::{Aabb, BATCH, Field, Points};

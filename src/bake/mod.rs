@@ -4,6 +4,7 @@
 //! Turns a prepared scene into files, frame by frame; knows no geometry of its own. Each frame that was written has a
 //! [`Record`]; the records of a [`Sequence`] make its [`Manifest`].
 
+mod asked;
 mod claim;
 mod compute;
 mod done;
@@ -25,13 +26,17 @@ mod refusal;
 mod run;
 mod sealed;
 mod sequence;
+mod survey;
 mod target;
+mod usd_layer;
 mod velocity;
 mod verify;
+mod wish;
 
 pub use crate::text::{FramePattern, PatternError};
-pub use claim::{Claim, Wish};
-pub use compute::{Attributes, ComputeError, Computed, Interior, Ranges, compute};
+pub use asked::{Attributes, ComputeError, Interior};
+pub use claim::Claim;
+pub use compute::{Computed, Ranges, compute};
 pub use done::{State, judge_all};
 pub use error::Error;
 pub use estimate::{Estimate, check_memory, estimate, in_flight};
@@ -51,5 +56,7 @@ pub use run::{Baked, Event, Existing, Output, bake};
 pub use sealed::SealedError;
 pub use sequence::Sequence;
 pub use target::{OutputFolder, TargetError, check_place, make_ready};
+pub use usd_layer::{FrameFile, Layer, LayerOptions, usd_layer};
 pub use velocity::Velocities;
 pub use verify::{Finding, Verdict, sequences, verify};
+pub use wish::Wish;

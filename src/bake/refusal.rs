@@ -4,10 +4,10 @@ use std::fmt;
 use std::path::PathBuf;
 
 use super::Existing;
-use super::claim::Wish;
 use super::manifest::Known;
 use super::sealed::SealedError;
 use super::sequence::Sequence;
+use super::wish::Wish;
 use crate::disk;
 use crate::terminal;
 

@@ -98,7 +98,7 @@ impl From<bake::PatternError> for Failure {
 
 impl From<text::Diagnostics> for Failure {
     fn from(diagnostics: text::Diagnostics) -> Self {
-        Self::rendered(diagnostics.render(super::job::styled() && !events::on()))
+        Self::rendered(diagnostics.render(terminal::styled() && !events::on()))
     }
 }
 

@@ -36,13 +36,8 @@ fn warn(warnings: &text::Diagnostics, global: &Global) {
     if events::on() {
         global.warn(warnings.render(false).trim_end());
     } else if !global.quiet {
-        super::say_as_is(&terminal::coloured(warnings.render(styled()).trim_end()));
+        super::say_as_is(&terminal::coloured(warnings.render(terminal::styled()).trim_end()));
     }
-}
-
-/// Whether messages may have colours.
-pub fn styled() -> bool {
-    terminal::obeys() && std::env::var_os("NO_COLOR").is_none_or(|set| set.is_empty())
 }
 
 /// Makes a scene ready for frames.

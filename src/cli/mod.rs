@@ -30,6 +30,7 @@ mod report;
 mod scenes;
 mod schema;
 mod signals;
+mod usd;
 mod verify;
 mod writing;
 
@@ -55,6 +56,7 @@ First steps:
   hfvdb morph a.obj b.ply -o out/m.####.vdb      a morph of two meshes, no scene file
   hfvdb convert fox.glb -o fox.vdb               a mesh with its colours, no scene file
   hfvdb mesh out/cubism.0048.vdb -o frame.glb    polygons with colours of any .vdb
+  hfvdb usd 'out/cubism.####.vdb' -o cubism.usda  one Volume that plays, for Solaris
   hfvdb new mine.toml                            a first scene, with remarks
   hfvdb fmt mine.toml                            the same scene, neatly spaced
   hfvdb nodes lattice                            what scenes are made of, searched
@@ -79,6 +81,8 @@ enum Command {
     Convert(convert::Arguments),
     /// Turn .vdb files of any maker into polygons with colours and attributes: .glb, .ply, .obj
     Mesh(mesh::Arguments),
+    /// Write a USD layer of .vdb files: one Volume that plays, for Solaris, usdview and Blender
+    Usd(usd::Arguments),
     /// Check a scene and estimate its voxels, memory and file size, a .vdb file for programs, or a mesh
     Check(check::Arguments),
     /// Show what a .vdb file holds
@@ -124,6 +128,7 @@ pub fn run() -> ExitCode {
         Command::Morph(arguments) => morph::run(&arguments, &global),
         Command::Convert(arguments) => convert::run(&arguments, &global),
         Command::Mesh(arguments) => mesh::run(&arguments, &global),
+        Command::Usd(arguments) => usd::run(&arguments, &global),
         Command::Check(arguments) => check::run(&arguments, &global),
         Command::Info(arguments) => info::run(&arguments, &global),
         Command::Scenes(arguments) => scenes::run(&arguments, &global),

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::parts::{Parts, Sample};
+use super::part::{Parts, Sample};
 use super::{Aabb, Slope};
 
 /// Balls of any radii.

@@ -6,7 +6,7 @@
 use glam::DVec3;
 
 use super::Aabb;
-use super::parts::{Parts, WITHIN};
+use super::part::{Parts, WITHIN};
 
 /// So few parts are not told apart any further.
 const FEW: usize = 4;

@@ -96,16 +96,16 @@ fn absolute(matrix: DMat3) -> DMat3 {
     DMat3::from_cols(matrix.x_axis.abs(), matrix.y_axis.abs(), matrix.z_axis.abs())
 }
 
-fn distance_to(aabb: &Aabb, position: DVec3) -> f64 {
+pub(super) fn distance_to(aabb: &Aabb, position: DVec3) -> f64 {
     (aabb.min - position).max(position - aabb.max).max(DVec3::ZERO).length()
 }
 
-fn distance_between(a: &Aabb, b: &Aabb) -> f64 {
+pub(super) fn distance_between(a: &Aabb, b: &Aabb) -> f64 {
     (a.min - b.max).max(b.min - a.max).max(DVec3::ZERO).length()
 }
 
 /// The greatest distance of a position of `region` from `aabb`.
-fn farthest(aabb: &Aabb, region: &Aabb) -> f64 {
+pub(super) fn farthest(aabb: &Aabb, region: &Aabb) -> f64 {
     (aabb.min - region.min).max(region.max - aabb.max).max(DVec3::ZERO).length()
 }
 

@@ -6,7 +6,7 @@
 
 use glam::{DVec2, DVec3};
 
-use super::parts::{Parts, Sample};
+use super::part::{Parts, Sample};
 use super::{Aabb, Slope};
 
 /// An ellipse in the xy plane, whatever z.

@@ -6,6 +6,7 @@
 
 mod balls;
 mod batch;
+mod bent;
 mod bounds;
 mod branch;
 mod candidates;
@@ -32,6 +33,7 @@ mod machine;
 mod noise;
 mod op;
 mod outline;
+mod part;
 mod part_tree;
 mod parts;
 mod place;
@@ -41,6 +43,7 @@ mod prune;
 mod rows;
 mod seeds;
 mod solids;
+mod spine;
 mod struts;
 mod tape;
 #[cfg(test)]
@@ -51,6 +54,7 @@ mod width;
 
 pub use balls::Balls;
 pub use batch::{BATCH, Gradients, Points};
+pub use bent::{Bent, Folded};
 pub use combine::{Blend, BlendBounds, Kernel, SetSystem};
 pub use copies::{Copies, CopyPlace};
 pub use distances::Side;
@@ -64,9 +68,11 @@ pub use heights::Heights;
 pub use interval::{Aabb, Interval};
 pub use noise::{Fold, Fractal, GradientNoise, Near, Noise, NoiseField, Simplex, ValueNoise, Worley};
 pub use outline::Outline;
-pub use parts::{Joined, Parts, Procedure, Sample};
+pub use part::{Parts, Sample};
+pub use parts::{Joined, Procedure};
 pub use place::{NotInvertible, rotation, rotation_about};
 pub use seeds::Seeds;
+pub use spine::Spine;
 pub use struts::{Strut, Struts};
 pub use width::VectorWidth;
 

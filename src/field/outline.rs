@@ -7,7 +7,7 @@ use std::sync::OnceLock;
 
 use glam::{DVec2, DVec3};
 
-use super::parts::{Parts, Sample};
+use super::part::{Parts, Sample};
 use super::rows::Rows;
 use super::{Aabb, Slope};
 

@@ -7,7 +7,7 @@
 use glam::DVec3;
 
 use super::Aabb;
-use super::parts::{Parts, Sample};
+use super::part::{Parts, Sample};
 
 /// Parts of a leaf. Fewer: more boxes are visited than parts; more: parts that cannot be the best are evaluated.
 const LEAF: usize = 4;

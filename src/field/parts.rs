@@ -10,11 +10,9 @@ use std::sync::Arc;
 use glam::DVec3;
 
 use super::candidates::Candidates;
+use super::part::{Parts, Sample, WITHIN};
 use super::part_tree::PartTree;
 use super::{Aabb, BATCH, Evaluator, Field, Gradients, Hint, Hints, Interval, Points, Slope};
-
-/// How far a region may reach, in cubes that repeat, to be seen as one: no part beyond the cubes around is then the best.
-pub(super) const WITHIN: f64 = 0.45;
 
 /// More parts of a region than this are more work at each point than a look into the tree.
 const MOST_LISTED: usize = 6;
@@ -24,52 +22,6 @@ const MANY: usize = 64;
 
 /// So many parts of a region are listed where there is a tree; of more, the tree is asked at each point.
 const MOST_OF_TREE: usize = 16;
-
-/// A value and its gradient.
-pub type Sample = (f64, DVec3);
-
-/// Parts that make a solid, or whose union is the boundary of one.
-pub trait Parts: Send + Sync {
-    /// How many there are, at least one.
-    fn count(&self) -> usize;
-
-    /// The value of a part and its gradient, slope 1 at most: of a solid its signed distance, positive inside; of a piece
-    /// of a boundary minus the distance to it.
-    fn part(&self, index: usize, position: DVec3) -> Sample;
-
-    /// Whether a position is inside, where parts are pieces of a boundary.
-    fn inside(&self, _position: DVec3) -> Option<bool> {
-        None
-    }
-
-    /// A smooth function that is zero where the part is: across a crease each side has its own.
-    fn carrier(&self, index: usize, position: DVec3) -> Sample {
-        self.part(index, position)
-    }
-
-    /// A box, and the radius that a part reaches beyond it: its value is nowhere more than the radius minus the distance to
-    /// the box. For parts that may be very many.
-    fn core(&self, _index: usize) -> Option<(Aabb, f64)> {
-        None
-    }
-
-    /// A box that holds the solid.
-    fn bounding_box(&self) -> Option<Aabb>;
-
-    /// What the value says about distance.
-    fn slope(&self) -> Slope;
-
-    /// Whether z plays no role.
-    fn is_flat(&self) -> bool {
-        false
-    }
-
-    /// The edge of the cubes in which all repeats. The parts then are those of a cube with one corner at the origin, and
-    /// of all cubes around it.
-    fn period(&self) -> Option<f64> {
-        None
-    }
-}
 
 /// The field of some parts.
 pub struct Joined<P> {

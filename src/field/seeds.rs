@@ -3,7 +3,7 @@
 use glam::{DVec3, I64Vec3};
 
 use super::noise::hash::{cells_around, of_cell, shares};
-use super::parts::Sample;
+use super::part::Sample;
 
 /// Points at random, one in each cube of a lattice.
 #[derive(Clone, Copy, Debug)]

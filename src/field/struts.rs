@@ -5,7 +5,7 @@
 
 use glam::DVec3;
 
-use super::parts::{Parts, Sample};
+use super::part::{Parts, Sample};
 use super::{Aabb, Slope};
 
 /// All near a line.

@@ -4,7 +4,7 @@ use std::cell::Cell;
 
 use glam::{DVec2, DVec3};
 use parry3d_f64::bounding_volume::Aabb as ParryBox;
-use parry3d_f64::partitioning::{Bvh, BvhBuildStrategy, BvhNode, TraversalAction};
+use parry3d_f64::partitioning::{Bvh, BvhBuildStrategy, BvhNode};
 use rayon::prelude::*;
 
 use super::closest::{Closest, Part, closest, closest_of_sides};
@@ -12,6 +12,7 @@ use super::copies::without_copies;
 use super::material::PicturePlace;
 use super::pseudonormals::Pseudonormals;
 use super::solid::boundary;
+use super::visit::visit;
 use super::winding::Winding;
 use super::{MeshEvaluator, Problem, Topology, TriangleMesh};
 use crate::distance::{Distance, Foot};
@@ -370,20 +371,6 @@ fn tree(mesh: &TriangleMesh) -> Bvh {
         (t, ParryBox::new(low.to_array().into(), high.to_array().into()))
     });
     Bvh::from_iter(BvhBuildStrategy::Binned, boxes)
-}
-
-/// Calls with every triangle of a tree whose box, grown by `margin`, meets the region, until told to stop.
-pub(super) fn visit(tree: &Bvh, region: &Aabb, margin: f64, mut stop: impl FnMut(u32) -> bool) {
-    let region = region.grown(margin);
-    tree.traverse(|node| {
-        let (low, high) = (node.mins().to_array(), node.maxs().to_array());
-        let apart = (0..3).any(|i| low[i] > region.max[i] || high[i] < region.min[i]);
-        match node.leaf_data() {
-            _ if apart => TraversalAction::Prune,
-            Some(triangle) if stop(triangle) => TraversalAction::EarlyExit,
-            _ => TraversalAction::Continue,
-        }
-    });
 }
 
 fn note_on_copies(mesh: &TriangleMesh, copies: &[u32]) -> String {

@@ -32,6 +32,7 @@ mod stl;
 mod texture;
 mod topology;
 mod triangles;
+mod visit;
 mod winding;
 
 #[cfg(test)]

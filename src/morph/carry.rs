@@ -14,10 +14,11 @@ use std::sync::Arc;
 
 use glam::{DMat3, DVec3};
 
+use super::error::{Error, Side};
 use super::inertia::{Axes, Inertia};
 use super::motion::{Motion, Similarity};
-use super::plan::MorphObject;
-use super::settings::{Error, Mode, Settings, Side};
+use super::object::MorphObject;
+use super::settings::{Carry, Mode, Settings};
 use super::turn::{between, fit, is_half_turn, onto, turn, vector_near};
 
 /// Steps over the span at which the turn between objects that turn is followed. Fewer: they turn by more than half in a
@@ -26,21 +27,6 @@ const STEPS: usize = 160;
 /// How far an anchor may lie outside of its object, in halves of the diagonal of its box: what is meant to lie on the
 /// surface misses it by a little.
 const OUTSIDE: f64 = 0.01;
-
-/// How a morph carries its objects along. Modes that blend neither in time nor in space, `union` and `still`, carry none.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub enum Carry {
-    /// Not: both stay where they are.
-    #[default]
-    None,
-    /// From centre of volume to centre of volume.
-    Centroid,
-    /// The same, and by the least turn that takes the principal axes of the first object onto those of the second.
-    Inertia,
-    /// From places of the first object to those of the second, in the world as the shape starts and ends to change: by
-    /// their middles, with two by the least turn besides, and with more by the turn that fits them best.
-    Anchors(Vec<[DVec3; 2]>),
-}
 
 /// What a carry leaves out, as nothing decides it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -10,9 +10,10 @@ use std::sync::Arc;
 use glam::{DMat3, DQuat, DVec3};
 
 use super::carry::Way;
+use super::error::Side;
 use super::motion::{Motion, Similarity};
-use super::plan::MorphObject;
-use super::settings::{Settings, Side};
+use super::object::MorphObject;
+use super::settings::Settings;
 
 /// Steps over the morph's span. Fewer: objects that spin turn by more than half in a step, and the mean of two such turns
 /// is the wrong one.

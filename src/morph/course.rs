@@ -7,9 +7,11 @@ use super::curves::Curves;
 use super::pace::cubic;
 use super::real::Real;
 use super::section::{Kernel, Slopes};
-use super::settings::FLOW_TIME_SCALE;
 use crate::field::Interval;
 
+/// How many units of D a unit of t is worth: with the slab and the reach of settings it keeps the first and last frames
+/// alive and whole.
+pub(super) const FLOW_TIME_SCALE: f64 = 0.25;
 /// Sections that are solved, but for the first. Fewer: surfaces go in waves from one to the next, and volumes are off in
 /// between; each costs a solve of a₀.
 const SOLVED: usize = 48;

@@ -8,7 +8,7 @@ use multiversion::multiversion;
 use rayon::prelude::*;
 
 use super::coarse::CoarseGrid;
-use super::settings::Error;
+use super::error::Error;
 use crate::attribute::Scalar;
 use crate::field::{Aabb, BATCH, Gradients, Interval, Points};
 

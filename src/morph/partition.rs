@@ -1,7 +1,8 @@
 //! The morph of one pair of corresponding partitions (STTI, section 4.2.2).
 
-use super::plan::{Morph, MorphObject, on_way};
-use super::settings::Side;
+use super::error::Side;
+use super::object::MorphObject;
+use super::plan::{Morph, on_way};
 
 impl Morph {
     /// The morph of a part of the first object into a part of the second: with the settings, the unit D and the t of the

@@ -12,12 +12,14 @@ use super::common::Common;
 use super::course::{Course, LEAST_TIME, Timed};
 use super::delay::DelayGrid;
 use super::delayed::DelayedStb;
-use super::motion::{Motion, Moved, Similarity};
+use super::error::{Error, Side};
+use super::motion::{Moved, Similarity};
+use super::object::MorphObject;
 use super::pace::{Curve, Even, even};
 use super::plain;
 use super::recent::Recent;
 use super::section::{Kernel, Section};
-use super::settings::{Ease, Error, Flow, Mode, Pace, Settings, Side};
+use super::settings::{Ease, Flow, Mode, Pace, Settings};
 use super::stb::Stb;
 use super::stti::{MorphAttribute, Transfer};
 use super::surfels::Surfels;
@@ -35,19 +37,6 @@ const STEPS: usize = 40;
 const BOX_STEPS: usize = 160;
 /// The coarse grid's margin around both objects, in units of D: first tried, and the most tried before giving up.
 const MARGINS: [f64; 2] = [0.15, 2.5];
-
-/// An object of a morph, in its own space, with its motion.
-#[derive(Clone)]
-pub struct MorphObject {
-    /// Its own field, creases and all: what the first or last frame shows.
-    pub surface: Arc<dyn Field>,
-    /// Its signed distance everywhere, which the in-betweens are made of.
-    pub distance: Arc<dyn Distance>,
-    /// Its colour.
-    pub colour: Arc<Colour>,
-    /// Where it stands, over scene time.
-    pub motion: Motion,
-}
 
 /// What is worked out once for a morph: the same for every frame, resolution and number of threads.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

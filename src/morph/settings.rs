@@ -1,9 +1,10 @@
-//! What an artist sets on a morph, and what can be wrong with it.
+//! What an artist sets on a morph.
 
-use std::fmt;
+use glam::DVec3;
 
-use super::carry::Carry;
+use super::course::FLOW_TIME_SCALE;
 use super::delay::Delay;
+use super::error::Error;
 use super::over_time::OverTime;
 use super::section::{Round, Section};
 use crate::attribute::ColourSpace;
@@ -60,6 +61,21 @@ pub enum Mode {
     Still,
     /// All of the blend's parameters by hand, t as it comes; frames may be empty.
     Paper(OverTime<Paper>),
+}
+
+/// How a morph carries its objects along. Modes that blend neither in time nor in space, `union` and `still`, carry none.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub enum Carry {
+    /// Not: both stay where they are.
+    #[default]
+    None,
+    /// From centre of volume to centre of volume.
+    Centroid,
+    /// The same, and by the least turn that takes the principal axes of the first object onto those of the second.
+    Inertia,
+    /// From places of the first object to those of the second, in the world as the shape starts and ends to change: by
+    /// their middles, with two by the least turn besides, and with more by the turn that fits them best.
+    Anchors(Vec<[DVec3; 2]>),
 }
 
 /// A morph that keeps to a volume.
@@ -177,7 +193,6 @@ fn smooth(u: f64) -> f64 {
 
 /// The slab, time scale and reach that keep the first and last frames alive and whole.
 const FLOW_SLAB: [f64; 2] = [-1.0, 2.0];
-pub(super) const FLOW_TIME_SCALE: f64 = 0.25;
 const FLOW_REACH: f64 = 2.5;
 /// The bridge at both ends of every morph, where the blend must end soon: the least a bridge can be.
 const LEAST_BRIDGE: f64 = 0.05;
@@ -272,104 +287,3 @@ impl Paper {
 fn within(name: &'static str, value: f64, least: f64, most: f64) -> Result<(), Error> {
     if (least..=most).contains(&value) { Ok(()) } else { Err(Error::Setting { name, value, least, most }) }
 }
-
-/// Why a morph cannot be made.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Error {
-    /// A setting is out of its range.
-    Setting {
-        /// Its name in a scene.
-        name: &'static str,
-        /// What was given.
-        value: f64,
-        /// The least it can be.
-        least: f64,
-        /// The most it can be.
-        most: f64,
-    },
-    /// A span does not run forward.
-    Span {
-        /// Its name in a scene.
-        name: &'static str,
-        /// Where it was to start.
-        from: f64,
-        /// Where it was to end.
-        to: f64,
-    },
-    /// An object reaches to infinity, or its box is not finite.
-    Unbounded(Side),
-    /// An anchor lies outside of its object.
-    AnchorOutside {
-        /// Which pair of anchors it is in, from 0.
-        place: usize,
-        /// Whose it is.
-        side: Side,
-    },
-    /// All anchors of an object are at one place, and so tell no turn.
-    AnchorsAlike,
-    /// Three anchors or more lie on one line, or nearly, and so tell no turn about it.
-    AnchorsInLine,
-    /// Neither object holds any volume that the coarse grid can see.
-    Empty,
-    /// The in-betweens reach too far outside both objects to be measured.
-    Spreads {
-        /// The scene time τ at which they first do.
-        time: f64,
-        /// STB's time there.
-        t: f64,
-    },
-}
-
-/// One of a morph's two objects.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Side {
-    /// The object at the start.
-    From,
-    /// The object at the end.
-    To,
-}
-
-impl fmt::Display for Side {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::From => "from",
-            Self::To => "to",
-        })
-    }
-}
-
-impl fmt::Display for Error {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Setting { name, value, least, most } if least == most => {
-                write!(f, "the morph's {name} is {value}; it must be {least}")
-            }
-            Self::Setting { name, value, least, most } => {
-                write!(f, "the morph's {name} is {value}; it must lie between {least} and {most}")
-            }
-            Self::Span { name, from, to } => {
-                write!(f, "the morph's {name} runs from {from} to {to}; it must end after it starts")
-            }
-            Self::Unbounded(side) => {
-                write!(f, "the object the morph goes {side} has no bounds; give the shape `bounds`")
-            }
-            Self::AnchorOutside { side, .. } => {
-                write!(f, "an anchor lies outside of the object the morph goes {side}, as that stands then")
-            }
-            Self::AnchorsAlike => write!(f, "the anchors of an object are all at one place, and so tell no turn"),
-            Self::AnchorsInLine => {
-                write!(f, "the anchors lie on one line, and so tell no turn about it")
-            }
-            Self::Empty => {
-                write!(f, "neither of the morph's objects holds any volume; check their formulas, sizes and places")
-            }
-            Self::Spreads { t, .. } => write!(
-                f,
-                "the in-betweens spread far outside both objects, first at t = {t:.3}; use a smaller \
-                 `bridge`, `volume` or `a0` there"
-            ),
-        }
-    }
-}
-
-impl std::error::Error for Error {}

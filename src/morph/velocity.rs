@@ -16,7 +16,8 @@ use std::sync::Arc;
 use glam::{DVec3, Vec3};
 
 use super::motion::{Motion, Moved};
-use super::plan::{Morph, MorphObject};
+use super::object::MorphObject;
+use super::plan::Morph;
 use super::stti::{MorphAttribute, Transfer};
 use crate::attribute::{AffineVector, Attribute, Sampler, Straight};
 use crate::distance::Distance;

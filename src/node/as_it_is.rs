@@ -3,13 +3,13 @@
 use std::path::{Path, PathBuf};
 
 use crate::node::compose::{Part, Scene, path};
-use crate::node::import::vdb::{VELOCITIES, chosen};
+use crate::node::import::vdb::chosen;
 use crate::node::keys::{GRIDS, UNITS};
 use crate::node::model::Model;
 use crate::text::diagnostic::Diagnostics;
 use crate::text::overrides::Overrides;
 use crate::text::pattern::FramePattern;
-use crate::vdb::{MetadataValue, Opened, StoredClass};
+use crate::vdb::{MetadataValue, Opened, StoredClass, VELOCITIES};
 
 /// Files as they stand.
 #[derive(Debug)]

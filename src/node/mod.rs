@@ -306,6 +306,7 @@ nodes! {
             taper
             twist
             bend
+            bend_along
             swirl
             wrap_cylinder
             wrap_sphere

@@ -1,10 +1,7 @@
 //! A picture in layers, as compositing takes it, and its EXR.
 
-use std::io::Cursor;
-
-use exr::prelude::*;
-
 use super::error::PictureError;
+use super::exr_file::{Values, encode};
 
 /// The depth where the object is not, as Blender has it.
 pub(super) const FAR: f32 = 1e10;
@@ -42,39 +39,31 @@ impl Layers {
     ///
     /// # Errors
     /// [`PictureError::Size`] and [`PictureError::Exr`].
-    pub fn encode_exr(&self) -> std::result::Result<Vec<u8>, PictureError> {
-        if self.width.min(self.height) == 0 {
-            return Err(PictureError::Size { width: self.width, height: self.height });
-        }
-        let half = |name: &str, values: &[f32]| {
-            AnyChannel::new(name, FlatSamples::F16(values.iter().copied().map(f16::from_f32).collect()))
-        };
-        let mut channels = SmallVec::new();
+    pub fn encode_exr(&self) -> Result<Vec<u8>, PictureError> {
+        let mut channels = Vec::new();
         for (layer, axes, planes) in [
             ("", ["R", "G", "B"], &self.beauty),
             ("colour.", ["R", "G", "B"], &self.colour),
             ("normal.", ["X", "Y", "Z"], &self.normal),
         ] {
             for (axis, plane) in axes.iter().zip(planes) {
-                channels.push(half(&format!("{layer}{axis}"), plane));
+                channels.push((format!("{layer}{axis}"), Values::Half(plane)));
             }
         }
-        channels.push(half("A", &self.mask));
-        channels.push(half("mask.A", &self.mask));
-        channels.push(AnyChannel::new("depth.Z", FlatSamples::F32(self.depth.clone())));
-        let encoding =
-            Encoding { compression: Compression::ZIP16, blocks: Blocks::ScanLines, line_order: LineOrder::Increasing };
-        let attributes = LayerAttributes::default();
-        let layer = Layer::new((self.width, self.height), attributes, encoding, AnyChannels::sort(channels));
-        let mut bytes = Cursor::new(Vec::new());
-        Image::from_layer(layer).write().non_parallel().to_buffered(&mut bytes).map_err(PictureError::Exr)?;
-        Ok(bytes.into_inner())
+        channels.push(("A".into(), Values::Half(&self.mask)));
+        channels.push(("mask.A".into(), Values::Half(&self.mask)));
+        channels.push(("depth.Z".into(), Values::Full(&self.depth)));
+        encode([self.width, self.height], channels, None)
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::*;
+    use std::io::Cursor;
+
+    use exr::prelude::{ReadChannels, ReadLayers, read};
+
+    use super::{FAR, Layers, PictureError};
 
     #[test]
     fn an_exr_reads_back_as_it_was() {

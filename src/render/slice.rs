@@ -231,7 +231,7 @@ pub(super) fn sign(image: &mut Image, caption: &str) {
 }
 
 /// The colours at some world positions.
-fn colours(fill: Fill<'_>, positions: &[DVec3]) -> Vec<[f32; 3]> {
+pub(super) fn colours(fill: Fill<'_>, positions: &[DVec3]) -> Vec<[f32; 3]> {
     match fill {
         Fill::None => vec![CLAY; positions.len()],
         Fill::Somewhere(known) => positions.iter().map(|&position| known(position).unwrap_or(CLAY)).collect(),

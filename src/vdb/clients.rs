@@ -6,7 +6,8 @@ use std::path::Path;
 
 use glam::IVec3;
 
-use super::lint::{Severity, active_values, missing_voxels};
+use super::active::{active_values, missing_voxels};
+use super::finding::Severity;
 use super::programs::{Client, Program, Three};
 use super::read::{SparseBlocks, StoredClass, Voxels};
 use super::walk::{GridLayout, Layout};
@@ -15,8 +16,8 @@ use crate::grid::node_origin;
 
 /// Channels that a Sparse Volume Texture has: two attributes of four.
 const UNREAL_CHANNELS: usize = 8;
-/// Names that velocities have.
-const VELOCITIES: [&str; 3] = ["velocity", "vel", "v"];
+/// Names that velocities have, the first that is there being taken.
+pub const VELOCITIES: [&str; 3] = ["velocity", "vel", "v"];
 /// Cycles drops values up to this by default.
 const CLIPPED: f32 = 1e-3;
 /// Metadata that OpenVDB itself writes.

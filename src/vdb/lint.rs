@@ -3,20 +3,19 @@
 //! Distances: sign, background, filled inside, slope; colours: range, and the same voxels as the level set's; names
 //! and statistics. Numbers in messages are as the file has them, where level sets are negative inside.
 
-use std::collections::{HashMap, HashSet};
-use std::fmt;
 use std::path::Path;
 
 use glam::{DVec3, IVec3};
 use serde::Serialize;
 
+use super::active::{active_values, missing_voxels};
 use super::clients::{self, Subject};
+use super::finding::{Finding, Severity};
 use super::programs::Client;
 use super::read::{Opened, SparseBlocks, StoredClass, Voxels, band_of};
 use super::walk::{GridLayout, Layout, Transform};
 use super::{Error, MetadataValue};
-use crate::grid::{BLOCK_EDGE, VoxelSize, block_origin, is_active, measure, node_origin};
-use crate::terminal;
+use crate::grid::{VoxelSize, measure};
 
 /// The newest format that OpenVDB 10 to 12 read without a warning.
 const FORMAT: u32 = 224;
@@ -29,43 +28,6 @@ const ROUNDING: f32 = 1e-3;
 /// The share of voxels with a wrong slope above which values are no distances. True distances have creases, where
 /// the slope has a jump: half of the voxels of the most faceted object tried, at voxels as large as its facets.
 const WRONG_SLOPES: f64 = 0.8;
-
-/// How bad it is.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Severity {
-    /// Programs show it wrong, or not at all.
-    Error,
-    /// Some programs may.
-    Warning,
-    /// It is good to know.
-    Note,
-}
-
-/// One thing that is wrong.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Finding {
-    /// How bad it is.
-    pub severity: Severity,
-    /// The program it is about; `None` for all.
-    pub client: Option<Client>,
-    /// The grid it is about; `None` for the file.
-    pub grid: Option<String>,
-    /// What it is, and what to do.
-    pub problem: String,
-}
-
-impl fmt::Display for Finding {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        if let Some(client) = self.client {
-            write!(f, "for {client}: ")?;
-        }
-        match &self.grid {
-            Some(grid) => write!(f, "grid '{}': {}", terminal::one_line(grid), terminal::one_line(&self.problem)),
-            None => f.write_str(&terminal::one_line(&self.problem)),
-        }
-    }
-}
 
 /// What a file holds, and what is wrong with it.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -306,32 +268,6 @@ fn is_finite<T: Copy>(blocks: &SparseBlocks<T>, test: impl Fn(T) -> bool, notes:
         notes.error(format!("{wrong} values are not finite numbers; look for a division by 0 in what made them"));
     }
     wrong == 0
-}
-
-/// The values of active voxels, and of active tiles.
-pub(super) fn active_values<T: Copy>(blocks: &SparseBlocks<T>) -> impl Iterator<Item = T> {
-    let in_block = |(values, mask)| {
-        let values: &[T; 512] = values;
-        values.iter().enumerate().filter(move |(offset, _)| is_active(mask, *offset)).map(|(_, value)| *value)
-    };
-    let in_tiles = blocks.tiles.iter().filter(|tile| tile.active).map(|tile| tile.value);
-    blocks.values.iter().zip(&blocks.active).flat_map(in_block).chain(in_tiles)
-}
-
-/// How many active voxels of the one are not active in the other, those of tiles left out.
-pub(super) fn missing_voxels(surface: &SparseBlocks<f32>, colours: &SparseBlocks<[f32; 3]>) -> u64 {
-    let blocks: HashMap<IVec3, usize> = colours.origins.iter().enumerate().map(|(i, origin)| (*origin, i)).collect();
-    let tiles: HashSet<(IVec3, i32)> =
-        colours.tiles.iter().filter(|tile| tile.active).map(|tile| (tile.origin, tile.edge)).collect();
-    let missing = |(origin, mask): (&IVec3, &[u64; 8])| -> u64 {
-        let in_tile = |edge: i32| tiles.contains(&(node_origin(*origin, edge), edge));
-        if [BLOCK_EDGE, 128, 4096].into_iter().any(in_tile) {
-            return 0;
-        }
-        let other = blocks.get(&block_origin(*origin)).map_or([0; 8], |block| colours.active[*block]);
-        mask.iter().zip(other).map(|(own, other)| u64::from((own & !other).count_ones())).sum()
-    };
-    surface.origins.iter().zip(&surface.active).map(missing).sum()
 }
 
 /// The edge of voxels that are cubes, turned or not.

@@ -15,11 +15,13 @@
 //!
 //! No field, no scene and no picture is known here.
 
+mod active;
 mod blosc;
 mod bridge;
 mod clients;
 mod encode;
 mod error;
+mod finding;
 mod frame;
 mod inspect;
 mod level_set;
@@ -30,12 +32,14 @@ mod read;
 pub mod walk;
 mod write;
 
+pub use clients::VELOCITIES;
 pub use encode::encode;
 pub use error::Error;
+pub use finding::{Finding, Severity};
 pub use frame::{Blocks, Class, Content, Frame, Grid, Tiles, Values, VectorType};
 pub use inspect::{FileInfo, GridInfo, Range, inspect, level_set_box};
 pub use level_set::LevelSet;
-pub use lint::{Finding, Lint, Severity, lint};
+pub use lint::{Lint, lint};
 pub use metadata::{INTEROP_ID, Metadata, MetadataValue};
 pub use programs::{Client, NAMES as PROGRAM_NAMES, Program, Three};
 pub use read::{Contents, Opened, SparseBlocks, StoredClass, StoredGrid, Tile, Voxels, read};

@@ -45,6 +45,7 @@ Examples:
   hfvdb preview my.toml --terminal --frames 12       without any file
   hfvdb preview covid -o turn.apng --turntable 48    once around one frame
   hfvdb preview cubism -o inside.png --slice z=0     colours inside, lines of equal distance
+  hfvdb preview bat -o bat.exr --slice z=0           numbers: distance, F, R G B A, and attributes by name
   hfvdb preview cubism -o f.png --slice z=0 --slice-of f --frames 24    F far from the surface
   hfvdb preview 'out/cubism.####.vdb' -o cubism.apng files that are there, of any maker
   hfvdb preview my.toml -o grid.png --vary size=0.5,1,2 --vary seed=1,2   a grid of parameters
@@ -170,9 +171,6 @@ impl From<Quality> for render::Quality {
 /// Runs the command.
 pub fn run(arguments: &Arguments, global: &Global) -> Result<(), Failure> {
     let target = Target::new(arguments.output.as_deref(), arguments.terminal)?;
-    if arguments.slice.is_some() && target.kind == Kind::Exr {
-        return Err(Failure::usage("a slice is a .png or an .apng: the layers of an .exr are those of a camera"));
-    }
     let files = arguments.inputs.iter().filter(|input| files::is_vdb(input)).count();
     let interrupt = job::interrupt()?;
     if files == arguments.inputs.len() {

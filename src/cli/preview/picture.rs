@@ -1,11 +1,11 @@
 //! A picture of one frame: from the camera, or a slice.
 
-use super::source::{Inside, Shown, Source};
+use super::source::{Shown, Source};
 use super::{Arguments, Quality};
 use crate::cli::failure::Failure;
 use crate::field::{Aabb, Field};
 use crate::grid::measure;
-use crate::render::{Camera, Fill, Image, Layers, Look, Scene, Shows, Slice, render, render_layers};
+use crate::render::{Camera, Fill, Image, Look, PictureError, Scene, Shows, Slice, render, render_layers};
 
 /// Takes pictures that all show the same part of the world.
 pub struct Painter<'a> {
@@ -37,9 +37,28 @@ impl<'a> Painter<'a> {
 
     /// A picture of a frame.
     pub fn image(&mut self, shown: &Shown) -> Image {
-        let Some(plane) = self.arguments.slice else {
+        let Some(slice) = self.slice(shown) else {
             return render(&self.scene(shown), self.size, self.size);
         };
+        match self.of_field(shown) {
+            Some((field, shows)) => slice.draw_field(field, shows),
+            None => shown.inside.with_fill(|fill| slice.draw(&shown.band, fill)),
+        }
+    }
+
+    /// A frame in layers, or a slice as numbers.
+    pub fn exr(&mut self, shown: &Shown) -> Result<Vec<u8>, PictureError> {
+        let Some(slice) = self.slice(shown) else {
+            return render_layers(&self.scene(shown), self.size, self.size).encode_exr();
+        };
+        let field = shown.field.as_deref();
+        let values = |fill: Fill<'_>| slice.values(&shown.band, field, fill, &shown.scalars);
+        shown.inside.with_fill(values).encode_exr()
+    }
+
+    /// The slice that is asked for, the same for all frames.
+    fn slice(&mut self, shown: &Shown) -> Option<Slice> {
+        let plane = self.arguments.slice?;
         // Lines are equally far apart in all frames.
         let reach = f64::from(shown.band.background());
         let new = || {
@@ -54,19 +73,7 @@ impl<'a> Painter<'a> {
             None => new(),
         };
         self.slice = Some(slice);
-        if let Some((field, shows)) = self.of_field(shown) {
-            return slice.draw_field(field, shows);
-        }
-        match &shown.inside {
-            Inside::None => slice.draw(&shown.band, Fill::None),
-            Inside::Everywhere(colour) => slice.draw(&shown.band, Fill::Everywhere(&**colour)),
-            Inside::Voxels(voxels) => slice.draw(&shown.band, Fill::Somewhere(&|position| voxels.colour(position))),
-        }
-    }
-
-    /// A frame in layers.
-    pub fn layers(&self, shown: &Shown) -> Layers {
-        render_layers(&self.scene(shown), self.size, self.size)
+        Some(slice)
     }
 
     /// What there is to say about all pictures.

@@ -8,7 +8,7 @@ use glam::{DVec3, IVec3};
 
 use super::target::Target;
 use super::{Arguments, Quality};
-use crate::attribute::{Colour, LinearRgb};
+use crate::attribute::{Colour, LinearRgb, Scalar};
 use crate::bake::{self, Bytes, Interrupt};
 use crate::cli::failure::Failure;
 use crate::cli::files;
@@ -17,7 +17,7 @@ use crate::cli::options::{Global, Sampling, SceneArguments};
 use crate::cli::progress::Progress;
 use crate::field::{Aabb, Field};
 use crate::grid::{Band, Channel, block_origin, is_active, measure, node_origin, voxel_offset};
-use crate::render::Up;
+use crate::render::{Fill, Up};
 use crate::shot::Prepared;
 use crate::vdb::{self, MetadataValue, SparseBlocks, Voxels};
 
@@ -63,6 +63,8 @@ pub struct Shown {
     pub inside: Inside,
     /// F itself, of a scene of which a slice was asked for.
     pub field: Option<Arc<dyn Field>>,
+    /// Its scalars, there too.
+    pub scalars: Vec<(String, Arc<Scalar>)>,
     pub fps: f64,
     /// The axis that points up.
     pub up: Up,
@@ -73,6 +75,17 @@ pub enum Inside {
     None,
     Everywhere(Arc<Colour>),
     Voxels(Box<VoxelColours>),
+}
+
+impl Inside {
+    /// Calls with it as slices take it.
+    pub fn with_fill<T>(&self, call: impl FnOnce(Fill<'_>) -> T) -> T {
+        match self {
+            Self::None => call(Fill::None),
+            Self::Everywhere(colour) => call(Fill::Everywhere(&**colour)),
+            Self::Voxels(voxels) => call(Fill::Somewhere(&|position| voxels.colour(position))),
+        }
+    }
 }
 
 /// Calls `show` with the frames of a scene.
@@ -137,10 +150,13 @@ pub fn frame_of(
         Some(_) => Some(prepared.frame(frame).map_err(|error| job::failure_of(error, interrupt))?),
         None => None,
     };
-    let (field, inside) = content.map_or((None, None), |content| (Some(content.field), content.colour));
+    let (field, inside, scalars) = match content {
+        Some(content) => (Some(content.field), content.colour, content.scalars),
+        None => (None, None, Vec::new()),
+    };
     let inside = inside.map_or(Inside::None, Inside::Everywhere);
     let (fps, up) = (prepared.model().shot.fps, Up::named(prepared.model().up).unwrap_or_default());
-    Ok(Shown { band: computed.band, colour: computed.colour, inside, field, fps, up })
+    Ok(Shown { band: computed.band, colour: computed.colour, inside, field, scalars, fps, up })
 }
 
 /// Calls `show` with files of any maker, read one after the other.
@@ -219,10 +235,10 @@ fn read(path: &str) -> Result<Shown, Failure> {
     let found = contents.grids.iter().position(is_colour);
     let origin = level_set.transform.world(DVec3::ZERO).unwrap_or_default();
     let Some(grid) = found.map(|place| contents.grids.swap_remove(place)) else {
-        return Ok(Shown { band, colour: None, inside: Inside::None, field: None, fps, up });
+        return Ok(Shown { band, colour: None, inside: Inside::None, field: None, scalars: Vec::new(), fps, up });
     };
     let Voxels::Vectors(blocks) = grid.voxels else {
-        return Ok(Shown { band, colour: None, inside: Inside::None, field: None, fps, up });
+        return Ok(Shown { band, colour: None, inside: Inside::None, field: None, scalars: Vec::new(), fps, up });
     };
     let colours = VoxelColours::new(blocks, origin, band.lattice.voxel_size.get());
     // A level set's blocks may be shifted, the colours' are as the file has them.
@@ -231,7 +247,15 @@ fn read(path: &str) -> Result<Shown, Failure> {
     let of_block = |place: &IVec3| colours.places.get(&(*place - shift)).map_or(none, |&at| colours.blocks.values[at]);
     let of_blocks = band.origins.iter().map(of_block);
     let colour = Channel::of_blocks(grid.name, &band.active, of_blocks, colours.blocks.background);
-    Ok(Shown { band, colour: Some(colour), inside: Inside::Voxels(Box::new(colours)), field: None, fps, up })
+    Ok(Shown {
+        band,
+        colour: Some(colour),
+        inside: Inside::Voxels(Box::new(colours)),
+        field: None,
+        scalars: Vec::new(),
+        fps,
+        up,
+    })
 }
 
 /// Colours that a file has, wherever it has them.

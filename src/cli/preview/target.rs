@@ -114,7 +114,7 @@ impl<'a> Writer<'a> {
     /// Takes a picture of a frame; it is given back where it goes onto a contact sheet.
     pub fn take(&mut self, painter: &mut Painter<'_>, shown: &Shown, number: i64) -> Result<Option<Image>, Failure> {
         if self.target.kind == Kind::Exr {
-            let bytes = painter.layers(shown).encode_exr().map_err(failed)?;
+            let bytes = painter.exr(shown).map_err(failed)?;
             self.write(number, &bytes)?;
             return Ok(None);
         }

@@ -18,14 +18,12 @@ use crate::text::key::Absent::{Nothing, Required, Words};
 use crate::text::key::{Key, Kind};
 use crate::text::problem::Problem;
 use crate::vdb::walk::GridLayout;
-use crate::vdb::{Opened, SparseBlocks, StoredClass, StoredGrid, Transform, Voxels};
+use crate::vdb::{Opened, SparseBlocks, StoredClass, StoredGrid, Transform, VELOCITIES, Voxels};
 
 /// The value at which fog has its surface where nobody says.
 const THRESHOLD: f64 = 0.5;
 /// Grids that are a file's colour where it has one of them.
 const COLOURS: [&str; 2] = ["Cd", "color"];
-/// Grids that are its velocity.
-pub(in crate::node) const VELOCITIES: [&str; 3] = ["vel", "velocity", "v"];
 /// A block's values, and what finds them.
 const BYTES_A_BLOCK: u64 = 2048 + 128;
 

@@ -1,0 +1,21 @@
+//! What a morph starts from, and what it ends with.
+
+use std::sync::Arc;
+
+use super::motion::Motion;
+use crate::attribute::Colour;
+use crate::distance::Distance;
+use crate::field::Field;
+
+/// An object of a morph, in its own space, with its motion.
+#[derive(Clone)]
+pub struct MorphObject {
+    /// Its own field, creases and all: what the first or last frame shows.
+    pub surface: Arc<dyn Field>,
+    /// Its signed distance everywhere, which the in-betweens are made of.
+    pub distance: Arc<dyn Distance>,
+    /// Its colour.
+    pub colour: Arc<Colour>,
+    /// Where it stands, over scene time.
+    pub motion: Motion,
+}

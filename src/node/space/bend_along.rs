@@ -1,0 +1,113 @@
+//! A shape bent along a curve.
+
+use std::sync::Arc;
+
+use glam::{DVec3, DVec4};
+
+use crate::field::{Aabb, Bent, Expression, Folded, Graph, Node, Spine};
+use crate::node::bend::Bend;
+use crate::node::curves::{b_spline, bezier, catmull_rom};
+use crate::node::own_box::own_box;
+use crate::node::spec::Spec;
+use crate::text::key::Absent::{Nothing, Text, Vector};
+use crate::text::key::{Key, Kind};
+
+/// The most control points of one Bézier curve.
+const MOST_OF_BEZIER: usize = 32;
+
+/// Bent along a curve.
+pub const NODE: Spec = Spec {
+    key: Key::new(
+        "bend_along",
+        Kind::Rows(2, &[3]),
+        Nothing,
+        "Lays the z axis along a curve of these points, `[[x, y, z], …]`; x and y stand across it and turn about it no more than they must.",
+    )
+    .unit("units"),
+    parameters: &[
+        Key::new(
+            "bend_curve",
+            Kind::Choice(&["smooth", "bezier", "b_spline"]),
+            Text("smooth"),
+            "Smooth through the points (Catmull and Rom), or by Bézier or B-spline from the first to the last.",
+        ),
+        Key::new(
+            "bend_fit",
+            Kind::Choice(&["whole", "lengths"]),
+            Text("whole"),
+            "`whole` stretches the shape from the beginning of the curve to its end; with `lengths` it begins there and keeps its length, and goes straight on beyond the end.",
+        ),
+        Key::new("bend_up", Kind::Direction, Vector([0.0, 0.0, 1.0]), "Where its y axis points at the beginning, as far as it can."),
+    ],
+    formula: "f((p − c)·n, (p − c)·b, s), c the nearest place of the curve, at the length s, and n, b across it",
+    source: "Wang, Jüttler, Zheng and Liu, Computation of rotation minimizing frames, 2008",
+    example: "box = [0.5, 0.16, 2]\ntwist = 180\nbend_along = [[-1, -0.8, 0], [-0.7, 0.3, 0.1], [0, 0.8, 0.3], [0.7, 0.3, 0.5], [1, -0.8, 0.6]]",
+    bend: Some(|build| {
+        let rows = build.arguments().rows("bend_along").expect("it must be there").all.clone();
+        let points: Vec<DVec4> = rows.iter().map(|row| DVec4::new(row[0], row[1], row[2], 1.0)).collect();
+        let line = match build.arguments().choice("bend_curve").copied().unwrap_or("smooth") {
+            "bezier" if points.len() > MOST_OF_BEZIER => {
+                let problem = format!("a Bézier curve takes at most {MOST_OF_BEZIER} control points");
+                return Err(build.wrong("bend_along", problem).help("bend_curve = \"b_spline\" takes any number"));
+            }
+            "bezier" => bezier(&points),
+            "b_spline" if points.len() < 4 => {
+                return Err(build.wrong("bend_along", "a B-spline needs at least four control points"));
+            }
+            "b_spline" => b_spline(&points, false),
+            _ => catmull_rom(&points, false),
+        };
+        let mut line: Vec<DVec3> = line.into_iter().map(DVec4::truncate).collect();
+        let size = line.iter().fold(0.0_f64, |size, point| size.max(point.distance(line[0])));
+        // Points that stand on one another are one.
+        line.dedup_by(|a, b| a.distance(*b) <= 1e-9 * size);
+        if line.len() < 3 {
+            return Err(build.wrong("bend_along", "all points of the curve are the same").help("give it points that differ"));
+        }
+        let own = own_box(build)?;
+        let height = own.max.z - own.min.z;
+        let spine = Spine::new(&line, build.direction("bend_up")?);
+        let is_whole = build.arguments().choice("bend_fit") != Some(&"lengths");
+        if is_whole && height <= 0.0 {
+            return Err(build.wrong("bend_along", format!("`{}` has no height to be stretched", build.name())));
+        }
+        let stretch = if is_whole { height / spine.length() } else { 1.0 };
+        let inner = build.inner()?;
+        let inner = Expression::new(build.graph(), inner);
+        match Bent::new(inner, own, spine, own.min.z, stretch) {
+            Ok(bent) => Ok(Arc::new(Along(Arc::new(bent)))),
+            Err(Folded { at, radius, reach }) => {
+                let problem = format!("`{}` folds where the curve turns sharply, at [{:.4}, {:.4}, {:.4}]", build.name(), at.x, at.y, at.z);
+                let help = format!("the curve's radius there is {radius:.4} units, and the shape reaches {reach:.4} to its middle: a thinner shape, or points that turn less");
+                Err(build.wrong("bend_along", problem).help(help))
+            }
+        }
+    }),
+    ..Spec::PLAIN
+};
+
+struct Along(Arc<Bent>);
+
+impl Bend for Along {
+    fn node(&self, graph: &mut Graph, _node: Node) -> Node {
+        let node = graph.field(Arc::clone(&self.0) as _);
+        // It is held below minus the distance to its box.
+        graph.falling(node, 1.0)
+    }
+
+    fn back(&self, position: DVec3) -> DVec3 {
+        self.0.back(position)
+    }
+
+    fn region(&self, region: &Aabb) -> Aabb {
+        self.0.region_back(region)
+    }
+
+    fn carried(&self, position: DVec3, vector: DVec3) -> DVec3 {
+        self.0.carried(position, vector)
+    }
+
+    fn forth(&self, own: DVec3, _branch: u32) -> Option<DVec3> {
+        Some(self.0.forth(own))
+    }
+}
