@@ -512,3 +512,50 @@ fn voxels_become_polygons() {
     place.write("bad.vdb", "no voxels");
     place.hfvdb("mesh bad.vdb -o b.ply").fails(1, &["bad.vdb"]);
 }
+
+/// A cube of two materials: roughness plain, and of one by a picture whose half of black and white is a half, not what sRGB
+/// makes of that.
+#[test]
+fn roughness_of_materials_is_a_number() {
+    let mut cube = String::from("mtllib cube.mtl\nvt 0.5 0.5\n");
+    for i in 0..8 {
+        let at = |bit: i32| if i >> bit & 1 == 0 { -1 } else { 1 };
+        let _ = writeln!(cube, "v {} {} {}", at(0), at(1), at(2));
+    }
+    for (material, faces) in [
+        ("plain", &[[1, 2, 6, 5], [3, 7, 8, 4], [1, 5, 7, 3]][..]),
+        ("drawn", &[[2, 4, 8, 6], [1, 3, 4, 2], [5, 6, 8, 7]]),
+    ] {
+        let _ = writeln!(cube, "usemtl {material}");
+        for [a, b, c, d] in faces {
+            let _ = writeln!(cube, "f {a}/1 {b}/1 {c}/1 {d}/1");
+        }
+    }
+    let place = Workplace::new();
+    place.write("cube.obj", &cube);
+    place.write("cube.mtl", "newmtl plain\nPr 0.25\nPm 1\nnewmtl drawn\nKd 1 0 0\nmap_Pr half.png\n");
+    let mut picture = std::io::BufWriter::new(std::fs::File::create(place.path("half.png")).unwrap());
+    let mut encoder = png::Encoder::new(&mut picture, 1, 1);
+    encoder.set_color(png::ColorType::Rgb);
+    encoder.write_header().unwrap().write_image_data(&[128, 0, 0]).unwrap();
+    drop(picture);
+    let scene = |which: &str| {
+        format!(
+            "hfvdb = 1\n[output]\ngrids = ['surface', 'n']\n[shape.m]\nmesh = 'cube.obj'\nattribute.n = {{ material = '{which}' }}\n"
+        )
+    };
+    for (which, least, greatest) in [("roughness", 0.25, 128.0 / 255.0), ("metallic", 1.0, 1.0)] {
+        place.write("s.toml", scene(which));
+        place.hfvdb("bake s.toml -o o.vdb --resolution 24 --overwrite").ok();
+        let range = &grid(&place, "o.vdb", "n")["range"];
+        for (end, wanted) in [("least", least), ("greatest", greatest)] {
+            let found = range[end][0].as_f64().unwrap();
+            assert!((found - wanted).abs() < 1e-6, "{which}: {range}");
+        }
+    }
+    // What says none, and what has no materials.
+    place.write("cube.mtl", "newmtl plain\nKd 1 1 1\nnewmtl drawn\nKd 1 0 0\n");
+    place.hfvdb("check s.toml").fails(1, &["no material in the file of `m` says its metallic", "`Pr`"]);
+    place.write("s.toml", scene("roughness").replace("mesh = 'cube.obj'", "sphere = 1"));
+    place.hfvdb("check s.toml").fails(1, &["`m` has no materials: only a shape of a `mesh` has"]);
+}

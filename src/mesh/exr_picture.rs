@@ -77,7 +77,7 @@ mod tests {
     use exr::prelude::{Image, SpecificChannels, WritableImage};
 
     use super::*;
-    use crate::mesh::texture::{Lookup, Texture, Wrap};
+    use crate::mesh::texture::{Lookup, Meaning, Texture, Wrap};
 
     fn written(primaries: Option<Chromaticities>) -> Vec<u8> {
         let colour = |at: exr::math::Vec2<usize>| {
@@ -93,17 +93,17 @@ mod tests {
     #[test]
     fn light_comes_as_it_is() {
         let bytes = written(None);
-        let texture = Texture::decode(&bytes).unwrap();
+        let texture = Texture::decode(&bytes, Meaning::Colours).unwrap();
         assert_eq!(texture.pixels(), [4, 3]);
         let at =
             |x: f32, y: f32| texture.sample([(x + 0.5) / 4.0, (y + 0.5) / 3.0], [Wrap::Clamp; 2], Lookup::Nearest, 1.0);
         assert_eq!((at(0.0, 0.0), at(3.0, 2.0)), ([0.0; 3], [3.0, 0.5, 0.0]));
         for end in [3, 20, bytes.len() / 2, bytes.len() - 1] {
-            assert!(Texture::decode(&bytes[..end]).is_err(), "{end}");
+            assert!(Texture::decode(&bytes[..end], Meaning::Colours).is_err(), "{end}");
         }
         let ap1 = [[0.713, 0.293], [0.165, 0.83], [0.128, 0.044], [0.32168, 0.33767]];
         let [red, green, blue, white] = ap1.map(|[x, y]| exr::math::Vec2(x, y));
         let wide = written(Some(Chromaticities { red, green, blue, white }));
-        assert!(Texture::decode(&wide).unwrap_err().contains("not of Rec.709"));
+        assert!(Texture::decode(&wide, Meaning::Colours).unwrap_err().contains("not of Rec.709"));
     }
 }

@@ -4,10 +4,10 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use super::texture::{Lookup, Texture, Wrap};
+use super::texture::{Lookup, Meaning, Texture, Wrap};
 use crate::disk;
 
-/// A material's base colour.
+/// A material: its base colour, and numbers.
 #[derive(Clone, Debug, Default)]
 pub struct Material {
     /// Scene-linear Rec.709; where there is a picture it multiplies that.
@@ -16,6 +16,28 @@ pub struct Material {
     pub picture: Option<Picture>,
     /// Beyond the picture's borders, to the right and down.
     pub wrap: [Wrap; 2],
+    /// Roughness and metalness, where the file says them.
+    pub numbers: [Option<MaterialNumber>; 2],
+}
+
+/// A number of a material, such as its roughness.
+#[derive(Clone, Debug)]
+pub struct MaterialNumber {
+    /// Its value; where there is a picture it multiplies that.
+    pub factor: f32,
+    /// Its picture, with the channel that has it: 0, 1 or 2.
+    pub picture: Option<(Picture, usize)>,
+    /// Beyond the picture's borders, to the right and down.
+    pub wrap: [Wrap; 2],
+}
+
+/// Which number of a material.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum NumberOf {
+    /// From 0, a mirror, to 1.
+    Roughness,
+    /// From 0 to 1, a metal.
+    Metallic,
 }
 
 /// A picture, or one for each unit square of places.
@@ -50,31 +72,50 @@ impl PicturePlace {
 impl Material {
     /// The scene-linear colour at a place, averaged over a voxel that is so many times as wide as the whole picture.
     pub fn colour(&self, place: [f32; 2], lookup: Lookup, across: f32) -> [f32; 3] {
-        let (texture, place) = match &self.picture {
-            None => return self.factor,
-            Some(Picture::Single(texture)) => (texture, place),
-            Some(Picture::Tiles(tiles)) => {
-                // Rows go upward; a border belongs to the square that ends there, so that 1 is in the first.
-                let [column, row] = [place[0], 1.0 - place[1]].map(|along| (along.ceil() - 1.0).max(0.0));
-                let number = 1001.0 + column.min(9.0) + 10.0 * row;
-                match tiles.get(&(number as u32)) {
-                    Some(texture) => (texture, [place[0] - column, place[1] + row]),
-                    None => return self.factor,
-                }
-            }
-        };
-        let pixels = across * texture.pixels().into_iter().max().unwrap_or(1) as f32;
-        let wrap = if matches!(self.picture, Some(Picture::Tiles(_))) { [Wrap::Clamp; 2] } else { self.wrap };
-        let found = texture.sample(place, wrap, lookup, pixels);
-        std::array::from_fn(|i| self.factor[i] * found[i])
+        let found = self.picture.as_ref().and_then(|picture| picture.sample(place, self.wrap, lookup, across));
+        found.map_or(self.factor, |found| std::array::from_fn(|i| self.factor[i] * found[i]))
+    }
+
+    /// A number at a place, looked up as colours are; `None` where the file says none.
+    pub fn number(&self, which: NumberOf, place: [f32; 2], lookup: Lookup, across: f32) -> Option<f32> {
+        let MaterialNumber { factor, picture, wrap } = self.numbers[which as usize].as_ref()?;
+        let of = |(picture, channel): &(Picture, usize)| Some(picture.sample(place, *wrap, lookup, across)?[*channel]);
+        Some(picture.as_ref().and_then(of).map_or(*factor, |found| factor * found))
+    }
+
+    /// Whether it has a picture at all.
+    pub(super) fn has_picture(&self) -> bool {
+        self.picture.is_some() || self.numbers.iter().flatten().any(|number| number.picture.is_some())
     }
 
     /// Memory that its pictures take, in bytes.
     pub fn bytes(&self) -> u64 {
-        match &self.picture {
-            None => 0,
-            Some(Picture::Single(texture)) => texture.bytes(),
-            Some(Picture::Tiles(tiles)) => tiles.values().map(|texture| texture.bytes()).sum(),
+        let numbers = self.numbers.iter().flatten().filter_map(|number| number.picture.as_ref());
+        self.picture.iter().chain(numbers.map(|(picture, _)| picture)).map(Picture::bytes).sum()
+    }
+}
+
+impl Picture {
+    /// What is at a place; `None` where there is no tile.
+    fn sample(&self, place: [f32; 2], wrap: [Wrap; 2], lookup: Lookup, across: f32) -> Option<[f32; 3]> {
+        let (texture, place, wrap) = match self {
+            Self::Single(texture) => (texture, place, wrap),
+            Self::Tiles(tiles) => {
+                // Rows go upward; a border belongs to the square that ends there, so that 1 is in the first.
+                let [column, row] = [place[0], 1.0 - place[1]].map(|along| (along.ceil() - 1.0).max(0.0));
+                let number = 1001.0 + column.min(9.0) + 10.0 * row;
+                let texture = tiles.get(&(number as u32))?;
+                (texture, [place[0] - column, place[1] + row], [Wrap::Clamp; 2])
+            }
+        };
+        let pixels = across * texture.pixels().into_iter().max().unwrap_or(1) as f32;
+        Some(texture.sample(place, wrap, lookup, pixels))
+    }
+
+    fn bytes(&self) -> u64 {
+        match self {
+            Self::Single(texture) => texture.bytes(),
+            Self::Tiles(tiles) => tiles.values().map(|texture| texture.bytes()).sum(),
         }
     }
 }
@@ -87,24 +128,24 @@ const UDIM: &str = "<UDIM>";
 ///
 /// # Errors
 /// What is wrong, in words.
-pub(super) fn picture(name: &str, folder: &Path) -> Result<Picture, String> {
+pub(super) fn picture(name: &str, folder: &Path, meaning: Meaning) -> Result<Picture, String> {
     if name.to_ascii_uppercase().contains(UDIM) {
-        let tiles = tiles(name, folder)?;
+        let tiles = tiles(name, folder, meaning)?;
         return Ok(Picture::Tiles(tiles));
     }
     let path = find(name, folder).ok_or_else(|| "it is not there".to_owned())?;
-    Ok(Picture::Single(Arc::new(load(&path)?)))
+    Ok(Picture::Single(Arc::new(load(&path, meaning)?)))
 }
 
-fn load(path: &Path) -> Result<Texture, String> {
+fn load(path: &Path, meaning: Meaning) -> Result<Texture, String> {
     let bytes = disk::read(path).map_err(|error| error.to_string())?;
-    Texture::decode(&bytes)
+    Texture::decode(&bytes, meaning)
 }
 
-fn tiles(name: &str, folder: &Path) -> Result<BTreeMap<u32, Arc<Texture>>, String> {
+fn tiles(name: &str, folder: &Path, meaning: Meaning) -> Result<BTreeMap<u32, Arc<Texture>>, String> {
     let mut tiles = BTreeMap::new();
     for (number, path) in tile_paths(name, folder) {
-        let texture = load(&path).map_err(|problem| format!("tile {number}: {problem}"))?;
+        let texture = load(&path, meaning).map_err(|problem| format!("tile {number}: {problem}"))?;
         tiles.insert(number, Arc::new(texture));
     }
     if tiles.is_empty() { Err("there is no tile of it".into()) } else { Ok(tiles) }
@@ -157,14 +198,14 @@ mod tests {
         for (number, grey) in [(1001, 255), (1002, 0), (1011, 0)] {
             std::fs::write(folder.path().join(format!("skin.{number}.png")), one(grey)).unwrap();
         }
-        let picture = picture("C:\\work\\skin.<UDIM>.png", folder.path()).unwrap();
-        let material = Material { factor: [0.5; 3], picture: Some(picture), wrap: Default::default() };
+        let picture = picture("C:\\work\\skin.<UDIM>.png", folder.path(), Meaning::Colours).unwrap();
+        let material = Material { factor: [0.5; 3], picture: Some(picture), ..Material::default() };
         // u to the right and v upward, as modellers have them.
         let at = |u: f32, v: f32| material.colour([u, 1.0 - v], Lookup::Filtered, 0.0);
         assert_eq!((at(0.3, 0.3), at(1.3, 0.3), at(0.3, 1.3)), ([0.5; 3], [0.0; 3], [0.0; 3]));
         // Where there is no tile.
         assert_eq!(at(4.5, 0.5), [0.5; 3]);
         assert_eq!(files("skin.<UDIM>.png", folder.path()).len(), 3);
-        assert!(super::picture("other.png", folder.path()).is_err());
+        assert!(super::picture("other.png", folder.path(), Meaning::Colours).is_err());
     }
 }

@@ -47,7 +47,7 @@ pub use distance::{Holes, MeshDistance, Nearest};
 pub use error::{Element, MeshError, Problem};
 pub use evaluator::MeshEvaluator;
 pub use hull::hull;
-pub use material::{Material, Picture, PicturePlace};
+pub use material::{Material, MaterialNumber, NumberOf, Picture, PicturePlace};
 pub use read::{
     About, Conventions, Encoding, Imported, Place, Remark, Turn, companions, has_companions, is_gltf, is_mesh, read,
     read_obj, read_ply,

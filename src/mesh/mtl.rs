@@ -5,8 +5,9 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use super::material::{self, Material};
+use super::material::{self, Material, MaterialNumber};
 use super::read::{About, Encoding, Remark};
+use super::texture::Meaning;
 use crate::disk;
 
 /// What a picture's options in a material's file take for words.
@@ -42,18 +43,28 @@ pub(super) fn load(libraries: &[String], folder: &Path, remarks: &mut Vec<Remark
         };
         for material in materials {
             let mut made = Material { factor: material.colour, ..Material::default() };
+            let mut unread = |name: &str, problem: String| {
+                let text = format!("the picture '{}' is not read: {problem}", super::read::shown(name));
+                remark(text, "put it beside the mesh as PNG or JPEG; its material's plain value stands for it");
+            };
             if let Some(name) = material.picture.as_deref() {
-                match material::picture(name, folder) {
+                match material::picture(name, folder, Meaning::Colours) {
                     // Programs write any number beside a picture, which stands for the colour.
                     Ok(picture) => made = Material { factor: [1.0; 3], picture: Some(picture), ..made },
-                    Err(problem) => {
-                        let text = format!("the picture '{}' is not read: {problem}", super::read::shown(name));
-                        remark(
-                            text,
-                            "put it beside the mesh as PNG or JPEG; its material's plain colour stands for it",
-                        );
-                    }
+                    Err(problem) => unread(name, problem),
                 }
+            }
+            for (to, (plain, name)) in made.numbers.iter_mut().zip(&material.numbers) {
+                let picture =
+                    name.as_deref().and_then(|name| match material::picture(name, folder, Meaning::Numbers) {
+                        Ok(picture) => Some((picture, 0)),
+                        Err(problem) => {
+                            unread(name, problem);
+                            None
+                        }
+                    });
+                let factor = if picture.is_some() { Some(1.0) } else { *plain };
+                *to = factor.map(|factor| MaterialNumber { factor, picture, wrap: Default::default() });
             }
             found.insert(material.name, made);
         }
@@ -67,6 +78,8 @@ struct Entry {
     /// Scene-linear, as Blender writes and reads it.
     colour: [f32; 3],
     picture: Option<String>,
+    /// Roughness and metalness, plain and as a picture.
+    numbers: [(Option<f32>, Option<String>); 2],
 }
 
 fn read(library: &str, folder: &Path) -> Result<Vec<Entry>, String> {
@@ -81,7 +94,12 @@ fn entries(text: &str) -> Vec<Entry> {
         let line = line.trim();
         let (keyword, rest) = line.split_once(char::is_whitespace).unwrap_or((line, ""));
         if keyword == "newmtl" {
-            entries.push(Entry { name: rest.trim().into(), colour: [1.0; 3], picture: None });
+            entries.push(Entry {
+                name: rest.trim().into(),
+                colour: [1.0; 3],
+                picture: None,
+                numbers: Default::default(),
+            });
         }
         let Some(entry) = entries.last_mut() else { continue };
         match keyword {
@@ -95,6 +113,13 @@ fn entries(text: &str) -> Vec<Entry> {
                 };
                 entry.colour = Encoding::Linear.decode(colour).unwrap_or(entry.colour);
             }
+            "Pr" | "Pm" => {
+                let number = rest.split_whitespace().next().and_then(|word| word.parse::<f32>().ok());
+                entry.numbers[usize::from(keyword == "Pm")].0 = number.filter(|number| number.is_finite());
+            }
+            "map_Pr" | "map_Pm" => {
+                entry.numbers[usize::from(keyword == "map_Pm")].1 = Some(without_options(rest).to_owned());
+            }
             "map_Kd" => entry.picture = Some(without_options(rest).to_owned()),
             _ => {}
         }
@@ -107,7 +132,9 @@ pub(super) fn files(libraries: &[String], folder: &Path) -> Vec<PathBuf> {
     let mut files = Vec::new();
     for library in libraries {
         files.extend(material::find(library, folder));
-        let pictures = read(library, folder).unwrap_or_default().into_iter().filter_map(|found| found.picture);
+        let entries = read(library, folder).unwrap_or_default().into_iter();
+        let pictures = entries
+            .flat_map(|found| found.picture.into_iter().chain(found.numbers.into_iter().filter_map(|number| number.1)));
         files.extend(pictures.flat_map(|name| material::files(&name, folder)));
     }
     files
@@ -139,10 +166,11 @@ mod tests {
 
     #[test]
     fn what_a_library_says() {
-        let text = "# made by hand\nKd 1 1 1\nnewmtl a b\n  Kd 0.5 0.25 0\nKd 0.1 0.2\nmap_Kd -clamp on my skin.png\r\nnewmtl c\nKd 0.5";
+        let text = "# made by hand\nKd 1 1 1\nnewmtl a b\n  Kd 0.5 0.25 0\nKd 0.1 0.2\nmap_Kd -clamp on my skin.png\r\nPr 0.25\nmap_Pm steel.png\nnewmtl c\nKd 0.5";
         let found = entries(text);
         let [a, c] = found.as_slice() else { panic!("{} materials", found.len()) };
         assert_eq!((a.name.as_str(), a.colour, a.picture.as_deref()), ("a b", [0.5, 0.25, 0.0], Some("my skin.png")));
+        assert_eq!(a.numbers, [(Some(0.25), None), (None, Some("steel.png".into()))]);
         assert_eq!((c.name.as_str(), c.colour, c.picture.as_deref()), ("c", [0.5; 3], None));
     }
 

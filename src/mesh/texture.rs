@@ -26,7 +26,9 @@ pub struct Texture {
 enum Texels {
     /// sRGB, eight bits a channel.
     Bytes(Vec<[u8; 3]>),
-    /// Scene-linear.
+    /// Numbers from 0 to 1, eight bits each.
+    Plain(Vec<[u8; 3]>),
+    /// Scene-linear, or numbers.
     Floats(Vec<[f32; 3]>),
 }
 
@@ -61,6 +63,15 @@ pub enum Lookup {
     Majority,
 }
 
+/// What the channels of a picture are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Meaning {
+    /// Colours: sRGB, of EXR scene-linear.
+    Colours,
+    /// Numbers, as they stand.
+    Numbers,
+}
+
 /// sRGB bytes as scene-linear numbers.
 static LINEAR: LazyLock<[f32; 256]> = LazyLock::new(|| {
     let of = |byte: usize| Encoding::Srgb.decode([byte as f64 / 255.0; 3]).map_or(0.0, |colour| colour[0]);
@@ -72,7 +83,7 @@ impl Texture {
     ///
     /// # Errors
     /// What is wrong with it, in words.
-    pub fn decode(bytes: &[u8]) -> Result<Self, String> {
+    pub fn decode(bytes: &[u8], meaning: Meaning) -> Result<Self, String> {
         if super::exr_picture::is_one(bytes) {
             let (width, height, texels) = super::exr_picture::decode(bytes, LONGEST_SIDE as usize, MOST_BYTES)?;
             return Ok(Self::new(width, height, Texels::Floats(texels)));
@@ -93,7 +104,7 @@ impl Texture {
         if width == 0 || height == 0 {
             return Err("it has no pixels".into());
         }
-        Ok(Self::new(width, height, texels(picture)))
+        Ok(Self::new(width, height, texels(picture, meaning)))
     }
 
     fn new(width: usize, height: usize, texels: Texels) -> Self {
@@ -116,7 +127,7 @@ impl Texture {
     /// Memory that it takes, in bytes.
     pub fn bytes(&self) -> u64 {
         let own = match &self.texels {
-            Texels::Bytes(texels) => texels.len() * 3,
+            Texels::Bytes(texels) | Texels::Plain(texels) => texels.len() * 3,
             Texels::Floats(texels) => texels.len() * 12,
         };
         (own + self.smaller.iter().map(|smaller| smaller.texels.len() * 12).sum::<usize>()) as u64
@@ -132,6 +143,7 @@ impl Texture {
     fn texel(&self, level: usize, x: usize, y: usize) -> [f32; 3] {
         match (level, &self.texels) {
             (0, Texels::Bytes(texels)) => texels[y * self.width + x].map(|byte| LINEAR[usize::from(byte)]),
+            (0, Texels::Plain(texels)) => texels[y * self.width + x].map(|byte| f32::from(byte) / 255.0),
             (0, Texels::Floats(texels)) => texels[y * self.width + x],
             _ => {
                 let smaller = &self.smaller[level - 1];
@@ -240,17 +252,24 @@ fn wrapped(at: i64, count: usize, wrap: Wrap) -> usize {
     found as usize
 }
 
-fn texels(picture: DynamicImage) -> Texels {
+fn texels(picture: DynamicImage, meaning: Meaning) -> Texels {
     let deep = matches!(picture.color(), ColorType::L16 | ColorType::La16 | ColorType::Rgb16 | ColorType::Rgba16);
     if deep {
         let all = picture.into_rgb16();
         let linear = |pixel: &image::Rgb<u16>| {
             let encoded = pixel.0.map(|channel| f64::from(channel) / 65535.0);
-            Encoding::Srgb.decode(encoded).unwrap_or_default()
+            match meaning {
+                Meaning::Colours => Encoding::Srgb.decode(encoded).unwrap_or_default(),
+                Meaning::Numbers => encoded.map(|channel| channel as f32),
+            }
         };
         return Texels::Floats(all.pixels().map(linear).collect());
     }
-    Texels::Bytes(picture.into_rgb8().into_raw().as_chunks().0.to_vec())
+    let bytes = picture.into_rgb8().into_raw().as_chunks().0.to_vec();
+    match meaning {
+        Meaning::Colours => Texels::Bytes(bytes),
+        Meaning::Numbers => Texels::Plain(bytes),
+    }
 }
 
 fn words(format: ImageFormat) -> &'static str {
@@ -279,7 +298,7 @@ mod tests {
 
     #[test]
     fn pixels_come_back_linear_and_wrapped() {
-        let texture = Texture::decode(&png(4, 2, |x, y| (x * 60 + y * 15) as u8)).unwrap();
+        let texture = Texture::decode(&png(4, 2, |x, y| (x * 60 + y * 15) as u8), Meaning::Colours).unwrap();
         assert_eq!(texture.pixels(), [4, 2]);
         let linear = |byte: f64| Encoding::Srgb.decode([byte / 255.0; 3]).unwrap()[0];
         let middle = |x: i32, y: i32| [(x as f32 + 0.5) / 4.0, (y as f32 + 0.5) / 2.0];
@@ -299,7 +318,8 @@ mod tests {
     /// Light is averaged, not its encoding: black and white in turns are half as bright, which is 188 of 255.
     #[test]
     fn what_a_voxel_covers_is_averaged() {
-        let texture = Texture::decode(&png(64, 64, |x, y| if (x + y) % 2 == 0 { 255 } else { 0 })).unwrap();
+        let texture =
+            Texture::decode(&png(64, 64, |x, y| if (x + y) % 2 == 0 { 255 } else { 0 }), Meaning::Colours).unwrap();
         for across in [2.0, 3.7, 16.0, 1000.0] {
             let found = texture.sample([0.3, 0.6], [Wrap::Repeat; 2], Lookup::Filtered, across);
             assert!((found[1] - 0.5).abs() < 1e-6, "{across}: {found:?}");
@@ -310,7 +330,9 @@ mod tests {
     /// Three of four pixels are white: a mean is no colour of the picture, the majority is.
     #[test]
     fn most_of_what_a_voxel_covers() {
-        let texture = Texture::decode(&png(64, 64, |x, y| if x % 2 == 1 && y % 2 == 1 { 0 } else { 255 })).unwrap();
+        let texture =
+            Texture::decode(&png(64, 64, |x, y| if x % 2 == 1 && y % 2 == 1 { 0 } else { 255 }), Meaning::Colours)
+                .unwrap();
         let at = |place: [f32; 2], across: f32| texture.sample(place, [Wrap::Repeat; 2], Lookup::Majority, across)[0];
         for across in [3.0, 4.0, 9.0, 16.0, 100.0] {
             assert_eq!(at([0.3, 0.6], across), 1.0, "{across}");
@@ -318,18 +340,26 @@ mod tests {
         // No wider than a pixel: the one that is there.
         assert_eq!((at([1.5 / 64.0; 2], 0.5), at([0.5 / 64.0; 2], 1.0)), (0.0, 1.0));
         // As many of either: the one in the middle.
-        let halves = Texture::decode(&png(4, 4, |x, _| if x < 2 { 0 } else { 255 })).unwrap();
+        let halves = Texture::decode(&png(4, 4, |x, _| if x < 2 { 0 } else { 255 }), Meaning::Colours).unwrap();
         let at = |u: f32| halves.sample([u, 0.5], [Wrap::Clamp; 2], Lookup::Majority, 2.0)[0];
         assert_eq!((at(0.49), at(0.51)), (0.0, 1.0));
     }
 
+    /// Roughness of 128 is a half, whatever sRGB makes of it.
+    #[test]
+    fn numbers_stand_as_they_are() {
+        let texture = Texture::decode(&png(2, 2, |x, _| if x == 0 { 128 } else { 0 }), Meaning::Numbers).unwrap();
+        let at = |u: f32, across: f32| texture.sample([u, 0.5], [Wrap::Clamp; 2], Lookup::Filtered, across)[1];
+        assert_eq!((at(0.25, 1.0), at(0.5, 2.0)), (128.0 / 255.0, 64.0 / 255.0));
+    }
+
     #[test]
     fn what_is_no_picture_is_refused() {
-        assert!(Texture::decode(b"RIFF\x10\0\0\0WEBPVP8 ").unwrap_err().contains("a WebP"));
-        assert!(Texture::decode(b"nothing").unwrap_err().contains("neither"));
+        assert!(Texture::decode(b"RIFF\x10\0\0\0WEBPVP8 ", Meaning::Colours).unwrap_err().contains("a WebP"));
+        assert!(Texture::decode(b"nothing", Meaning::Colours).unwrap_err().contains("neither"));
         let whole = png(32, 32, |x, y| (x * y) as u8);
         for end in [9, whole.len() / 2, whole.len() - 13] {
-            assert!(Texture::decode(&whole[..end]).is_err(), "{end}");
+            assert!(Texture::decode(&whole[..end], Meaning::Colours).is_err(), "{end}");
         }
     }
 }

@@ -390,6 +390,7 @@ nodes! {
             parts
             interior
             conformal
+            material
             vdb;
     }
 }

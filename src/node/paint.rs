@@ -10,6 +10,7 @@ use crate::attribute::{Attribute, CellIndex, FieldValue, Part, Parts, Rule, Scal
 use crate::distance::method::named;
 use crate::distance::octree::BuildError;
 use crate::field::{Expression, Field, Graph, Interval};
+use crate::mesh::NumberOf;
 use crate::node::argument::{Arguments, Component};
 use crate::node::attributes::{Asked, TheScalar};
 use crate::node::depth::Depth;
@@ -327,6 +328,22 @@ impl<const N: usize, W: Asked<N>> Sourcing<N> for Painting<'_, W> {
 
     fn volume(&self) -> Result<Arc<dyn Attribute<N>>, Problem> {
         self.what.of_voxels(self.solids.assets(), &self.solids.model(), self.id, self.solids.moment().frame)
+    }
+
+    fn of_material(&self, which: NumberOf) -> Result<Arc<Scalar>, Problem> {
+        let (model, name) = (self.solids.model(), &self.shape.name);
+        let problem = |message: String| Problem::new(self.shape.span, message);
+        if self.shape.spec.import.is_none() {
+            let problem = problem(format!("`{name}` has no materials: only a shape of a `mesh` has"));
+            return Err(problem.help("shapes made of it carry the attribute"));
+        }
+        let import = self.solids.assets().imported(&model, self.id, self.solids.moment().frame)?;
+        let found = import.materials.as_ref().and_then(|materials| materials(which, self.voxel));
+        found.ok_or_else(|| {
+            let which = if which == NumberOf::Roughness { "roughness" } else { "metallic" };
+            problem(format!("no material in the file of `{name}` says its {which}"))
+                .help("glTF says it, and MTL by `Pr`, `Pm`, `map_Pr` and `map_Pm`")
+        })
     }
 
     fn absent(&self) -> [f32; N] {

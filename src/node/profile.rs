@@ -38,6 +38,7 @@ pub fn flat_import(outline: Outline) -> Imported {
         bytes: outline.count() as u64 * BYTES_A_PIECE,
         half_spaces: None,
         colours: None,
+        materials: None,
         velocity: None,
         warnings: Vec::new(),
         distance: Joined::shared(outline),

@@ -6,6 +6,7 @@ use std::sync::atomic::AtomicBool;
 use crate::attribute::conformal::{Body, Feature};
 use crate::attribute::{Attribute, Bands, ByCell, CellIndex, Choice, CubeLattice, Mix, Rule, Scalar};
 use crate::field::{Field, Interval};
+use crate::mesh::NumberOf;
 use crate::node::argument::{Arguments, Component};
 use crate::node::id::ShapeId;
 use crate::node::keys::seed;
@@ -114,6 +115,8 @@ pub trait Sourcing<const N: usize> {
     fn of_shape(&mut self, shape: ShapeId) -> Result<Option<Paint<N>>, Problem>;
     /// What was read from its file.
     fn volume(&self) -> Result<Arc<dyn Attribute<N>>, Problem>;
+    /// A number of the materials in its file.
+    fn of_material(&self, which: NumberOf) -> Result<Arc<Scalar>, Problem>;
     /// What a shape has that has none, beside others that have one.
     fn absent(&self) -> [f32; N];
     /// A problem of the shape.

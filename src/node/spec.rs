@@ -11,6 +11,7 @@ use crate::attribute::{Attribute, CellIndex, Colour, Scalar};
 use crate::field::cells::Cells;
 use crate::field::facet::Pieces;
 use crate::field::{Aabb, Field, Graph, Interval, Node};
+use crate::mesh::NumberOf;
 use crate::morph::Morph;
 use crate::node::argument::Arguments;
 use crate::node::bend::Bend;
@@ -160,6 +161,9 @@ impl Import<'_> {
 /// A file's colours, for voxels with an edge.
 pub type ColoursOf = Box<dyn Fn(f64) -> Arc<Colour> + Send + Sync>;
 
+/// A number of a file's materials, averaged over voxels of an edge; `None` where no material says it.
+pub type MaterialsOf = Box<dyn Fn(NumberOf, f64) -> Option<Arc<Scalar>> + Send + Sync>;
+
 /// What a file holds.
 pub struct Imported {
     /// The distance, positive inside.
@@ -173,6 +177,8 @@ pub struct Imported {
     pub half_spaces: Option<Vec<(DVec3, f64)>>,
     /// Its colours, for voxels with an edge in its space.
     pub colours: Option<ColoursOf>,
+    /// A number of its materials, for voxels with an edge in its space.
+    pub materials: Option<MaterialsOf>,
     /// Its velocities, world units a second in the shape's space, where they are asked for.
     pub velocity: Option<Arc<dyn Attribute<3>>>,
     /// What there is to know about the file.

@@ -103,7 +103,7 @@ pub struct Buffer {
 #[derive(Deserialize, Default)]
 #[serde(rename_all = "camelCase", default)]
 pub struct MaterialEntry {
-    pub pbr_metallic_roughness: Rough,
+    pub pbr_metallic_roughness: Option<Rough>,
     pub extensions: Value,
 }
 
@@ -112,6 +112,9 @@ pub struct MaterialEntry {
 pub struct Rough {
     pub base_color_factor: Option<[f64; 4]>,
     pub base_color_texture: Option<TextureUse>,
+    pub roughness_factor: Option<f64>,
+    pub metallic_factor: Option<f64>,
+    pub metallic_roughness_texture: Option<TextureUse>,
 }
 
 #[derive(Deserialize, Default)]

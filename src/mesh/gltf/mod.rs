@@ -281,7 +281,7 @@ impl File<'_> {
         let (set, turn) = painted.uses[number];
         let mut places = vec![PicturePlace { place: [0.0; 2], material }; count];
         let name = format!("TEXCOORD_{set}");
-        if let Some(accessor) = attribute(&name).filter(|_| painted.materials[number].picture.is_some()) {
+        if let Some(accessor) = attribute(&name).filter(|_| painted.materials[number].has_picture()) {
             let all = self.numbers::<2>(accessor)?;
             alike(&name, all.len())?;
             for (to, from) in places.iter_mut().zip(all) {

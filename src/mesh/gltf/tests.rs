@@ -1,7 +1,7 @@
 use serde_json::{Value, json};
 
 use super::super::shapes::cube;
-use super::super::{Lookup, TriangleMesh};
+use super::super::{Lookup, NumberOf, TriangleMesh};
 use super::*;
 
 /// Bytes of a cube with edges of 2: positions, then indices.
@@ -142,12 +142,16 @@ fn materials_have_factors_and_moved_places() {
         let primitive = &mut file["meshes"][0]["primitives"][0];
         primitive["attributes"]["TEXCOORD_1"] = json!(2);
         primitive["material"] = json!(0);
+        let places = json!({ "KHR_texture_transform": {
+            "texCoord": 1, "rotation": std::f64::consts::FRAC_PI_2, "offset": [0.75, 0.75],
+        } });
         file["materials"] = json!([{ "pbrMetallicRoughness": {
+            "roughnessFactor": 0.5,
+            "metallicFactor": 0.25,
+            "metallicRoughnessTexture": { "index": 0, "texCoord": 0, "extensions": places },
             "baseColorFactor": [0.5, 0.5, 0.25, 1],
             // A quarter turn counter-clockwise takes (0.25, 0) to (0, −0.25), up; then to (0.75, 0.5).
-            "baseColorTexture": { "index": 0, "texCoord": 0, "extensions": { "KHR_texture_transform": {
-                "texCoord": 1, "rotation": std::f64::consts::FRAC_PI_2, "offset": [0.75, 0.75],
-            } } },
+            "baseColorTexture": { "index": 0, "texCoord": 0, "extensions": places },
         } }]);
         file["textures"] = json!([{ "source": 0 }]);
         file["images"] = json!([{ "uri": address(picture.get_ref()) }]);
@@ -158,6 +162,10 @@ fn materials_have_factors_and_moved_places() {
     assert!((place.place[0] - 0.75).abs() < 1e-6 && (place.place[1] - 0.5).abs() < 1e-6, "{place:?}");
     let colour = imported.materials[place.material as usize].colour(place.place, Lookup::Nearest, 0.0);
     assert_eq!(colour, [0.0, 0.0, 0.25]);
+    // Green is the roughness, blue the metalness.
+    let material = &imported.materials[place.material as usize];
+    let number = |which| material.number(which, place.place, Lookup::Nearest, 0.0);
+    assert_eq!((number(NumberOf::Roughness), number(NumberOf::Metallic)), (Some(0.0), Some(0.25)));
 }
 
 #[test]

@@ -61,6 +61,7 @@ fn import(import: &Import<'_>) -> Result<Imported, Problem> {
         solid: Aabb::new(-half, half),
         half_spaces: None,
         colours: None,
+        materials: None,
         velocity: None,
         warnings: Vec::new(),
         bytes: Heights::bytes(pixels),

@@ -4,14 +4,14 @@ use std::sync::Arc;
 
 use glam::DAffine3;
 
-use crate::attribute::{Below, Colour, MeshColours};
+use crate::attribute::{Below, Colour, MeshColours, MeshNumbers, Scalar};
 use crate::field::SetSystem;
 use crate::mesh::{
     About, Conventions, Encoding, Holes, Lookup, Material, MeshDistance, Remark, Turn, is_gltf, read, read_obj,
 };
 use crate::node::argument::Argument;
 use crate::node::keys::{FRAME_OFFSET, OUTSIDE_FRAMES, UNITS, metres};
-use crate::node::spec::{Carries, ColoursOf, Import, Imported, Spec};
+use crate::node::spec::{Carries, ColoursOf, Import, Imported, MaterialsOf, Spec};
 use crate::text::colour::{GREY, css};
 use crate::text::diagnostic::{Diagnostic, Severity};
 use crate::text::files::{FilePlace, FileReference};
@@ -156,12 +156,17 @@ fn import(import: &Import<'_>) -> Result<Imported, Problem> {
         (None, None) => None,
     };
     let materials: Arc<[Material]> = materials.into();
-    let of_mesh = Arc::clone(&mesh);
+    let (of_mesh, shared) = (Arc::clone(&mesh), Arc::clone(&materials));
     let colours = move |voxel: f64| {
         let colours = MeshColours::new(Arc::clone(&of_mesh), Arc::clone(&materials), lookup, voxel)?;
         Some(colours.with_below(below))
     };
     let has_any = colours(1.0).is_some();
+    let of_mesh = Arc::clone(&mesh);
+    let numbers: MaterialsOf = Box::new(move |which, voxel| {
+        let numbers = MeshNumbers::new(Arc::clone(&of_mesh), Arc::clone(&shared), which, lookup, voxel)?;
+        Some(Arc::new(numbers) as Arc<Scalar>)
+    });
     let colours: ColoursOf =
         Box::new(move |voxel| Arc::new(colours(voxel).expect("it has colours, whatever the voxel")) as Arc<Colour>);
     Ok(Imported {
@@ -169,6 +174,7 @@ fn import(import: &Import<'_>) -> Result<Imported, Problem> {
         solid: mesh.mesh().bounding_box(),
         half_spaces: if holes != Holes::Refuse { None } else { mesh.half_spaces() },
         colours: has_any.then_some(colours),
+        materials: Some(numbers),
         velocity: None,
         warnings,
         bytes: mesh.mesh().triangles().len() as u64 * BYTES_A_TRIANGLE + pictures,

@@ -85,6 +85,7 @@ fn import(import: &Import<'_>) -> Result<Imported, Problem> {
         solid: balls.bounding_box().expect("there are balls"),
         half_spaces: None,
         colours,
+        materials: None,
         velocity: None,
         warnings: Vec::new(),
         bytes: cloud.positions.len() as u64 * BYTES_A_POINT,

@@ -127,7 +127,17 @@ fn import(import: &Import<'_>) -> Result<Imported, Problem> {
     if import.shows_velocity {
         velocity = three(&volume::VELOCITIES, &VELOCITIES)?.map(|values| values as Arc<dyn Attribute<3>>);
     }
-    Ok(Imported { distance: Arc::new(field), place, solid, half_spaces: None, colours, velocity, warnings, bytes })
+    Ok(Imported {
+        distance: Arc::new(field),
+        place,
+        solid,
+        half_spaces: None,
+        colours,
+        materials: None,
+        velocity,
+        warnings,
+        bytes,
+    })
 }
 
 /// The grid of a name, or the one that is most likely meant.
