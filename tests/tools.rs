@@ -184,3 +184,29 @@ fn usd_layers_have_the_unit_of_the_files() {
     place.run(std::process::Command::new("/usr/bin/python3").args(["-c", maker])).ok();
     assert_eq!(unit("other.vdb"), "1");
 }
+
+/// What is thinner than a voxel may have a surface and nothing inside: no program shows anything of it.
+#[test]
+fn frames_with_nothing_inside_are_empty() {
+    let place = Workplace::new();
+    place.write("thin.toml", "hfvdb = 1\n[shape.a]\nbox = [2, 2, 0.004]\nmove = [0, 0, 0.015]\n");
+    for end in ["vdb", "glb"] {
+        let bake = format!("bake thin.toml -o thin.{end} --resolution 64");
+        place.hfvdb(&bake).fails(1, &["frame 1 is empty: all of it is thinner than a voxel", "--allow-empty"]);
+        assert!(!place.path(&format!("thin.{end}")).exists());
+    }
+    let told = place.hfvdb("bake thin.toml -o thin.vdb --resolution 64 --allow-empty").ok();
+    assert!(told.stderr.contains("nothing is inside at this voxel size"), "{}", told.stderr);
+}
+
+#[test]
+fn what_keep_leaves_out_is_said() {
+    let place = Workplace::new();
+    place.write(
+        "letters.toml",
+        "hfvdb = 1\nframes = '1-3'\n[morph]\nfrom = 'two'\nto = 'ball'\nkeep = 'largest'\n[shape.two]\nunion = [{ sphere = 0.5, move = [-1, 0, 0] }, { sphere = 0.4, move = [1, 0, 0] }]\n[shape.ball]\nsphere = 0.6\n",
+    );
+    let told = place.hfvdb("bake letters.toml -o l.####.vdb --resolution 32 --frames 1").ok();
+    // 0.4³ of 0.4³ + 0.5³, about.
+    assert!(told.stderr.contains("`keep` or `min_piece` leaves out 1 piece, 3"), "{}", told.stderr);
+}

@@ -4,6 +4,7 @@ use std::fmt;
 
 use super::Bytes;
 use super::asked::ComputeError;
+use super::frame::rounded;
 use crate::distance::band;
 use crate::{disk, shot};
 
@@ -14,6 +15,13 @@ pub enum Error {
     Scene(shot::Error),
     /// A frame could not be computed.
     Frame(i64, ComputeError),
+    /// A frame of which no voxel is inside, though it has a surface.
+    Hollow {
+        /// The frame.
+        frame: i64,
+        /// The voxel size that it needs, about, world units.
+        enough: Option<f64>,
+    },
     /// A frame is nothing that its format can hold: in words.
     Encode(String),
     /// A file could not be written.
@@ -36,7 +44,11 @@ impl Error {
     /// are everybody's.
     pub fn is_of_frame(&self) -> bool {
         match self {
-            Self::Scene(_) | Self::Frame(..) | Self::Encode(_) | Self::Disk(disk::Error::Exists { .. }) => true,
+            Self::Scene(_)
+            | Self::Frame(..)
+            | Self::Hollow { .. }
+            | Self::Encode(_)
+            | Self::Disk(disk::Error::Exists { .. }) => true,
             Self::Disk(_) | Self::Memory { .. } | Self::Interrupted => false,
         }
     }
@@ -45,7 +57,8 @@ impl Error {
 impl Error {
     /// Whether the frame has no surface, which `--allow-empty` allows.
     pub fn is_empty_frame(&self) -> bool {
-        matches!(self, Self::Frame(_, ComputeError::Distance(band::Error::Empty { solid: false })))
+        let is_empty = |error: &_| matches!(error, ComputeError::Distance(band::Error::Empty { solid: false }));
+        matches!(self, Self::Frame(_, error) if is_empty(error)) || matches!(self, Self::Hollow { .. })
     }
 }
 
@@ -63,6 +76,14 @@ impl fmt::Display for Error {
                 write!(f, "frame {frame} is empty: {error}; --allow-empty writes a valid empty file")
             }
             Self::Frame(frame, error) => write!(f, "frame {frame}: {error}"),
+            Self::Hollow { frame, enough } => {
+                write!(f, "frame {frame} is empty: all of it is thinner than a voxel, so that nothing is inside; ")?;
+                match enough {
+                    Some(size) => write!(f, "voxels of {} hold it", rounded(*size))?,
+                    None => f.write_str("smaller voxels hold it")?,
+                }
+                f.write_str("; --allow-empty writes a valid empty file")
+            }
             Self::Encode(problem) => f.write_str(problem),
             Self::Disk(error) => error.fmt(f),
             Self::Memory { needed, limit, voxels } => write!(

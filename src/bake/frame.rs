@@ -9,7 +9,7 @@ use super::record::{Record, RecordFile};
 use super::sealed::{self, hexadecimal};
 use super::{Bytes, Error, Interrupt, Output, Velocities, inside, output};
 use crate::disk;
-use crate::distance::band::{self, Settings, Thin};
+use crate::distance::band::{self, Dropped, Settings, Thin};
 use crate::distance::method;
 use crate::grid::Band;
 use crate::shot;
@@ -94,6 +94,9 @@ pub fn empty(prepared: &Prepared) -> Computed {
 /// One voxel in so many that are too fast is worth a warning: a few are wherever pieces meet or vanish.
 const NOTED: u64 = 1000;
 
+/// Pieces that are left out and that are crumbs have less of the volume.
+const NOTED_SHARE: f64 = 0.02;
+
 /// What the measurement noticed, in words.
 pub(super) fn warnings(computed: &Computed) -> Vec<String> {
     let mut warnings = Vec::new();
@@ -117,6 +120,12 @@ pub(super) fn warnings(computed: &Computed) -> Vec<String> {
             at.z
         ));
     }
+    let Dropped { pieces, share } = report.dropped;
+    if share >= NOTED_SHARE {
+        let pieces = if pieces == 1 { "1 piece".into() } else { format!("{pieces} pieces") };
+        let percent = 100.0 * share;
+        warnings.push(format!("`keep` or `min_piece` leaves out {pieces}, {percent:.0} % of the volume"));
+    }
     if computed.bright_voxels > 0 {
         warnings.push(format!("colours above 1 at {}; they are kept", voxels(computed.bright_voxels)));
     }
@@ -137,7 +146,7 @@ pub(super) fn warnings(computed: &Computed) -> Vec<String> {
 }
 
 /// A size to two digits, which is more than is known of it.
-fn rounded(size: f64) -> f64 {
+pub(super) fn rounded(size: f64) -> f64 {
     format!("{size:.1e}").parse().unwrap_or(size)
 }
 

@@ -16,6 +16,7 @@ use super::sealed;
 use super::sequence::Sequence;
 use super::{Bytes, Error, Interrupt};
 use crate::disk::{self, FileLock};
+use crate::grid::measure;
 use crate::shot::Prepared;
 use crate::vdb;
 
@@ -299,6 +300,17 @@ fn compute_one(
             empty(prepared)
         }
         computed => computed?,
+    };
+    let computed = match measure::has_inside(&computed.band) || computed.band.origins.is_empty() {
+        true => computed,
+        false if output.allow_empty => {
+            events(Event::Warning(frame, "nothing is inside at this voxel size: it is empty".into()));
+            empty(prepared)
+        }
+        false => {
+            let thin = computed.report.thin.iter().map(|thin| thin.size).filter(|&size| size > 0.0);
+            return Err(Error::Hollow { frame, enough: thin.reduce(f64::min) });
+        }
     };
     for warning in warnings(&computed) {
         events(Event::Warning(frame, warning));

@@ -246,9 +246,18 @@ fn of_scene(arguments: &Arguments, global: &Global) -> Result<(), Failure> {
         // Writing to a string cannot fail.
         let _ = write!(
             text,
-            "frames {}-{} ({count})\nbox {about}{:.4} x {:.4} x {:.4} {}\nvoxel size {about}{voxel_size}\n\
+            "frames {}-{} ({count})\nbox {about}{:.4} x {:.4} x {:.4} {}\nvoxel size {about}{}\n\
              about {:.2e} voxels, {} of memory (limit {limit}), at most {} a file before compression\n",
-            shot.first, shot.last, size.x, size.y, size.z, model.unit, estimate.voxels, estimate.memory, estimate.file
+            shot.first,
+            shot.last,
+            size.x,
+            size.y,
+            size.z,
+            model.unit,
+            significant(voxel_size),
+            estimate.voxels,
+            estimate.memory,
+            estimate.file
         );
         if let count @ 1.. = model.set_operations() {
             let _ = writeln!(text, "{count} set operation{}", if count == 1 { "" } else { "s" });
@@ -264,6 +273,11 @@ fn of_scene(arguments: &Arguments, global: &Global) -> Result<(), Failure> {
 }
 
 /// A morph's numbers, a line for each frame. Volumes in cubic units, speed in units a second.
+/// A number to nine digits: the rest is rounding.
+fn significant(number: f64) -> f64 {
+    format!("{number:.8e}").parse().unwrap_or(number)
+}
+
 fn table(numbers: &[(i64, MorphReport)], fps: f64) -> String {
     if numbers.is_empty() {
         return String::new();

@@ -7,7 +7,7 @@ use clap::Args;
 
 use super::failure::Failure;
 use super::options::Global;
-use super::paths;
+use super::{files, paths};
 use crate::bake::Bytes;
 use crate::terminal;
 use crate::vdb::{self, FileInfo, GridInfo};
@@ -15,22 +15,32 @@ use crate::vdb::{self, FileInfo, GridInfo};
 /// Arguments of `hfvdb info`.
 #[derive(Args)]
 pub struct Arguments {
-    /// Files of any maker
-    #[arg(value_name = "FILE", required = true, value_parser = paths::path())]
-    files: Vec<PathBuf>,
+    /// Files of any maker, by name or frame pattern
+    #[arg(value_name = "FILE", required = true, value_parser = paths::text())]
+    files: Vec<String>,
 }
 
 /// Runs the command.
 pub fn run(arguments: &Arguments, global: &Global) -> Result<(), Failure> {
     let mut documents = Vec::new();
-    for path in &arguments.files {
-        let info = vdb::inspect(path)?;
+    for path in files::named(&arguments.files, None)? {
+        let path = PathBuf::from(path);
+        if path
+            .extension()
+            .is_some_and(|end| ["glb", "gltf", "obj", "ply", "stl"].iter().any(|mesh| end.eq_ignore_ascii_case(mesh)))
+        {
+            return Err(Failure::usage(format!(
+                "{}: `hfvdb check` tells of meshes; info takes .vdb files",
+                terminal::path(&path)
+            )));
+        }
+        let info = vdb::inspect(&path)?;
         if global.json {
             let mut document = serde_json::to_value(&info).map_err(|error| Failure::work(error.to_string()))?;
             document["path"] = serde_json::json!(path);
             documents.push(document);
         } else {
-            super::print(&format!("{}\n{}", terminal::path(path), in_words(&info)))?;
+            super::print(&format!("{}\n{}", terminal::path(&path), in_words(&info)))?;
         }
     }
     if global.json { super::print_json(&serde_json::json!({ "files": documents })) } else { Ok(()) }

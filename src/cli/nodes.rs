@@ -33,10 +33,12 @@ pub fn run(arguments: &Arguments, global: &Global) -> Result<(), Failure> {
     if !named.is_empty() {
         return show(&named, global);
     }
-    let wanted = word.to_lowercase();
+    // Words that begin so: `hose` is not in `whose`, and `stripe` finds stripes. All that are given, in any order.
+    let wanted: Vec<String> = words(word).collect();
     let has = |entry: &&Entry| {
-        [entry.name, entry.text, entry.source, entry.group].iter().any(|text| text.to_lowercase().contains(&wanted))
-            || entry.also.iter().any(|name| name.contains(&wanted))
+        let texts = [entry.name, entry.text, entry.source, entry.group];
+        let known: Vec<String> = texts.iter().chain(entry.also).flat_map(|text| words(text)).collect();
+        wanted.iter().all(|wanted| known.iter().any(|word| word.starts_with(wanted.as_str())))
     };
     let found: Vec<&Entry> = all.iter().filter(has).collect();
     if found.is_empty() {
@@ -48,6 +50,11 @@ pub fn run(arguments: &Arguments, global: &Global) -> Result<(), Failure> {
         return Err(Failure::work(format!("no node is called, or speaks of, \"{word}\"; {help}")));
     }
     list(&found, global)
+}
+
+/// The words of a text, small.
+fn words(text: &str) -> impl Iterator<Item = String> {
+    text.split(|c: char| !c.is_alphanumeric()).filter(|word| !word.is_empty()).map(str::to_lowercase)
 }
 
 /// One line each, by their kin.

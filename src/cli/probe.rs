@@ -9,7 +9,7 @@ use serde_json::json;
 use super::failure::Failure;
 use super::job;
 use super::options::{Global, SceneArguments};
-use crate::node::{Probe, Reading};
+use crate::node::{Content, Probe, Reading};
 use crate::text::key::GREATEST;
 
 /// Arguments of `hfvdb probe`.
@@ -50,6 +50,12 @@ pub fn run(arguments: &Arguments, global: &Global) -> Result<(), Failure> {
         model.probe(DVec3::new(x, y, z), frame as f64).map_err(|problem| Failure::from(model.error(problem)))?;
     if global.json {
         return super::print_json(&json!({ "at": [x, y, z], "frame": frame, "shapes": shapes }));
+    }
+    if matches!(model.content, Content::Morph(_)) {
+        global.warn(
+            "the shapes of the morph are read where they stand, and not what lies between them: \
+                     `preview --slice` shows that",
+        );
     }
     let mut out = format!("at {x} {y} {z}, frame {frame}\n");
     for shape in &shapes {

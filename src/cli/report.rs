@@ -110,9 +110,9 @@ fn failure(
     };
     // What a scene gives no frame for is about the scene; what cannot be written names its file.
     let told = |error: crate::bake::Error| match error {
-        error @ (crate::bake::Error::Frame(..) | crate::bake::Error::Memory { .. }) => {
-            Failure::from(error).about(of.scene)
-        }
+        error @ (crate::bake::Error::Frame(..)
+        | crate::bake::Error::Hollow { .. }
+        | crate::bake::Error::Memory { .. }) => Failure::from(error).about(of.scene),
         error => error.into(),
     };
     if let Some(error) = stopped {

@@ -49,8 +49,19 @@ pub struct Report {
     pub band_blocks: u64,
     /// Where features are thinner than a voxel, block by block.
     pub thin: Vec<Thin>,
+    /// What was left out of the solid by its size.
+    pub dropped: Dropped,
     /// Inside voxels on the faces of the region: least x, greatest x, least y, … Not zero: the solid is cut there.
     pub cut_voxels: [u64; 6],
+}
+
+/// Pieces that were left out.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Dropped {
+    /// How many.
+    pub pieces: u32,
+    /// Their share of the volume of all.
+    pub share: f64,
 }
 
 /// Voxels of a block beside features thinner than a voxel: with the same sign all around them.

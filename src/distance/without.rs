@@ -4,6 +4,8 @@
 //! [`ROOM`]: negative around all of them, so that nothing of the piece that a voxel could see remains, and far from them
 //! F′ = F to the last bit.
 
+use std::cell::Cell;
+
 use glam::{DVec3, IVec3};
 use rustc_hash::{FxHashMap, FxHashSet};
 
@@ -16,7 +18,7 @@ use crate::{
 };
 
 use super::band::{
-    CHUNK, Error, Measured, MeasuredBlock, Opened, Settings, cut_voxels, measure_blocks, measure_opened,
+    CHUNK, Dropped, Error, Measured, MeasuredBlock, Opened, Settings, cut_voxels, measure_blocks, measure_opened,
 };
 
 /// How far around the centres of its voxels a piece is taken away, in voxels. Smaller leaves slivers of it in corners
@@ -61,7 +63,16 @@ where
     if keep == Keep::ALL {
         return Ok(measured);
     }
-    let dropped = voxels_of_pieces(&measured.band, |rank, volume| keep.drops(rank, volume));
+    let [all, left_out, pieces] = [const { Cell::new(0.0) }; 3];
+    let dropped = voxels_of_pieces(&measured.band, |rank, volume| {
+        let drops = keep.drops(rank, volume);
+        all.set(all.get() + volume);
+        if drops {
+            left_out.set(left_out.get() + volume);
+            pieces.set(pieces.get() + 1.0);
+        }
+        drops
+    });
     if dropped.is_empty() {
         return Ok(measured);
     }
@@ -77,6 +88,7 @@ where
     // A tile is inside one piece.
     measured.replace(again, &changed, |tile| without.voxels.contains_key(&tile.origin));
     measured.report.cut_voxels = cut_voxels(&measured.band, &settings.scope());
+    measured.report.dropped = Dropped { pieces: pieces.get() as u32, share: left_out.get() / all.get() };
     Ok(measured)
 }
 

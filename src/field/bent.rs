@@ -168,13 +168,15 @@ impl Bent {
     /// Where a position comes from: of several turns, the one whose value counts.
     pub fn back(&self, position: DVec3) -> DVec3 {
         let all: Vec<u32> = (0..self.pieces.len() as u32).collect();
-        let images = self.images(position, &all);
-        let best = images
-            .into_iter()
-            .map(|image| (self.near_value(&image), image))
-            .reduce(|best, other| if other.0 > best.0 { other } else { best });
+        let mut best: Option<(f64, DVec3)> = None;
+        self.images(position, &all, |_, image| {
+            let value = self.near_value(&image);
+            if best.is_none_or(|(greatest, _)| value > greatest) {
+                best = Some((value, image.own));
+            }
+        });
         match best {
-            Some((_, image)) => image.own,
+            Some((_, own)) => own,
             // Far from all of it by the nearest chord.
             None => {
                 let chords = self.pieces.iter().enumerate().map(|(index, piece)| (index, chord(piece, position)));
@@ -222,10 +224,14 @@ impl Bent {
         Image { own: DVec3::new(x, y, self.start + self.stretch * way), station, off }
     }
 
-    /// The images of a position by the pieces of some that are near: one for each turn of the curve.
-    fn images(&self, position: DVec3, pieces: &[u32]) -> Vec<Image> {
-        let mut turns: Vec<(u32, f64, f64)> = Vec::new();
-        let mut last = None;
+    /// Calls with the images of a position by the pieces of some that are near, one for each turn of the curve, with its
+    /// number.
+    fn images(&self, position: DVec3, pieces: &[u32], mut each: impl FnMut(usize, Image)) {
+        let mut call = |turn: usize, (index, _, share): (u32, f64, f64)| {
+            each(turn, self.image(position, self.foot(index as usize, position, share)));
+        };
+        // The nearest piece of the turn that is looked through, and the last piece of it that is near.
+        let (mut turn, mut best, mut last): (usize, Option<(u32, f64, f64)>, u32) = (0, None, 0);
         for &index in pieces {
             let piece = &self.pieces[index as usize];
             let (distance, share) = chord(piece, position);
@@ -234,20 +240,18 @@ impl Bent {
                 continue;
             }
             let found = (index, distance, share);
-            match turns.last_mut() {
-                Some(turn) if last == index.checked_sub(1) => {
-                    if distance < turn.1 {
-                        *turn = found;
-                    }
+            best = match best {
+                Some(known) if last + 1 == index => Some(if distance < known.1 { found } else { known }),
+                Some(known) => {
+                    call(turn, known);
+                    turn += 1;
+                    Some(found)
                 }
-                _ => turns.push(found),
-            }
-            last = Some(index);
+                None => Some(found),
+            };
+            last = index;
         }
-        turns
-            .into_iter()
-            .map(|(index, _, share)| self.image(position, self.foot(index as usize, position, share)))
-            .collect()
+        best.into_iter().for_each(|known| call(turn, known));
     }
 
     /// The way of the foot of a position, near a share of a piece's chord.
@@ -373,9 +377,12 @@ impl Field for Bent {
 
     fn reference(&self, position: DVec3) -> f64 {
         let all: Vec<u32> = (0..self.pieces.len() as u32).collect();
-        let images = self.images(position, &all);
-        let value = images.iter().map(|image| self.near_value(image)).reduce(f64::max);
-        value.map_or_else(|| self.far_value(position), |value| value.min(self.limit(position)))
+        let mut greatest: Option<f64> = None;
+        self.images(position, &all, |_, image| {
+            let value = self.near_value(&image);
+            greatest = Some(greatest.map_or(value, |known| known.max(value)));
+        });
+        greatest.map_or_else(|| self.far_value(position), |value| value.min(self.limit(position)))
     }
 
     fn evaluator(&self) -> Box<dyn Evaluator + '_> {
@@ -385,6 +392,7 @@ impl Field for Bent {
             inner: self.inner.evaluator(),
             all,
             regions: Vec::new(),
+            images: Vec::new(),
             there: Box::new(Points::new(DVec3::ZERO)),
             some: Box::default(),
             found: Box::default(),
@@ -403,6 +411,7 @@ struct BentEvaluator<'a> {
     inner: Box<dyn Evaluator + 'a>,
     all: Vec<u32>,
     regions: Vec<Region>,
+    images: Vec<Vec<(usize, Image)>>,
     there: Box<Points>,
     some: Box<Gradients>,
     found: Box<Gradients>,
@@ -413,16 +422,26 @@ impl BentEvaluator<'_> {
         self.regions.last().map_or(&self.all, |region| &region.pieces)
     }
 
-    /// The images of all points, those of each in turn.
-    fn images(&self, points: &Points) -> Vec<Vec<Image>> {
-        let Some(region) = points.bounding_box() else { return Vec::new() };
+    /// The images of all points, with their points' numbers, turn by turn.
+    fn images(&mut self, points: &Points) {
+        self.images.iter_mut().for_each(Vec::clear);
+        let Some(region) = points.bounding_box() else { return };
         let near = (self.pieces().len() > FEW_PIECES).then(|| self.bent.near(&region, self.pieces()));
+        let mut images = std::mem::take(&mut self.images);
         let pieces = near.as_deref().unwrap_or(self.pieces());
-        (0..points.len).map(|i| self.bent.images(points.position(i), pieces)).collect()
+        for i in 0..points.len {
+            self.bent.images(points.position(i), pieces, |turn, image| {
+                if images.len() == turn {
+                    images.push(Vec::new());
+                }
+                images[turn].push((i, image));
+            });
+        }
+        self.images = images;
     }
 
     /// Values at one image of each of some points: of the whole solid, or of one of its branches.
-    fn read(&mut self, images: &[(usize, &Image)], branch: Option<usize>, gradients: bool) {
+    fn read(&mut self, images: &[(usize, Image)], branch: Option<usize>, gradients: bool) {
         let Self { inner, there, some, .. } = self;
         (there.origin, there.len) = (images.first().map_or(DVec3::ZERO, |(_, image)| image.own), 0);
         for (_, image) in images {
@@ -436,24 +455,24 @@ impl BentEvaluator<'_> {
     }
 
     fn evaluate(&mut self, points: &Points, branch: Option<usize>, gradients: bool, out: &mut Gradients) {
-        let all = self.images(points);
-        for i in 0..points.len {
-            out.value[i] = if all[i].is_empty() { f32::INFINITY } else { f32::NEG_INFINITY };
+        self.images(points);
+        let all = std::mem::take(&mut self.images);
+        out.value[..points.len].fill(f32::INFINITY);
+        for (i, _) in all.first().into_iter().flatten() {
+            out.value[*i] = f32::NEG_INFINITY;
         }
-        for turn in 0..all.iter().map(Vec::len).max().unwrap_or(0) {
-            let images: Vec<(usize, &Image)> =
-                all.iter().enumerate().filter_map(|(i, images)| Some((i, images.get(turn)?))).collect();
-            self.read(&images, branch, gradients);
-            for (at, (i, image)) in images.into_iter().enumerate() {
+        for images in all.iter().filter(|images| !images.is_empty()) {
+            self.read(images, branch, gradients);
+            for (at, (i, image)) in images.iter().enumerate() {
                 let (own, value) = (image.own, self.some.value[at]);
                 let far = own.x.hypot(own.y);
                 let limit = (self.bent.reach - far) as f32;
                 let is_held = branch.is_none() && limit < value;
                 let value = if is_held { limit } else { value };
-                if value <= out.value[i] {
+                if value <= out.value[*i] {
                     continue;
                 }
-                out.value[i] = value;
+                out.value[*i] = value;
                 if !gradients {
                     continue;
                 }
@@ -467,13 +486,14 @@ impl BentEvaluator<'_> {
                     let [x, y, z] = [self.some.dx[at], self.some.dy[at], self.some.dz[at]].map(f64::from);
                     x * first + y * second + z * forward
                 };
-                set_slope(out, i, slope);
+                set_slope(out, *i, slope);
             }
         }
+        self.images = all;
         for i in 0..points.len {
             let position = points.position(i);
             let limit = self.bent.limit(position);
-            let is_far = all[i].is_empty();
+            let is_far = out.value[i] == f32::INFINITY;
             let limit = if is_far { self.bent.far_value(position) } else { limit } as f32;
             // A branch goes on beyond the box.
             if !is_far && (branch.is_some() || limit >= 0.0 || out.value[i] <= limit) {

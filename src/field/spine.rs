@@ -69,10 +69,21 @@ impl Spine {
 
     /// The curve at a way; beyond the ends straight on.
     pub fn at(&self, way: f64) -> Station {
+        let (knot, [at, slope, curvature]) = self.place(way);
+        let along = slope.normalize_or(DVec3::Z);
+        let across = carried(knot.across, at - knot.at, knot.slope.normalize_or(DVec3::Z), along);
+        let first = (across - along * across.dot(along)).normalize_or(along.any_orthonormal_vector());
+        Station { at, slope, curvature, axes: [first, along.cross(first), along] }
+    }
+
+    /// The knot before a way, and place, first and second derivative there.
+    fn place(&self, way: f64) -> (Knot, [DVec3; 3]) {
         let last = self.knots.len() - 1;
         if way < 0.0 || way > self.knots[last].way {
             let knot = self.knots[if way < 0.0 { 0 } else { last }];
-            return station(knot.at + (way - knot.way) * knot.slope, knot.slope, DVec3::ZERO, knot.across);
+            // Its frame stays.
+            let at = knot.at + (way - knot.way) * knot.slope;
+            return (Knot { at, ..knot }, [at, knot.slope, DVec3::ZERO]);
         }
         let after = self.knots.partition_point(|knot| knot.way <= way).clamp(1, last);
         let [a, b] = [self.knots[after - 1], self.knots[after]];
@@ -84,9 +95,7 @@ impl Spine {
         let third = a.slope + b.slope - 2.0 * chord;
         let at = a.at + step * t * (a.slope + t * (second + t * third));
         let slope = a.slope + t * (2.0 * second + 3.0 * t * third);
-        let curvature = (2.0 * second + 6.0 * t * third) / step;
-        let across = carried(a.across, at - a.at, a.slope.normalize_or(DVec3::Z), slope.normalize_or(DVec3::Z));
-        station(at, slope, curvature, across)
+        (a, [at, slope, (2.0 * second + 6.0 * t * third) / step])
     }
 
     /// The way of the place of the curve that is nearest to a position, near one that is known (Newton).
@@ -94,7 +103,7 @@ impl Spine {
         const STEPS: usize = 20;
         let mut way = near;
         for _ in 0..STEPS {
-            let Station { at, slope, curvature, .. } = self.at(way);
+            let (_, [at, slope, curvature]) = self.place(way);
             let off = position - at;
             let steep = slope.length_squared() - off.dot(curvature);
             // Beyond the centre of the curve's circle there is no nearest place to step to.
@@ -106,12 +115,6 @@ impl Spine {
         }
         way
     }
-}
-
-fn station(at: DVec3, slope: DVec3, curvature: DVec3, across: DVec3) -> Station {
-    let along = slope.normalize_or(DVec3::Z);
-    let first = (across - along * across.dot(along)).normalize_or(along.any_orthonormal_vector());
-    Station { at, slope, curvature, axes: [first, along.cross(first), along] }
 }
 
 /// The lengths up to each point: of the circle through it and its neighbours between them.

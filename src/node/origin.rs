@@ -61,7 +61,17 @@ pub(crate) fn text_of(path: &Path) -> Result<String, Diagnostic> {
     };
     let bytes = disk::read_at_most(path, MOST_BYTES).map_err(failed)?;
     let text = String::from_utf8(bytes)
-        .map_err(|_| Diagnostic::without_place(format!("`{}` is not a text in UTF-8", clip(&shown))))?;
+        .map_err(|_| Diagnostic::without_place(format!("`{}` is no scene, which is a text in UTF-8", clip(&shown))))
+        .map_err(|problem| {
+            match path.extension().and_then(|end| end.to_str()).map(str::to_ascii_lowercase).as_deref() {
+                Some("glb" | "gltf" | "obj" | "ply" | "stl") => {
+                    problem.help("`hfvdb check` tells of meshes, and `hfvdb convert` makes voxels of one")
+                }
+                Some("vdb") => problem.help("`hfvdb info` tells what a .vdb file holds"),
+                Some("exr" | "png" | "apng" | "jpg" | "jpeg") => problem.help("it is a picture by its name"),
+                _ => problem,
+            }
+        })?;
     Ok(text.strip_prefix('\u{feff}').map(str::to_owned).unwrap_or(text))
 }
 

@@ -141,7 +141,9 @@ const COLOURS: &str = "
 
 A colour written as a table has exactly one of these keys. `color = [\"0.5 + x\", 0.2, \"t\"]` is three sRGB numbers, of
 which any may be a formula of `x y z t frame time pi` and `[param]` names, or keys; formulas are held to 0 … 1. Space is
-the shape's own: after copies (`at`), before `scale`, `rotate` and `move`. A formula that is not a number where its colour
+the shape's own: after copies in cells (`at`), inside each of other copies (`array`, `polar`, …), before bends (`twist`,
+`bend_along`, `wrap_cylinder`, …), so that colours go along with them, and before `scale`, `rotate` and `move`. Colours in the
+space of what comes of it are those of a shape around it: `union` of it alone, with a `color`. A formula that is not a number where its colour
 is needed is an error that names the place. Names of `[color]` and palettes hold plain colours only.
 
 ";

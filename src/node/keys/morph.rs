@@ -58,7 +58,7 @@ pub const MORPH: &[Key] = &[
         "For `carry = \"anchors\"`, which may be left out then (`\"none\"` leaves them aside): places of the first shape and what they become on the last, `[[[0, 0, 1], [3, 0, 2]], …]`, in the world, each as its shape stands at the first and at the last frame of `over`, and in or on it; with `through` lists with a place of each of its shapes. One moves; two turn besides, the least turn there is; three or more that are not on one line turn and move as fits them best. Sizes do not change.",
     )
     .unit("units"),
-    Key::new("color_space", Kind::Choice(COLOUR_SPACES), Text("auto"), "How colours mix. `auto` runs between Oklab's straight line and Oklch's arc: opposite hues meet neither in grey-brown nor in a rainbow. The others are the space to mix in.")
+    Key::new("color_space", Kind::Choice(COLOUR_SPACES), Text("auto"), "How colours mix. `auto` runs between Oklab's straight line and Oklch's arc: opposite hues meet neither in grey-brown nor in a rainbow; the side on which nearly opposite hues pass is that of both objects' mean colours, so it is one for all of a morph. The others are the space to mix in.")
         .also(&["colour_space"]),
     Key::new("alpha", Kind::Number, Number(0.3), "How colours come: 0.1 sweep over the shape, 3 everywhere at once.")
         .limit(Limit::NotNegative),
@@ -106,7 +106,7 @@ pub const MORPH: &[Key] = &[
         "delay",
         Kind::Delay,
         Nothing,
-        "Places that start later: the share of the morph, 0 to 0.95, that each waits before shape and colours begin to change; all end together. A formula of x, y, z in the world, or what a shape has there. As smooth as a lattice of some 50 cells across both objects.",
+        "Places that start later: the share of the morph, 0 to 0.95, that each waits before shape and colours begin to change; all end together (parts with times of their own are morphs as shapes, `morph = [\"a\", \"b\"]` with `mix`). A formula of x, y, z in the world, or what a shape has there. As smooth as a lattice of some 50 cells across both objects.",
     ),
     Key::new(
         "octopus",
@@ -131,7 +131,7 @@ pub const MORPH: &[Key] = &[
         "keep",
         Kind::Choice(&["all", "largest"]),
         Text("all"),
-        "Which pieces of a frame stay. `largest`: none but the one of most volume, so no crumbs.",
+        "Which pieces of a frame stay, of the first and the last one too. `largest`: none but the one of most volume, so no crumbs, and of letters one; `min_piece` leaves out crumbs alone.",
     ),
     Key::new("min_piece", Kind::Constant, Number(0.0), "Pieces of less volume, in cubic units, are left out; the largest always stays.")
         .limit(Limit::NotNegative),

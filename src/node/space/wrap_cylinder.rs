@@ -29,7 +29,10 @@ pub const NODE: Spec = Spec {
         let problem = |message: String| Problem::new(build.span(), message);
         if own.min.x.abs().max(own.max.x.abs()) > PI * radius {
             let problem = problem(format!("`{}` reaches farther than once around its `wrap_cylinder`", build.name()));
-            return Err(problem.help(format!("from the middle {:.4} units to either side are the most", PI * radius)));
+            return Err(problem.help(format!(
+                "π times the radius to either side of the middle, {:.6} units, are the most",
+                PI * radius
+            )));
         }
         if own.min.z <= -radius {
             return Err(problem(format!("`{}` reaches below the axis of its `wrap_cylinder`", build.name())));
