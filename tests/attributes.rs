@@ -327,3 +327,26 @@ fn colours_of_an_unknown_space_are_refused_and_polygons_keep_theirs() {
     place.write("no.toml", "hfvdb = 1\n[shape.a]\nsphere = 1\n[output]\ncolor_space = 'acescg'\n");
     place.hfvdb("check no.toml").fails(1, &["`lin_ap1_scene`"]);
 }
+
+/// A density is the ramp times its attribute, also where that is the same everywhere.
+#[test]
+fn a_constant_density_has_the_ramp() {
+    let place = Workplace::new();
+    let total = |attribute: &str| {
+        place.write(
+            "fog.toml",
+            format!("hfvdb = 1\n[shape.a]\nbox = 1.2\n{attribute}\n[output]\ngrids = ['surface', 'density']\n"),
+        );
+        place.hfvdb("bake fog.toml -o fog.vdb --resolution 40 --overwrite").ok();
+        let contents = vdb::read(place.path("fog.vdb")).expect("a file of ours");
+        let Voxels::Floats(fog) = &grid(&contents, "density").voxels else { panic!("it is of numbers") };
+        let in_blocks = fog.values.iter().zip(&fog.active).flat_map(|(values, mask)| {
+            values.iter().enumerate().filter(|(at, _)| is_active(mask, *at)).map(|(_, value)| f64::from(*value))
+        });
+        let in_tiles = fog.tiles.iter().filter(|tile| tile.active);
+        in_blocks.sum::<f64>() + in_tiles.map(|tile| f64::from(tile.value) * f64::from(tile.edge).powi(3)).sum::<f64>()
+    };
+    let [plain, one, half] = ["", "attribute.density = 1", "attribute.density = 0.5"].map(total);
+    assert!(plain > 1000.0 && (one - plain).abs() < 1e-6 * plain, "{plain} {one}");
+    assert!((half - plain / 2.0).abs() < 1e-6 * plain, "{plain} {half}");
+}

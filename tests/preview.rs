@@ -266,6 +266,13 @@ fn a_draft_is_like_the_final_picture() {
     assert!(all().any(|apart| apart > 0), "both are the same picture");
 }
 
+#[test]
+fn a_slice_of_numbers_has_all_of_them() {
+    let place = Workplace::new();
+    let refused = place.hfvdb("preview sphere --slice z=0 --slice-of f -o f.exr");
+    refused.fails(2, &["leave --slice-of out"]);
+}
+
 /// A slice as numbers: what a shape of the plane has of distance, F, colour and attributes.
 #[test]
 fn slices_are_numbers_in_an_exr() {

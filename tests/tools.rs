@@ -210,3 +210,41 @@ fn what_keep_leaves_out_is_said() {
     // 0.4³ of 0.4³ + 0.5³, about.
     assert!(told.stderr.contains("`keep` or `min_piece` leaves out 1 piece, 3"), "{}", told.stderr);
 }
+
+#[test]
+fn no_file_is_written_over_by_what_is_made_of_it() {
+    let place = Workplace::new();
+    place.hfvdb("bake sphere -o m.0001.vdb --resolution 16").ok();
+    let before = fs::read(place.path("m.0001.vdb")).unwrap();
+    for command in ["convert m.0001.vdb -o m.0001.vdb", "convert m.####.vdb -o ./m.####.vdb"] {
+        place.hfvdb(&format!("{command} --overwrite")).fails(2, &["would be written over by what is made of it"]);
+        assert_eq!(fs::read(place.path("m.0001.vdb")).unwrap(), before);
+    }
+}
+
+/// A cube of fog that is just as dense as the threshold is solid.
+#[test]
+fn fog_at_its_threshold_is_solid() {
+    let place = Workplace::new();
+    let maker = "import pyopenvdb as vdb, numpy
+grid = vdb.FloatGrid()
+grid.copyFromArray(numpy.full((21, 21, 21), 0.5, dtype='float32'))
+grid.name, grid.gridClass = 'density', vdb.GridClass.FOG_VOLUME
+grid.transform = vdb.createLinearTransform(voxelSize=0.1)
+vdb.write('fog.vdb', grids=[grid])";
+    place.run(std::process::Command::new("/usr/bin/python3").args(["-c", maker])).ok();
+    let told = json(&place.hfvdb("convert fog.vdb -o solid.vdb --json").ok().stdout);
+    let volume = told["frames"][0]["volume"].as_f64().unwrap();
+    // From the first to the last of its voxels' centres.
+    assert!((volume - 8.0).abs() < 0.3, "{volume}");
+}
+
+#[test]
+fn frames_that_are_not_asked_for_may_be_missing() {
+    let place = Workplace::new();
+    place.hfvdb("bake cube-to-heart -o s.####.vdb --resolution 16 --frames 1-5").ok();
+    fs::remove_file(place.path("s.0004.vdb")).unwrap();
+    place.hfvdb("convert s.####.vdb -o t.####.vdb --frames 1-3").ok();
+    assert_eq!(place.frames(".").iter().filter(|name| name.starts_with('t')).count(), 3);
+    place.hfvdb("convert s.####.vdb -o u.####.vdb --frames 3-5").fails(1, &["4"]);
+}

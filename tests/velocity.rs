@@ -140,6 +140,30 @@ fn a_turning_box_has_the_tangential_part_in_full() {
     }
 }
 
+/// A shape bent along a curve begins where that does: moved along z before, it stands still. What turns about the curve does
+/// not.
+#[test]
+fn what_is_bent_along_a_curve_moves_as_it_is_seen() {
+    let scene = |first: &str| {
+        prepared(&format!(
+            "hfvdb = 1\nframes = '1-5'\n[shape.a]\nbox = [0.6, 0.4, 1]\ndo = [{first}, {{ bend_along = [[0, 0, 0], [0, 0, 1.5]] }}]"
+        ))
+    };
+    let still = scene("{ move = [0, 0, 't'] }");
+    let voxels = band(&computed(&still, 3));
+    let fastest = voxels.iter().map(|voxel| voxel.velocity.length()).fold(0.0, f64::max);
+    assert!(!voxels.is_empty() && fastest < 1e-3, "{fastest}");
+    // 90° in 4 frames of 24 a second.
+    let turning = scene("{ rotate = [0, 0, '90*t'] }");
+    let voxels = band(&computed(&turning, 3));
+    let rate = std::f64::consts::FRAC_PI_2 * 6.0;
+    let sides: Vec<&Voxel> = voxels.iter().filter(|voxel| (0.3..1.2).contains(&voxel.centre.z)).collect();
+    let off = |voxel: &&Voxel| (voxel.velocity.dot(DVec3::Z)).abs();
+    assert!(sides.len() > 100 && sides.iter().map(off).fold(0.0, f64::max) < 0.05 * rate);
+    let middle = sides.iter().map(|voxel| voxel.velocity.length()).sum::<f64>() / sides.len() as f64;
+    assert!((0.5..3.0).contains(&middle), "{middle}");
+}
+
 #[test]
 fn what_grows_moves_along_its_normals() {
     let scene = prepared("frames = '1-9'\n[shape.a]\nsphere = '1 + t/2'");

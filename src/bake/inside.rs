@@ -1,5 +1,6 @@
 //! Attributes and a density through all of the inside, where the band alone is not enough: to be cut open, and for fog.
 
+use std::borrow::Cow;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use glam::{DVec3, IVec3};
@@ -11,7 +12,7 @@ use crate::attribute::{Attribute, LinearRgb, Sampler};
 use crate::distance::band;
 use crate::field::{Aabb, BATCH, Field, Points};
 use crate::grid::{
-    BLOCK_EDGE, BLOCK_VOXELS, Band, BlockMask, Channel, InsideTile, Lattice, block_order, mask, node_origin,
+    BLOCK_EDGE, BLOCK_VOXELS, Band, BlockMask, Channel, InsideTile, Lattice, block_order, mask, node_origin, place_of,
 };
 
 /// The grid that programs show as fog.
@@ -228,11 +229,20 @@ pub(super) fn density(band: &Band, of: Option<&Inside<f32>>) -> Result<Inside<f3
     let background = band.background();
     let one = Inside::plain(band);
     let of = of.unwrap_or(&one);
-    for (block, origin) in of.origins.iter().enumerate() {
-        let distances = crate::grid::place_of(&band.origins, *origin).ok().map(|at| &band.distances[at]);
+    // Where the attribute is constant over a block of the band it is a tile, and the ramp is not.
+    let is_of_band = |tile: &InsideTile| tile.edge == BLOCK_EDGE && place_of(&band.origins, tile.origin).is_ok();
+    let (of_band, tiles): (Vec<_>, Vec<_>) =
+        of.tiles.iter().zip(&of.tile_values).partition(|(tile, _)| is_of_band(tile));
+    let in_full = of_band.iter().map(|(tile, value)| (tile.origin, [u64::MAX; 8], vec![**value; BLOCK_VOXELS].into()));
+    let mut blocks: Vec<(IVec3, BlockMask, Cow<'_, [f32]>)> = in_full.collect();
+    let in_blocks = of.origins.iter().zip(&of.active).zip(&of.channel.values);
+    blocks.extend(in_blocks.map(|((origin, active), values)| (*origin, *active, Cow::Borrowed(&values[..]))));
+    blocks.sort_by_key(|(origin, ..)| block_order(*origin));
+    for (origin, of_block, numbers) in &blocks {
+        let distances = place_of(&band.origins, *origin).ok().map(|at| &band.distances[at]);
         let ramp = |at: usize| distances.map_or(1.0, |distances| (distances[at] / background).clamp(0.0, 1.0));
         let (mut mask, mut list) = ([0; 8], Vec::with_capacity(BLOCK_VOXELS));
-        for (at, value) in mask::places(&of.active[block]).zip(&of.channel.values[block]) {
+        for (at, value) in mask::places(of_block).zip(numbers.iter()) {
             let share = ramp(at);
             if share > 0.0 {
                 if *value < 0.0 {
@@ -249,11 +259,12 @@ pub(super) fn density(band: &Band, of: Option<&Inside<f32>>) -> Result<Inside<f3
             values.push(list.into_boxed_slice());
         }
     }
-    if let Some((tile, value)) = of.tiles.iter().zip(&of.tile_values).find(|(_, value)| **value < 0.0) {
-        return Err(negative(tile.origin, *value));
+    if let Some((tile, value)) = tiles.iter().find(|(_, value)| **value < 0.0) {
+        return Err(negative(tile.origin, **value));
     }
+    let (tiles, tile_values) = tiles.into_iter().map(|(tile, value)| (*tile, *value)).unzip();
     let channel = Channel { name: DENSITY.into(), values, background: 0.0 };
-    Ok(Inside { origins, active, channel, tiles: of.tiles.clone(), tile_values: of.tile_values.clone() })
+    Ok(Inside { origins, active, channel, tiles, tile_values })
 }
 
 impl Inside<f32> {

@@ -71,6 +71,8 @@ struct Field {
 struct Look {
     fields: Vec<Field>,
     skipped: BTreeSet<String>,
+    /// Names that several grids have.
+    twice: BTreeSet<String>,
     extent: Option<[DVec3; 2]>,
     fps: Option<f64>,
     up: Option<&'static str>,
@@ -95,7 +97,33 @@ pub fn usd_layer(files: &[FrameFile], layer: &Path, options: &LayerOptions) -> R
         warnings.push("no file has a grid that USD knows: the Volume is empty".into());
     }
     if let Some(at) = looks.iter().position(|look| look.extent.is_none()) {
-        warnings.push(format!("{}: no voxel is active there, so that frame has no extent", files[at].path.display()));
+        warnings.push(format!(
+            "{}: no voxel is active there, or it stands in a frustum, so that frame has no extent",
+            files[at].path.display()
+        ));
+    }
+    let says = [
+        (
+            "frames a second",
+            options.fps.is_none(),
+            looks.iter().filter_map(|look| look.fps.map(|fps| fps.to_string())).collect(),
+        ),
+        ("the unit", true, looks.iter().filter_map(|look| look.metres.map(|metres| format!("{metres} m"))).collect()),
+        (
+            "the axis that points up",
+            options.up.is_none(),
+            looks.iter().filter_map(|look| look.up.map(str::to_owned)).collect(),
+        ),
+    ];
+    for (what, matters, values) in says {
+        let values: Vec<String> = values;
+        if let (true, Some(other)) = (matters, values.iter().find(|value| **value != values[0])) {
+            warnings.push(format!("the files differ in {what}: {} is taken, and some say {other}", values[0]));
+        }
+    }
+    let twice: BTreeSet<&String> = looks.iter().flat_map(|look| &look.twice).collect();
+    for name in twice {
+        warnings.push(format!("{name}: several grids have this name, of which USD finds the first"));
     }
     let gaps: Vec<String> = files
         .windows(2)
@@ -114,13 +142,13 @@ fn look(layout: &Layout) -> Look {
         Some(MetadataValue::Text(text)) => Some(text.as_str()),
         _ => None,
     };
-    let (mut fields, mut skipped): (Vec<Field>, _) = (Vec::new(), BTreeSet::new());
+    let (mut fields, mut skipped, mut twice): (Vec<Field>, _, _) = (Vec::new(), BTreeSet::new(), BTreeSet::new());
     let mut extent: Option<[DVec3; 2]> = None;
     for grid in &layout.grids {
         match field(grid) {
             None => _ = skipped.insert(grid.name.clone()),
             // By its name only the first of several is found.
-            Some(field) if fields.iter().any(|known| known.name == field.name) => {}
+            Some(field) if fields.iter().any(|known| known.name == field.name) => _ = twice.insert(field.name),
             Some(field) => fields.push(field),
         }
         let Some((low, high)) = layout.tree(grid).and_then(|tree| tree.active_box) else { continue };
@@ -135,6 +163,7 @@ fn look(layout: &Layout) -> Look {
     Look {
         fields,
         skipped,
+        twice,
         extent,
         fps: number("hfvdb_fps").filter(|fps| fps.is_finite() && *fps > 0.0),
         up: text("hfvdb_up").and_then(|up| ["y", "z"].into_iter().find(|known| *known == up)),

@@ -124,7 +124,16 @@ pub struct Wanted<'a> {
 /// Writes files anew.
 pub fn convert(wanted: Wanted<'_>, global: &Global) -> Result<(), Failure> {
     let Wanted { files, pattern, mut set, up, voxels, density, writing, sampling } = wanted;
+    // What is not asked for may be missing.
+    let files = match &writing.frames {
+        Some(frames) => files.between(frames.ends()),
+        None => files,
+    };
     let VoxelArguments { grid, threshold, no_color } = voxels;
+    if let Some(file) = files.which_is_written(&pattern) {
+        let file = terminal::path(&file);
+        return Err(Failure::usage(format!("{file} would be written over by what is made of it: choose another name")));
+    }
     let becomes = |end: &str| pattern.file(0).extension().is_some_and(|own| own.eq_ignore_ascii_case(end));
     let to_voxels = becomes("vdb");
     let mut beside = Beside::default();

@@ -65,7 +65,11 @@ pub fn run(arguments: &Arguments, global: &Global) -> Result<(), Failure> {
         error => Failure::work(error.to_string()),
     };
     disk::check_target(output, arguments.overwrite).map_err(untouched)?;
-    let frames = by_frame(&files::of_all(&arguments.files)?).map_err(Failure::usage)?;
+    let files = files::of_all(&arguments.files)?;
+    if let Some(file) = files.iter().find(|file| file.contains(char::is_control)) {
+        return Err(Failure::work(format!("{}: USD takes no such character in a name", terminal::one_line(file))));
+    }
+    let frames = by_frame(&files).map_err(Failure::usage)?;
     let up = ["y", "z"].into_iter().find(|axis| arguments.up.as_deref() == Some(axis));
     let Layer { text, warnings } = usd_layer(&frames, output, &LayerOptions { fps: arguments.fps, up })?;
     for warning in &warnings {

@@ -76,6 +76,9 @@ impl Bent {
         let [first, last] = [own.min.z, own.max.z].map(|z| (z - start) / stretch);
         let length = spine.length();
         let mut tightest = f64::INFINITY;
+        if let Some((at, radius)) = spine.cusp().filter(|(_, radius)| *radius < reach) {
+            return Err(Folded { at, radius, reach });
+        }
         let steps = 4 * spine.pieces();
         for i in 0..=steps {
             let way = length * i as f64 / steps as f64;
@@ -325,6 +328,45 @@ impl Bent {
 fn slab(own: &Aabb, z: f64) -> usize {
     let share = (z - own.min.z) / (own.max.z - own.min.z);
     ((share * SLABS as f64) as usize).min(SLABS - 1)
+}
+
+/// Where a solid begins and ends along z, to a thousandth of the height of a box that it is in; `None` where it is not found by
+/// so much work as is worth it.
+pub fn heights(solid: &Expression, own: &Aabb) -> Option<[f64; 2]> {
+    let mut evaluator = solid.evaluator();
+    let mut ends = [own.min.z, own.max.z];
+    for (end, way) in ends.iter_mut().zip([-1.0, 1.0]) {
+        *end = end_along(evaluator.as_mut(), own, way)?;
+    }
+    (ends[0] < ends[1]).then_some(ends)
+}
+
+/// The cell that reaches farthest along z one way is looked into first.
+fn end_along(evaluator: &mut dyn Evaluator, own: &Aabb, way: f64) -> Option<f64> {
+    const MOST: usize = 20_000;
+    const FINEST: f64 = 1.0 / 1024.0;
+    let end = |cell: &Aabb| if way > 0.0 { cell.max.z } else { cell.min.z };
+    let mut may_be_inside = |cell: &Aabb| {
+        evaluator.enter(cell);
+        let hi = evaluator.bounds().hi;
+        evaluator.leave();
+        hi >= 0.0
+    };
+    let finest = own.size() * DVec3::new(16.0 * FINEST, 16.0 * FINEST, FINEST);
+    let mut open = vec![*own];
+    for _ in 0..MOST {
+        let farthest = open.iter().enumerate().reduce(|a, b| if way * end(b.1) > way * end(a.1) { b } else { a })?.0;
+        let cell = open.swap_remove(farthest);
+        let size = (cell.size() / finest).to_array();
+        let axis = (0..3).fold(0, |most, axis| if size[axis] > size[most] { axis } else { most });
+        if size[axis] <= 1.0 {
+            return Some(end(&cell));
+        }
+        let (mut lower, mut upper) = (cell, cell);
+        (lower.max[axis], upper.min[axis]) = (cell.centre()[axis], cell.centre()[axis]);
+        open.extend([lower, upper].into_iter().filter(|half| may_be_inside(half)));
+    }
+    None
 }
 
 /// Corners of cells, slab by slab, around all that a solid has there: its box alone reaches too far at its corners.
@@ -688,6 +730,20 @@ mod tests {
             }
             assert!(told > 20, "bounds tell nothing: {told}");
         }
+    }
+
+    /// Where the known box is larger than the solid.
+    #[test]
+    fn heights_are_those_of_the_solid() {
+        let mut graph = Graph::new();
+        let (ball, cuboid) = (graph.sphere(1.0), graph.cuboid(DVec3::splat(1.0)));
+        let own = Aabb::new(DVec3::splat(-1.6), DVec3::splat(1.6));
+        for (node, top, off) in [(ball, 1.0, 4e-3), (cuboid, 0.5, 4e-3)] {
+            let [bottom, found] = heights(&Expression::new(&graph, node), &own).expect("it ends");
+            assert!((found - top).abs() < off && (bottom + top).abs() < off, "{bottom} to {found}");
+        }
+        let exact = Aabb::new(DVec3::splat(-0.5), DVec3::splat(0.5));
+        assert_eq!(heights(&Expression::new(&graph, cuboid), &exact), Some([-0.5, 0.5]));
     }
 
     #[test]

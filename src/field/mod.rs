@@ -54,7 +54,7 @@ mod width;
 
 pub use balls::Balls;
 pub use batch::{BATCH, Gradients, Points};
-pub use bent::{Bent, Folded};
+pub use bent::{Bent, Folded, heights};
 pub use combine::{Blend, BlendBounds, Kernel, SetSystem};
 pub use copies::{Copies, CopyPlace};
 pub use distances::Side;

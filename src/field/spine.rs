@@ -57,6 +57,18 @@ impl Spine {
         self.knots.last().map_or(0.0, |knot| knot.way)
     }
 
+    /// Where it turns by so much from one piece to the next that no circle goes through, and about how tightly.
+    pub fn cusp(&self) -> Option<(DVec3, f64)> {
+        const SHARP: f64 = 0.5;
+        let chord = |pair: &[Knot; 2]| pair[1].at - pair[0].at;
+        let mut turns = self.knots.array_windows::<3>().map(|[a, b, c]| {
+            let (before, after) = (chord(&[*a, *b]), chord(&[*b, *c]));
+            let angle = before.angle_between(after);
+            (b.at, angle, before.length().min(after.length()) / angle)
+        });
+        turns.find(|(_, angle, _)| *angle > SHARP).map(|(at, _, radius)| (at, radius))
+    }
+
     /// How many pieces there are between knots.
     pub fn pieces(&self) -> usize {
         self.knots.len() - 1

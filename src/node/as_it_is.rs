@@ -61,9 +61,27 @@ impl Files {
         Ok(Self { first: pattern.file(*first), path, frames })
     }
 
+    /// Those from the first to the last of some frames.
+    pub fn between(mut self, ends: (i64, i64)) -> Self {
+        self.frames.retain(|frame| (ends.0..=ends.1).contains(frame));
+        self
+    }
+
     /// Their name, as people write it.
     pub fn name(&self) -> String {
         self.path.display().to_string()
+    }
+
+    /// One of them that is a frame of a pattern, by whatever path.
+    pub fn which_is_written(&self, pattern: &FramePattern) -> Option<PathBuf> {
+        let own = FramePattern::new(&self.path, &[]).ok().filter(FramePattern::has_token);
+        let file = |frame: i64| own.as_ref().map_or_else(|| self.path.clone(), |own| own.file(frame));
+        let frames = if self.frames.is_empty() { &[0][..] } else { &self.frames };
+        let is_same = |frame: &i64| {
+            let [read, written] = [file(*frame), pattern.file(*frame)].map(|path| path.canonicalize().ok());
+            read.is_some() && read == written
+        };
+        frames.iter().find(|frame| is_same(frame)).map(|frame| file(*frame))
     }
 
     /// Whether they are voxels, by their name.
@@ -123,6 +141,6 @@ impl Files {
         if let [first, .., last] | [first @ last] = self.frames[..] {
             scene = scene.with("frames", format!("{first}-{last}"));
         }
-        scene.shape("file", shape).model_with("hfvdb convert", Path::new(""), overrides)
+        scene.shape("file", shape).model_with("the command line", Path::new(""), overrides)
     }
 }

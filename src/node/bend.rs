@@ -29,6 +29,11 @@ pub trait Bend: Send + Sync {
         None
     }
 
+    /// Whether it goes by the box of what is bent, and so changes whenever that does.
+    fn goes_by_box(&self) -> bool {
+        false
+    }
+
     /// Its images as cells that take a value each, where they are.
     fn cells(&self) -> Option<Arc<dyn CellIndex>> {
         None

@@ -157,7 +157,8 @@ impl Both<'_> {
         let mut way = inner;
         for step in 1..=shape.modifiers.len() {
             let Some(bend) = self.now.bend(id, step)? else { continue };
-            let changes = self.of == WayOf::Motion && self.prepared.variation.modifier(id, step);
+            let varies = bend.goes_by_box() || self.prepared.variation.modifier(id, step);
+            let changes = self.of == WayOf::Motion && varies;
             let then = if changes { self.then.bend(id, step)? } else { None };
             way = match (way, then) {
                 (None, None) => None,

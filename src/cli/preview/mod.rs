@@ -171,6 +171,9 @@ impl From<Quality> for render::Quality {
 /// Runs the command.
 pub fn run(arguments: &Arguments, global: &Global) -> Result<(), Failure> {
     let target = Target::new(arguments.output.as_deref(), arguments.terminal)?;
+    if target.kind == Kind::Exr && arguments.shows().is_some() {
+        return Err(Failure::usage("an .exr of a slice has distances and F both: leave --slice-of out"));
+    }
     let files = arguments.inputs.iter().filter(|input| files::is_vdb(input)).count();
     let interrupt = job::interrupt()?;
     if files == arguments.inputs.len() {

@@ -9,7 +9,7 @@ use crate::text::key::{Key, Kind};
 
 /// A tube along a curve through points.
 pub const NODE: Spec = Spec {
-    key: Key::new("catmull_rom", Kind::Rows(2, &[3, 4]), Required, "Tube along a smooth curve through points, Catmull and Rom's: `[x, y, z]`, or `[x, y, z, radius]` of each point.").unit("units"),
+    key: Key::new("catmull_rom", Kind::Rows(2, &[3, 4]), Required, "Tube along a smooth curve through points, Catmull and Rom's: `[x, y, z]`, or `[x, y, z, radius]` of each point. A `cylinder` with `bend_along` has colours that go along it.").unit("units"),
     parameters: &[
         Key::length("radius", Number(0.1), "The radius where a point has none of its own."),
         Key::new("ends", Kind::Choice(&["open", "closed"]), Text("open"), "`closed` joins the end to the beginning."),

@@ -93,7 +93,11 @@ fn import(import: &Import<'_>) -> Result<Imported, Problem> {
         }
         // In voxels, so that where its own transform puts it they are world units.
         (StoredClass::LevelSet, None) => (0.0, 1.0 / edge),
-        (_, threshold) => (threshold.unwrap_or(THRESHOLD), 1.0),
+        // What is just as dense is solid, not surface all through.
+        (_, threshold) => {
+            let threshold = threshold.unwrap_or(THRESHOLD);
+            (threshold - 1e-5 * threshold.abs(), 1.0)
+        }
     };
     let field = SampledLevelSet::new(band(blocks, level, scale).map_err(|what| wrong(&what))?);
     let Some(solid) = field.bounding_box().filter(|aabb| aabb.size().max_element() > 0.0) else {

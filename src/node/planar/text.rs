@@ -14,7 +14,7 @@ pub const NODE: Spec = Spec {
         "text",
         Kind::Text,
         Required,
-        "Letters: a text, of several lines where it has line breaks (`\\n`). They are kerned and joined as the font says. From the top of the first line's capitals to the last baseline it is as far up as down.",
+        "Letters: a text, of several lines where it has line breaks (`\\n`). They are kerned and joined as the font says. From the top of the first line's capitals to the last baseline it is as far up as down. Extruded it lies: `rotate = [90, 0, 0]` stands it up.",
     ),
     parameters: &[
         Key::new(

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use glam::{DVec3, DVec4};
 
-use crate::field::{Aabb, Bent, Expression, Folded, Graph, Node, Spine};
+use crate::field::{Aabb, Bent, Expression, Folded, Graph, Node, Spine, heights};
 use crate::node::bend::Bend;
 use crate::node::curves::{b_spline, bezier, catmull_rom};
 use crate::node::own_box::own_box;
@@ -35,7 +35,7 @@ pub const NODE: Spec = Spec {
             "bend_fit",
             Kind::Choice(&["whole", "lengths"]),
             Text("whole"),
-            "`whole` stretches the shape from the beginning of the curve to its end; with `lengths` it begins there and keeps its length, and goes straight on beyond the end.",
+            "`whole` stretches the shape from the beginning of the curve to its end; with `lengths` its lower end stands there and it keeps its length, and goes straight on beyond the end. A move along z before it changes nothing.",
         ),
         Key::new("bend_up", Kind::Direction, Vector([0.0, 0.0, 1.0]), "Where its y axis points at the beginning, as far as it can."),
     ],
@@ -52,7 +52,8 @@ pub const NODE: Spec = Spec {
             }
             "bezier" => bezier(&points),
             "b_spline" if points.len() < 4 => {
-                return Err(build.wrong("bend_along", "a B-spline needs at least four control points"));
+                let problem = "a B-spline needs at least four control points";
+                return Err(build.wrong("bend_along", problem).help("bend_curve = \"smooth\" goes through two and more"));
             }
             "b_spline" => b_spline(&points, false),
             _ => catmull_rom(&points, false),
@@ -64,7 +65,16 @@ pub const NODE: Spec = Spec {
         if line.len() < 3 {
             return Err(build.wrong("bend_along", "all points of the curve are the same").help("give it points that differ"));
         }
-        let own = own_box(build)?;
+        let inner = build.inner()?;
+        if build.graph().is_flat(inner) {
+            let problem = format!("`bend_along` bends solids, and `{}` is a shape of the plane", build.name());
+            return Err(build.wrong("bend_along", problem).help("extrude it first, and bend the solid"));
+        }
+        let mut own = own_box(build)?;
+        let solid = Expression::new(build.graph(), inner);
+        if let Some([bottom, top]) = heights(&solid, &own) {
+            (own.min.z, own.max.z) = (bottom, top);
+        }
         let height = own.max.z - own.min.z;
         let spine = Spine::new(&line, build.direction("bend_up")?);
         let is_whole = build.arguments().choice("bend_fit") != Some(&"lengths");
@@ -72,9 +82,7 @@ pub const NODE: Spec = Spec {
             return Err(build.wrong("bend_along", format!("`{}` has no height to be stretched", build.name())));
         }
         let stretch = if is_whole { height / spine.length() } else { 1.0 };
-        let inner = build.inner()?;
-        let inner = Expression::new(build.graph(), inner);
-        match Bent::new(inner, own, spine, own.min.z, stretch) {
+        match Bent::new(solid, own, spine, own.min.z, stretch) {
             Ok(bent) => Ok(Arc::new(Along(Arc::new(bent)))),
             Err(Folded { at, radius, reach }) => {
                 let problem = format!("`{}` folds where the curve turns sharply, at [{:.4}, {:.4}, {:.4}]", build.name(), at.x, at.y, at.z);
@@ -109,5 +117,9 @@ impl Bend for Along {
 
     fn forth(&self, own: DVec3, _branch: u32) -> Option<DVec3> {
         Some(self.0.forth(own))
+    }
+
+    fn goes_by_box(&self) -> bool {
+        true
     }
 }
