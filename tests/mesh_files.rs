@@ -559,3 +559,16 @@ fn roughness_of_materials_is_a_number() {
     place.write("s.toml", scene("roughness").replace("mesh = 'cube.obj'", "sphere = 1"));
     place.hfvdb("check s.toml").fails(1, &["`m` has no materials: only a shape of a `mesh` has"]);
 }
+
+/// A leaf with a face to either side encloses nothing, and a sheet of it does.
+#[test]
+fn doubled_faces_are_a_sheet() {
+    let leaf = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\nf 4 3 2 1\n";
+    let (_, run) = bake("leaf.obj", leaf, "thickness = 0.2");
+    // With round edges.
+    let exact = 0.2 + 4.0 * std::f64::consts::PI * 0.1 * 0.1 / 2.0 + 4.0 / 3.0 * std::f64::consts::PI * 0.001;
+    let run = run.ok();
+    assert!((volume(&run) - exact).abs() < 0.01, "{} {exact}", volume(&run));
+    let (_, run) = bake("leaf.obj", leaf, "");
+    run.fails(1, &["encloses no volume", "thickness"]);
+}

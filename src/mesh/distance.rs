@@ -120,12 +120,19 @@ impl MeshDistance {
         let mut touched = Vec::new();
         let by_parity = holes == Holes::Parity;
         if closed && !by_parity {
-            let boundary = boundary(mesh, &topology, &tree)?;
-            notes.extend(boundary.notes);
-            (mesh, touched) = (boundary.mesh, boundary.touched);
-            if boundary.changed {
-                tree = self::tree(&mesh);
-                topology = mesh.topology();
+            // A surface that encloses nothing may be meant as a sheet, where any surface will do.
+            let whole = (holes == Holes::Allow).then(|| mesh.clone());
+            match (boundary(mesh, &topology, &tree), whole) {
+                (Ok(boundary), _) => {
+                    notes.extend(boundary.notes);
+                    (mesh, touched) = (boundary.mesh, boundary.touched);
+                    if boundary.changed {
+                        tree = self::tree(&mesh);
+                        topology = mesh.topology();
+                    }
+                }
+                (Err(Problem::NoVolume), Some(whole)) => mesh = whole,
+                (Err(problem), _) => return Err(problem),
             }
         }
         let own_winding = by_parity.then(|| Winding::new(&mesh));

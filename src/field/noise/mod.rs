@@ -104,7 +104,13 @@ impl<N: Noise> Evaluator for NoiseEvaluator<'_, N> {
 /// The cell of a position, and where in it the position is; `None` where it is nowhere.
 fn cell_of(position: DVec3) -> Option<(I64Vec3, DVec3)> {
     let base = position.floor();
-    base.is_finite().then(|| (base.as_i64vec3(), position - base))
+    base.is_finite().then(|| (numbered(base), position - base))
+}
+
+/// The number of a cell by its least corner. Beyond what can be numbered, where neighbours are one number, it is the last.
+fn numbered(corner: DVec3) -> I64Vec3 {
+    const MOST: DVec3 = DVec3::splat(4e18);
+    corner.clamp(-MOST, MOST).as_i64vec3()
 }
 
 /// The corners of a cell, each with the weight of its number at a place within, and the gradient of that.

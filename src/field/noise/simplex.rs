@@ -5,8 +5,8 @@
 
 use glam::{DVec3, I64Vec3};
 
-use super::Noise;
 use super::hash::{direction, of_cell};
+use super::{Noise, numbered};
 
 /// Simplex noise.
 #[derive(Clone, Copy, Debug)]
@@ -27,7 +27,7 @@ impl Noise for Simplex {
         if !skewed.is_finite() {
             return (f64::NAN, DVec3::NAN);
         }
-        let cell = skewed.as_i64vec3();
+        let cell = numbered(skewed);
         let within = position - (skewed - skewed.element_sum() / 6.0);
         // Along the greatest offset first: the corners of the tetrahedron that the position is in.
         let DVec3 { x, y, z } = within;

@@ -5,8 +5,8 @@
 
 use glam::{DVec3, I64Vec3};
 
-use super::Noise;
 use super::hash::{cells_around, of_cell, shares};
+use super::{Noise, numbered};
 
 /// Which distance.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -44,7 +44,7 @@ impl Worley {
     /// The distances of the two nearest points and the directions away from them.
     fn two_nearest(&self, position: DVec3) -> [(f64, DVec3); 2] {
         let base = position.floor();
-        let cell = base.as_i64vec3();
+        let cell = numbered(base);
         let mut nearest = [(f64::INFINITY, DVec3::ZERO); 2];
         // The cells in the order of how near they may be: most are never hashed.
         for ring in 0..=AROUND {
