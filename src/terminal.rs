@@ -88,6 +88,7 @@ pub fn json(text: &str) -> Cow<'_, str> {
 }
 
 /// Whether messages may have colours.
+#[cfg(feature = "cli")]
 pub fn styled() -> bool {
     obeys() && std::env::var_os("NO_COLOR").is_none_or(|set| set.is_empty())
 }

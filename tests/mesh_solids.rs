@@ -33,16 +33,22 @@ fn what_is_wrong_with_a_mesh_is_said_with_its_place() {
     warns(overlapping, &["m.obj: 12 of 24 triangles cross or cover others", "s.toml:3:9"]);
 }
 
-/// It runs along a row of voxel centres, which are on its surface and not inside; and then beside them.
+/// It runs along a row of voxel centres, which are on its surface and not inside; and then beside them. By itself it would be
+/// a frame with nothing inside.
 #[test]
 fn a_needle_thinner_than_a_voxel_is_warned_of() {
     let place = Workplace::new();
     for (more, resolution) in [("", 64), ("move = [0.003, 0, 0]\n", 64), ("move = [0.0011, 0.0004, 0]\n", 32)] {
-        let run = bake(&place, "mesh-thin-needle.obj", more, resolution);
-        warns(run, &["features thinner than a voxel at", "they need voxels of 0.00"]);
+        let empty = ["all of it is thinner than a voxel", "voxels of 0.00"];
+        bake(&place, "mesh-thin-needle.obj", more, resolution).fails(1, &empty);
+        let more = format!("{more}[shape.both]\nunion = ['m', {{ sphere = 0.3, move = [1, 0, 0] }}]\n");
+        let run = bake(&place, "mesh-thin-needle.obj", &more, resolution);
+        warns(run, &["features thinner than a voxel at"]);
     }
     // A function's needle, along the lattice too.
-    place.write("s.toml", "hfvdb = 1\n[shape.n]\nbox = [0.0002, 0.0002, 2]\nmove = [0.0001, 0, 0]\n");
+    let needle = "{ box = [0.0002, 0.0002, 2], move = [0.0001, 0, 0] }";
+    let ball = "{ sphere = 0.3, move = [1, 0, 0] }";
+    place.write("s.toml", format!("hfvdb = 1\n[shape.n]\nunion = [{needle}, {ball}]\n"));
     warns(place.hfvdb("bake s.toml -o o.vdb --overwrite --resolution 64"), &["features thinner than a voxel at"]);
     // Faces, edges and corners on voxel centres are no such thing.
     place.write("s.toml", "hfvdb = 1\n[shape.b]\nbox = [1, 0.5, 0.25]\n");
