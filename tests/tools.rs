@@ -248,3 +248,23 @@ fn frames_that_are_not_asked_for_may_be_missing() {
     assert_eq!(place.frames(".").iter().filter(|name| name.starts_with('t')).count(), 3);
     place.hfvdb("convert s.####.vdb -o u.####.vdb --frames 3-5").fails(1, &["4"]);
 }
+
+/// A box that is known of a solid may be larger than it; what is bent along a curve reaches the ends of that all the same.
+#[test]
+fn what_is_bent_reaches_the_ends_of_its_curve() {
+    let place = Workplace::new();
+    let bend = "bend_along = [[0, 0, 0], [0, 0, 3]]";
+    for shape in ["sphere = 0.5", "difference = [{ box = [1, 1, 2] }, { box = [2, 2, 0.6], move = [0, 0, 0.8] }]"] {
+        place.write(
+            "bent.toml",
+            format!("hfvdb = 1\n[shape.a]\n{shape}\ndo = [{{ rotate = [0, 180, 0] }}, {{ {bend} }}]\n"),
+        );
+        let value = |z: f64| {
+            let told = json(&place.hfvdb(&format!("probe bent.toml 0 0 {z} --json")).ok().stdout);
+            told["shapes"][0]["value"].as_f64().unwrap()
+        };
+        for (end, inward) in [(0.0, 0.03), (3.0, -0.03)] {
+            assert!(value(end + inward) > 0.0 && value(end - inward) < 0.0, "{shape} at {end}");
+        }
+    }
+}

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use super::{Attribute, LinearRgb};
 use crate::field::{Aabb, BATCH, Evaluator, Points};
-use crate::mesh::{Lookup, Material, MeshDistance, MeshEvaluator};
+use crate::mesh::{Lookup, Material, MeshDistance, MeshEvaluator, Nearest};
 
 /// Colour of the closest point of a mesh.
 #[derive(Clone, Debug)]
@@ -46,6 +46,18 @@ impl Attribute<3> for MeshColours {
     }
 }
 
+/// The material at a closest point, the place in its pictures, and how many times as wide as these a voxel is.
+pub(super) fn material_at<'m>(
+    mesh: &MeshDistance,
+    materials: &'m [Material],
+    nearest: &Nearest,
+    voxel: f32,
+) -> Option<(&'m Material, [f32; 2], f32)> {
+    let place = mesh.place(nearest)?;
+    let material = materials.get(place.material as usize)?;
+    Some((material, place.place, voxel * mesh.places_a_unit(nearest.triangle)))
+}
+
 struct Sampler<'a> {
     colours: &'a MeshColours,
     evaluator: MeshEvaluator<'a>,
@@ -73,11 +85,8 @@ impl super::Sampler<3> for Sampler<'_> {
             }
             // A mesh with neither has no colours: `new` saw to it.
             *colour = mesh.colour(&nearest).unwrap_or([1.0; 3]);
-            if let Some(place) = mesh.place(&nearest)
-                && let Some(material) = materials.get(place.material as usize)
-            {
-                let across = voxel * mesh.places_a_unit(nearest.triangle);
-                let painted = material.colour(place.place, *lookup, across);
+            if let Some((material, place, across)) = material_at(mesh, materials, &nearest, *voxel) {
+                let painted = material.colour(place, *lookup, across);
                 colour.iter_mut().zip(painted).for_each(|(colour, painted)| *colour *= painted);
             }
         }

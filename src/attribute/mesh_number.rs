@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use super::Attribute;
+use super::mesh_colour::material_at;
 use crate::field::{Aabb, BATCH, Evaluator, Points};
 use crate::mesh::{Lookup, Material, MeshDistance, MeshEvaluator, NumberOf};
 
@@ -56,10 +57,8 @@ impl super::Sampler<1> for Sampler<'_> {
         let MeshNumbers { mesh, materials, which, lookup, voxel } = self.numbers;
         for (i, number) in out.iter_mut().enumerate().take(points.len) {
             let nearest = self.evaluator.nearest(points.position(i));
-            let found = mesh.place(&nearest).and_then(|place| {
-                let across = voxel * mesh.places_a_unit(nearest.triangle);
-                materials.get(place.material as usize)?.number(*which, place.place, *lookup, across)
-            });
+            let found = material_at(mesh, materials, &nearest, *voxel)
+                .and_then(|(material, place, across)| material.number(*which, place, *lookup, across));
             *number = [found.unwrap_or(1.0)];
         }
     }

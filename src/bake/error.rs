@@ -4,7 +4,7 @@ use std::fmt;
 
 use super::Bytes;
 use super::asked::ComputeError;
-use super::frame::rounded;
+use super::frame::{OF_THIN, rounded};
 use crate::distance::band;
 use crate::{disk, shot};
 
@@ -79,7 +79,7 @@ impl fmt::Display for Error {
             Self::Hollow { frame, enough } => {
                 write!(f, "frame {frame} is empty: all of it is thinner than a voxel, so that nothing is inside; ")?;
                 match enough {
-                    Some(size) => write!(f, "voxels of {} hold it", rounded(*size))?,
+                    Some(size) => write!(f, "voxels of {} hold it", rounded(*size, OF_THIN))?,
                     None => f.write_str("smaller voxels hold it")?,
                 }
                 f.write_str("; --allow-empty writes a valid empty file")

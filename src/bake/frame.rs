@@ -110,8 +110,11 @@ pub(super) fn warnings(computed: &Computed) -> Vec<String> {
     if let Some(Thin { at, .. }) = report.thin.first() {
         let sizes = report.thin.iter().map(|thin| thin.size).filter(|&size| size > 0.0);
         let thinnest = sizes.fold(f64::INFINITY, f64::min);
-        let enough =
-            if thinnest < f64::INFINITY { format!("voxels of {}", rounded(thinnest)) } else { "smaller voxels".into() };
+        let enough = if thinnest < f64::INFINITY {
+            format!("voxels of {}", rounded(thinnest, OF_THIN))
+        } else {
+            "smaller voxels".into()
+        };
         warnings.push(format!(
             "features thinner than a voxel at {}, one near ({:.4}, {:.4}, {:.4}); they need {enough} to hold",
             voxels(report.thin.iter().map(|thin| u64::from(thin.voxels)).sum()),
@@ -145,10 +148,13 @@ pub(super) fn warnings(computed: &Computed) -> Vec<String> {
     warnings
 }
 
-/// A size to two digits, which is more than is known of it.
-pub(super) fn rounded(size: f64) -> f64 {
-    format!("{size:.1e}").parse().unwrap_or(size)
+/// A number to so many digits, at least one.
+pub fn rounded(number: f64, digits: usize) -> f64 {
+    format!("{number:.*e}", digits - 1).parse().unwrap_or(number)
 }
+
+/// The digits that are known of how thin a feature is, and more.
+pub(super) const OF_THIN: usize = 2;
 
 /// So many voxels, in words.
 fn voxels(count: u64) -> String {

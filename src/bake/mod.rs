@@ -40,7 +40,7 @@ pub use compute::{Computed, Ranges, compute};
 pub use done::{State, judge_all};
 pub use error::Error;
 pub use estimate::{Estimate, check_memory, estimate, in_flight};
-pub use frame::{compute_frame, empty};
+pub use frame::{compute_frame, empty, rounded};
 pub use frames::{Frames, FramesError};
 pub use identity::{Identity, Sampling};
 pub use inside::{Inside, Insides};

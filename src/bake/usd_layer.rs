@@ -7,8 +7,9 @@ use std::path::{Component, Path, PathBuf};
 use glam::DVec3;
 use rayon::prelude::*;
 
+use crate::node::keys::{UNITS, metres};
 use crate::vdb::walk::{GridLayout, Layout, walk};
-use crate::vdb::{self, MetadataValue, StoredClass, VELOCITIES};
+use crate::vdb::{self, StoredClass, VELOCITIES, metadata_text};
 
 /// Types of values, as OpenVDB spells them and as USD does. USD says nothing of a wrong word.
 const TYPES: [(&str, &str); 9] = [
@@ -22,10 +23,6 @@ const TYPES: [(&str, &str); 9] = [
     ("bool", "bool"),
     ("mask", "mask"),
 ];
-
-/// Metres in a unit of length.
-const METRES: [(&str, f64); 6] =
-    [("m", 1.0), ("cm", 0.01), ("mm", 0.001), ("km", 1000.0), ("in", 0.0254), ("ft", 0.3048)];
 
 /// A grid's name by convention, and the one that Hydra's renderers look for.
 const ALIASES: [(&str, &str); 3] = [("Cd", "color"), ("vel", "velocity"), ("v", "velocity")];
@@ -138,10 +135,7 @@ pub fn usd_layer(files: &[FrameFile], layer: &Path, options: &LayerOptions) -> R
 }
 
 fn look(layout: &Layout) -> Look {
-    let text = |name: &str| match layout.metadata.get(name) {
-        Some(MetadataValue::Text(text)) => Some(text.as_str()),
-        _ => None,
-    };
+    let text = |name: &str| metadata_text(&layout.metadata, name);
     let (mut fields, mut skipped, mut twice): (Vec<Field>, _, _) = (Vec::new(), BTreeSet::new(), BTreeSet::new());
     let mut extent: Option<[DVec3; 2]> = None;
     for grid in &layout.grids {
@@ -167,16 +161,16 @@ fn look(layout: &Layout) -> Look {
         extent,
         fps: number("hfvdb_fps").filter(|fps| fps.is_finite() && *fps > 0.0),
         up: text("hfvdb_up").and_then(|up| ["y", "z"].into_iter().find(|known| *known == up)),
-        metres: text("hfvdb_unit").and_then(|unit| METRES.iter().find(|(name, _)| *name == unit)).map(|known| known.1),
+        metres: text("hfvdb_unit").filter(|unit| UNITS.contains(unit)).map(metres),
     }
 }
 
 fn field(grid: &GridLayout) -> Option<Field> {
     let kind = TYPES.iter().find(|(name, _)| *name == grid.value_type())?.1;
-    let role = match grid.metadata.get("vector_type") {
+    let role = match metadata_text(&grid.metadata, "vector_type") {
         _ if !kind.ends_with('3') => "None",
         _ if VELOCITIES.contains(&grid.name.as_str()) => "Vector",
-        Some(MetadataValue::Text(kind)) => match kind.as_str() {
+        Some(kind) => match kind {
             "contravariant relative" | "covariant" => "Vector",
             "contravariant absolute" => "Point",
             "covariant normalize" => "Normal",

@@ -254,7 +254,7 @@ fn of_scene(arguments: &Arguments, global: &Global) -> Result<(), Failure> {
             size.y,
             size.z,
             model.unit,
-            significant(voxel_size),
+            bake::rounded(voxel_size, 9),
             estimate.voxels,
             estimate.memory,
             estimate.file
@@ -273,11 +273,6 @@ fn of_scene(arguments: &Arguments, global: &Global) -> Result<(), Failure> {
 }
 
 /// A morph's numbers, a line for each frame. Volumes in cubic units, speed in units a second.
-/// A number to nine digits: the rest is rounding.
-fn significant(number: f64) -> f64 {
-    format!("{number:.8e}").parse().unwrap_or(number)
-}
-
 fn table(numbers: &[(i64, MorphReport)], fps: f64) -> String {
     if numbers.is_empty() {
         return String::new();

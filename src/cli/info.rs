@@ -9,6 +9,7 @@ use super::failure::Failure;
 use super::options::Global;
 use super::{files, paths};
 use crate::bake::Bytes;
+use crate::mesh::is_mesh;
 use crate::terminal;
 use crate::vdb::{self, FileInfo, GridInfo};
 
@@ -25,10 +26,7 @@ pub fn run(arguments: &Arguments, global: &Global) -> Result<(), Failure> {
     let mut documents = Vec::new();
     for path in files::named(&arguments.files, None)? {
         let path = PathBuf::from(path);
-        if path
-            .extension()
-            .is_some_and(|end| ["glb", "gltf", "obj", "ply", "stl"].iter().any(|mesh| end.eq_ignore_ascii_case(mesh)))
-        {
+        if is_mesh(&path) {
             return Err(Failure::usage(format!(
                 "{}: `hfvdb check` tells of meshes; info takes .vdb files",
                 terminal::path(&path)

@@ -4,8 +4,6 @@
 //! [`ROOM`]: negative around all of them, so that nothing of the piece that a voxel could see remains, and far from them
 //! F′ = F to the last bit.
 
-use std::cell::Cell;
-
 use glam::{DVec3, IVec3};
 use rustc_hash::{FxHashMap, FxHashSet};
 
@@ -63,13 +61,13 @@ where
     if keep == Keep::ALL {
         return Ok(measured);
     }
-    let [all, left_out, pieces] = [const { Cell::new(0.0) }; 3];
+    let (mut all, mut left_out, mut pieces) = (0.0, 0.0, 0);
     let dropped = voxels_of_pieces(&measured.band, |rank, volume| {
         let drops = keep.drops(rank, volume);
-        all.set(all.get() + volume);
+        all += volume;
         if drops {
-            left_out.set(left_out.get() + volume);
-            pieces.set(pieces.get() + 1.0);
+            left_out += volume;
+            pieces += 1;
         }
         drops
     });
@@ -88,7 +86,7 @@ where
     // A tile is inside one piece.
     measured.replace(again, &changed, |tile| without.voxels.contains_key(&tile.origin));
     measured.report.cut_voxels = cut_voxels(&measured.band, &settings.scope());
-    measured.report.dropped = Dropped { pieces: pieces.get() as u32, share: left_out.get() / all.get() };
+    measured.report.dropped = Dropped { pieces, share: left_out / all };
     Ok(measured)
 }
 

@@ -31,6 +31,13 @@ impl Points {
         Self { x: [0.0; BATCH], y: [0.0; BATCH], z: [0.0; BATCH], origin, len: 0 }
     }
 
+    /// Some positions, at least one and no more than a batch holds, around the first.
+    pub fn of_positions(positions: &[DVec3]) -> Self {
+        let mut points = Self::new(positions[0]);
+        positions.iter().for_each(|position| points.push((*position - positions[0]).as_vec3()));
+        points
+    }
+
     /// The 512 voxel centres of a leaf block, in the block's own order, around the block's middle.
     pub fn of_block(origin: glam::IVec3, lattice: &crate::grid::Lattice) -> Self {
         let mut points = Self::new(Self::middle_of_block(origin, lattice));

@@ -4,6 +4,7 @@
 use glam::{DVec2, DVec3, Vec3};
 
 use super::copies::{distance_between, distance_to, farthest};
+use super::silhouette::Silhouette;
 use super::spine::{Spine, Station};
 use super::{Aabb, BATCH, Evaluator, Expression, Field, Gradients, Hint, Hints, Interval, Points};
 
@@ -12,12 +13,6 @@ const FEW_PIECES: usize = 16;
 
 /// How much farther out than the solid, as a share of its reach, places are still read by the curve.
 const BEYOND: f64 = 0.25;
-
-/// In so many slabs along z is looked how far the solid reaches, by cells of this share of its width, of which no more than
-/// so many stand upon one another.
-const SLABS: usize = 64;
-const CELLS: f64 = 16.0;
-const MOST_HIGH: f64 = 1024.0;
 
 /// A solid along a curve.
 pub struct Bent {
@@ -31,11 +26,15 @@ pub struct Bent {
     reach: f64,
     wide: f64,
     pieces: Vec<Piece>,
+    /// The numbers of all pieces.
+    all: Vec<u32>,
     solid: Aabb,
 }
 
 /// A part of the curve, or a straight end.
 struct Piece {
+    /// Whether it is a straight end.
+    is_end: bool,
     ways: [f64; 2],
     from: DVec3,
     to: DVec3,
@@ -71,11 +70,10 @@ impl Bent {
     /// # Errors
     /// Where the curve turns so sharply that the solid would fold.
     pub fn new(inner: Expression, own: Aabb, spine: Spine, start: f64, stretch: f64) -> Result<Self, Folded> {
-        let outline = outline(&inner, &own);
-        let reach = outline.iter().flatten().map(|corner| corner.length()).fold(0.0, f64::max) * (1.0 + 1e-6);
+        let outline = Silhouette::new(&inner, &own);
+        let reach = outline.reach() * (1.0 + 1e-6);
         let [first, last] = [own.min.z, own.max.z].map(|z| (z - start) / stretch);
         let length = spine.length();
-        let mut tightest = f64::INFINITY;
         if let Some((at, radius)) = spine.cusp().filter(|(_, radius)| *radius < reach) {
             return Err(Folded { at, radius, reach });
         }
@@ -88,13 +86,12 @@ impl Bent {
             let Station { at, curvature, axes, slope } = spine.at(way);
             let turning = curvature / slope.length_squared();
             let middle = DVec2::new(turning.dot(axes[0]), turning.dot(axes[1]));
-            let slab = slab(&own, start + stretch * way);
-            let share = outline[slab].iter().map(|corner| middle.dot(*corner)).fold(0.0, f64::max);
-            let radius = 1.0 / turning.length();
+            let at_height = outline.at(start + stretch * way);
+            let share = at_height.iter().map(|corner| middle.dot(*corner)).fold(0.0, f64::max);
             if share >= 0.999 {
+                let radius = 1.0 / turning.length();
                 return Err(Folded { at, radius, reach: share * radius });
             }
-            tightest = tightest.min(radius);
         }
         let wide = reach * (1.0 + BEYOND);
         let [before, after] = [(-first).max(0.0), (last - length).max(0.0)].map(|beyond| beyond + wide);
@@ -107,12 +104,14 @@ impl Bent {
             reach,
             wide,
             pieces: Vec::new(),
+            all: Vec::new(),
             solid: own,
         };
         let ends = [[-before, 0.0], [length, length + after]];
         let between = (0..bent.spine.pieces()).map(|piece| bent.spine.piece(piece));
         let ways: Vec<[f64; 2]> = [ends[0]].into_iter().chain(between).chain([ends[1]]).collect();
         bent.pieces = (0..ways.len()).map(|at| bent.piece(&ways, at)).collect();
+        bent.all = (0..bent.pieces.len() as u32).collect();
         bent.solid = bent.solid_box(first, last, &outline);
         Ok(bent)
     }
@@ -135,11 +134,11 @@ impl Bent {
         let [start, end] = [from, to].map(|way| self.spine.at(way).at);
         let sag = if is_end { 0.0 } else { 1.5 * middle.at.distance((start + end) / 2.0) + 1e-9 * step };
         let aabb = Aabb::new(start.min(end), start.max(end)).grown(sag);
-        Piece { ways: [from, to], from: start, to: end, aabb, sag, middle, angle }
+        Piece { is_end, ways: [from, to], from: start, to: end, aabb, sag, middle, angle }
     }
 
     /// The box around all that the solid has.
-    fn solid_box(&self, first: f64, last: f64, outline: &[Vec<DVec2>]) -> Aabb {
+    fn solid_box(&self, first: f64, last: f64, outline: &Silhouette) -> Aabb {
         let mut around: Option<Aabb> = None;
         for piece in &self.pieces {
             let [from, to] = [piece.ways[0].max(first), piece.ways[1].min(last)];
@@ -148,11 +147,11 @@ impl Bent {
             }
             // Corners between two samples stray by as much as an arc does from its chord.
             let stray = piece.sag + self.reach * piece.angle * piece.angle;
-            let [low, high] = [from, to].map(|way| slab(&self.own, self.start + self.stretch * way));
+            let [low, high] = [from, to].map(|way| self.start + self.stretch * way);
             for i in 0..=2 {
                 let way = from + (to - from) * f64::from(i) / 2.0;
                 let Station { at, axes, .. } = self.spine.at(way);
-                for corner in outline[low..=high].iter().flatten() {
+                for corner in outline.between(low, high) {
                     let place = at + corner.x * axes[0] + corner.y * axes[1];
                     let here = Aabb::new(place, place).grown(stray);
                     around = Some(around.map_or(here, |known| known.union(here)));
@@ -170,9 +169,8 @@ impl Bent {
 
     /// Where a position comes from: of several turns, the one whose value counts.
     pub fn back(&self, position: DVec3) -> DVec3 {
-        let all: Vec<u32> = (0..self.pieces.len() as u32).collect();
         let mut best: Option<(f64, DVec3)> = None;
-        self.images(position, &all, |_, image| {
+        self.images(position, &self.all, |_, image| {
             let value = self.near_value(&image);
             if best.is_none_or(|(greatest, _)| value > greatest) {
                 best = Some((value, image.own));
@@ -201,8 +199,7 @@ impl Bent {
 
     /// A box of the solid's own space that holds all that a box comes from.
     pub fn region_back(&self, region: &Aabb) -> Aabb {
-        let all: Vec<u32> = (0..self.pieces.len() as u32).collect();
-        let pieces = self.near(region, &all);
+        let pieces = self.near(region, &self.all);
         let to_centre = |index: &u32| chord(&self.pieces[*index as usize], region.centre()).0;
         let nearest = pieces.iter().map(to_centre).fold(f64::INFINITY, f64::min);
         match self.own_region(region, &pieces) {
@@ -259,9 +256,9 @@ impl Bent {
 
     /// The way of the foot of a position, near a share of a piece's chord.
     fn foot(&self, index: usize, position: DVec3, share: f64) -> f64 {
-        let [from, to] = self.pieces[index].ways;
+        let Piece { is_end, ways: [from, to], .. } = self.pieces[index];
         let near = from + share * (to - from);
-        if index == 0 || index + 1 == self.pieces.len() {
+        if is_end {
             return near;
         }
         self.spine.foot(position, near).clamp(near - (to - from), near + (to - from))
@@ -299,8 +296,7 @@ impl Bent {
         let (centre, half) = (region.centre(), region.size() / 2.0);
         let of_piece = |&index: &u32| {
             let piece = &self.pieces[index as usize];
-            let [from, to] = piece.ways;
-            let is_end = index == 0 || index as usize + 1 == self.pieces.len();
+            let Piece { is_end, ways: [from, to], .. } = *piece;
             let step = to - from;
             let (low, high) = if is_end { (from, to) } else { (from - step, to + step) };
             let off = centre - piece.middle.at;
@@ -324,83 +320,6 @@ impl Bent {
     }
 }
 
-/// The slab at a height.
-fn slab(own: &Aabb, z: f64) -> usize {
-    let share = (z - own.min.z) / (own.max.z - own.min.z);
-    ((share * SLABS as f64) as usize).min(SLABS - 1)
-}
-
-/// Where a solid begins and ends along z, to a thousandth of the height of a box that it is in; `None` where it is not found by
-/// so much work as is worth it.
-pub fn heights(solid: &Expression, own: &Aabb) -> Option<[f64; 2]> {
-    let mut evaluator = solid.evaluator();
-    let mut ends = [own.min.z, own.max.z];
-    for (end, way) in ends.iter_mut().zip([-1.0, 1.0]) {
-        *end = end_along(evaluator.as_mut(), own, way)?;
-    }
-    (ends[0] < ends[1]).then_some(ends)
-}
-
-/// The cell that reaches farthest along z one way is looked into first.
-fn end_along(evaluator: &mut dyn Evaluator, own: &Aabb, way: f64) -> Option<f64> {
-    const MOST: usize = 20_000;
-    const FINEST: f64 = 1.0 / 1024.0;
-    let end = |cell: &Aabb| if way > 0.0 { cell.max.z } else { cell.min.z };
-    let mut may_be_inside = |cell: &Aabb| {
-        evaluator.enter(cell);
-        let hi = evaluator.bounds().hi;
-        evaluator.leave();
-        hi >= 0.0
-    };
-    let finest = own.size() * DVec3::new(16.0 * FINEST, 16.0 * FINEST, FINEST);
-    let mut open = vec![*own];
-    for _ in 0..MOST {
-        let farthest = open.iter().enumerate().reduce(|a, b| if way * end(b.1) > way * end(a.1) { b } else { a })?.0;
-        let cell = open.swap_remove(farthest);
-        let size = (cell.size() / finest).to_array();
-        let axis = (0..3).fold(0, |most, axis| if size[axis] > size[most] { axis } else { most });
-        if size[axis] <= 1.0 {
-            return Some(end(&cell));
-        }
-        let (mut lower, mut upper) = (cell, cell);
-        (lower.max[axis], upper.min[axis]) = (cell.centre()[axis], cell.centre()[axis]);
-        open.extend([lower, upper].into_iter().filter(|half| may_be_inside(half)));
-    }
-    None
-}
-
-/// Corners of cells, slab by slab, around all that a solid has there: its box alone reaches too far at its corners.
-fn outline(inner: &Expression, own: &Aabb) -> Vec<Vec<DVec2>> {
-    let mut slabs = vec![Vec::new(); SLABS];
-    let size = own.size();
-    let across = size.x.max(size.y) / CELLS;
-    let finest = DVec3::new(across, across, across.max(size.z / MOST_HIGH));
-    let mut evaluator = inner.evaluator();
-    outline_within(evaluator.as_mut(), own, *own, finest, &mut slabs);
-    slabs
-}
-
-fn outline_within(evaluator: &mut dyn Evaluator, own: &Aabb, cell: Aabb, finest: DVec3, slabs: &mut [Vec<DVec2>]) {
-    evaluator.enter(&cell);
-    let Interval { lo, hi } = evaluator.bounds();
-    let size = cell.size();
-    let longest = (size / finest).to_array();
-    let axis = (0..3).fold(0, |most, axis| if longest[axis] > longest[most] { axis } else { most });
-    if hi >= 0.0 && lo < 0.0 && longest[axis] > 1.0 {
-        let middle = cell.centre()[axis];
-        let (mut lower, mut upper) = (cell, cell);
-        (lower.max[axis], upper.min[axis]) = (middle, middle);
-        outline_within(evaluator, own, lower, finest, slabs);
-        outline_within(evaluator, own, upper, finest, slabs);
-    } else if hi >= 0.0 {
-        let corners = [cell.min.x, cell.max.x].map(|x| [cell.min.y, cell.max.y].map(|y| DVec2::new(x, y)));
-        for slab in &mut slabs[slab(own, cell.min.z)..=slab(own, cell.max.z)] {
-            slab.extend(corners.as_flattened());
-        }
-    }
-    evaluator.leave();
-}
-
 /// The distance of a position from a piece's chord, and the share of that where it is nearest.
 fn chord(piece: &Piece, position: DVec3) -> (f64, f64) {
     let along = piece.to - piece.from;
@@ -418,9 +337,8 @@ impl Field for Bent {
     }
 
     fn reference(&self, position: DVec3) -> f64 {
-        let all: Vec<u32> = (0..self.pieces.len() as u32).collect();
         let mut greatest: Option<f64> = None;
-        self.images(position, &all, |_, image| {
+        self.images(position, &self.all, |_, image| {
             let value = self.near_value(&image);
             greatest = Some(greatest.map_or(value, |known| known.max(value)));
         });
@@ -428,11 +346,9 @@ impl Field for Bent {
     }
 
     fn evaluator(&self) -> Box<dyn Evaluator + '_> {
-        let all = (0..self.pieces.len() as u32).collect();
         Box::new(BentEvaluator {
             bent: self,
             inner: self.inner.evaluator(),
-            all,
             regions: Vec::new(),
             images: Vec::new(),
             there: Box::new(Points::new(DVec3::ZERO)),
@@ -451,7 +367,6 @@ struct Region {
 struct BentEvaluator<'a> {
     bent: &'a Bent,
     inner: Box<dyn Evaluator + 'a>,
-    all: Vec<u32>,
     regions: Vec<Region>,
     images: Vec<Vec<(usize, Image)>>,
     there: Box<Points>,
@@ -461,7 +376,7 @@ struct BentEvaluator<'a> {
 
 impl BentEvaluator<'_> {
     fn pieces(&self) -> &[u32] {
-        self.regions.last().map_or(&self.all, |region| &region.pieces)
+        self.regions.last().map_or(&self.bent.all, |region| &region.pieces)
     }
 
     /// The images of all points, with their points' numbers, turn by turn.
@@ -730,20 +645,6 @@ mod tests {
             }
             assert!(told > 20, "bounds tell nothing: {told}");
         }
-    }
-
-    /// Where the known box is larger than the solid.
-    #[test]
-    fn heights_are_those_of_the_solid() {
-        let mut graph = Graph::new();
-        let (ball, cuboid) = (graph.sphere(1.0), graph.cuboid(DVec3::splat(1.0)));
-        let own = Aabb::new(DVec3::splat(-1.6), DVec3::splat(1.6));
-        for (node, top, off) in [(ball, 1.0, 4e-3), (cuboid, 0.5, 4e-3)] {
-            let [bottom, found] = heights(&Expression::new(&graph, node), &own).expect("it ends");
-            assert!((found - top).abs() < off && (bottom + top).abs() < off, "{bottom} to {found}");
-        }
-        let exact = Aabb::new(DVec3::splat(-0.5), DVec3::splat(0.5));
-        assert_eq!(heights(&Expression::new(&graph, cuboid), &exact), Some([-0.5, 0.5]));
     }
 
     #[test]

@@ -42,6 +42,7 @@ mod program;
 mod prune;
 mod rows;
 mod seeds;
+mod silhouette;
 mod solids;
 mod spine;
 mod struts;
@@ -54,7 +55,7 @@ mod width;
 
 pub use balls::Balls;
 pub use batch::{BATCH, Gradients, Points};
-pub use bent::{Bent, Folded, heights};
+pub use bent::{Bent, Folded};
 pub use combine::{Blend, BlendBounds, Kernel, SetSystem};
 pub use copies::{Copies, CopyPlace};
 pub use distances::Side;

@@ -9,7 +9,7 @@ use crate::node::model::Model;
 use crate::text::diagnostic::Diagnostics;
 use crate::text::overrides::Overrides;
 use crate::text::pattern::FramePattern;
-use crate::vdb::{MetadataValue, Opened, StoredClass, VELOCITIES};
+use crate::vdb::{Opened, StoredClass, VELOCITIES, metadata_text};
 
 /// Files as they stand.
 #[derive(Debug)]
@@ -103,10 +103,7 @@ impl Files {
             has_velocity: layout.grids.iter().any(|grid| VELOCITIES.contains(&grid.name.as_str())),
             ..Beside::default()
         };
-        let text = |name: &str| match layout.metadata.get(name) {
-            Some(MetadataValue::Text(text)) => Some(text.as_str()),
-            _ => None,
-        };
+        let text = |name: &str| metadata_text(&layout.metadata, name);
         beside.unit = text("hfvdb_unit").and_then(|unit| UNITS.iter().find(|known| **known == unit)).copied();
         beside.up = text("hfvdb_up").and_then(|up| ["y", "z"].into_iter().find(|known| *known == up));
         let numbers = layout.grids.iter().filter(|grid| ["float", "double"].contains(&grid.value_type()));

@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use crate::disk;
+use crate::mesh::is_mesh;
 use crate::node::example::{node_names, node_scene};
 use crate::terminal;
 use crate::text::builtin::{builtin_names, builtin_text};
@@ -64,7 +65,7 @@ pub(crate) fn text_of(path: &Path) -> Result<String, Diagnostic> {
         .map_err(|_| Diagnostic::without_place(format!("`{}` is no scene, which is a text in UTF-8", clip(&shown))))
         .map_err(|problem| {
             match path.extension().and_then(|end| end.to_str()).map(str::to_ascii_lowercase).as_deref() {
-                Some("glb" | "gltf" | "obj" | "ply" | "stl") => {
+                _ if is_mesh(path) => {
                     problem.help("`hfvdb check` tells of meshes, and `hfvdb convert` makes voxels of one")
                 }
                 Some("vdb") => problem.help("`hfvdb info` tells what a .vdb file holds"),

@@ -82,8 +82,7 @@ impl Slice {
         let mut gradients = Gradients::new();
         let mut read: Vec<(f64, f64)> = Vec::with_capacity(positions.len());
         for chunk in positions.chunks(BATCH) {
-            let mut points = Points::new(chunk[0]);
-            chunk.iter().for_each(|position| points.push((*position - chunk[0]).as_vec3()));
+            let points = Points::of_positions(chunk);
             evaluator.gradients(&points, &mut gradients);
             read.extend(
                 (0..chunk.len()).map(|i| (f64::from(gradients.value[i]), f64::from(gradients.gradient(i).length()))),

@@ -240,8 +240,7 @@ pub(super) fn colours(fill: Fill<'_>, positions: &[DVec3]) -> Vec<[f32; 3]> {
             let mut out = [[0.0; 3]; BATCH];
             let mut all = Vec::with_capacity(positions.len());
             for chunk in positions.chunks(BATCH) {
-                let mut points = Points::new(chunk[0]);
-                chunk.iter().for_each(|position| points.push((*position - chunk[0]).as_vec3()));
+                let points = Points::of_positions(chunk);
                 sampler.sample(&points, &mut out);
                 all.extend_from_slice(&out[..chunk.len()]);
             }

@@ -90,8 +90,7 @@ fn by_batches<'p, E>(
     values.par_chunks_mut(BATCH).zip(positions.par_chunks(BATCH)).for_each_init(
         evaluator,
         |evaluator, (out, chunk)| {
-            let mut points = Points::new(chunk[0]);
-            chunk.iter().for_each(|position| points.push((*position - chunk[0]).as_vec3()));
+            let points = Points::of_positions(chunk);
             read(evaluator, &points, out);
         },
     );

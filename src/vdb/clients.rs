@@ -11,7 +11,7 @@ use super::finding::Severity;
 use super::programs::{Client, Program, Three};
 use super::read::{SparseBlocks, StoredClass, Voxels};
 use super::walk::{GridLayout, Layout};
-use super::{Metadata, MetadataValue};
+use super::{Metadata, MetadataValue, metadata_text};
 use crate::grid::node_origin;
 
 /// Channels that a Sparse Volume Texture has: two attributes of four.
@@ -317,10 +317,7 @@ fn class(grid: &GridLayout) -> StoredClass {
 }
 
 fn vector_type(grid: &GridLayout) -> Option<&str> {
-    match grid.metadata.get("vector_type") {
-        Some(MetadataValue::Text(text)) => Some(text),
-        _ => None,
-    }
+    metadata_text(&grid.metadata, "vector_type")
 }
 
 /// Whether vectors are a velocity, by their name or by their type.

@@ -7,7 +7,7 @@ use serde::Serialize;
 
 use super::read::{Opened, SparseBlocks, StoredClass, Voxels};
 use super::walk::{CompressionFlags, GridLayout, walk};
-use super::{Error, Metadata, MetadataValue};
+use super::{Error, Metadata, metadata_text};
 
 /// A file.
 #[derive(Clone, Debug, Serialize)]
@@ -121,10 +121,7 @@ fn describe(opened: &Opened, grid: &GridLayout) -> Result<GridInfo, Error> {
         name: grid.name.clone(),
         value_type: grid.value_type().into(),
         class,
-        vector_type: match grid.metadata.get("vector_type") {
-            Some(MetadataValue::Text(text)) => Some(text.clone()),
-            _ => None,
-        },
+        vector_type: metadata_text(&grid.metadata, "vector_type").map(str::to_owned),
         half: grid.half,
         compression: spelled(grid.compression),
         background,

@@ -28,6 +28,14 @@ pub enum MetadataValue {
 /// Named values. For Houdini's sake keep to lower-case identifiers, and leave `is_…` to truth values.
 pub type Metadata = BTreeMap<String, MetadataValue>;
 
+/// A text of metadata.
+pub fn metadata_text<'m>(metadata: &'m Metadata, name: &str) -> Option<&'m str> {
+    match metadata.get(name) {
+        Some(MetadataValue::Text(text)) => Some(text),
+        _ => None,
+    }
+}
+
 /// The key of a grid's metadata that names the space of its colours, as OpenColorIO, OpenEXR and USD have it.
 pub const INTEROP_ID: &str = "colorInteropID";
 

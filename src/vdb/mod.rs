@@ -40,7 +40,7 @@ pub use frame::{Blocks, Class, Content, Frame, Grid, Tiles, Values, VectorType};
 pub use inspect::{FileInfo, GridInfo, Range, inspect, level_set_box};
 pub use level_set::LevelSet;
 pub use lint::{Lint, lint};
-pub use metadata::{INTEROP_ID, Metadata, MetadataValue};
+pub use metadata::{INTEROP_ID, Metadata, MetadataValue, metadata_text};
 pub use programs::{Client, NAMES as PROGRAM_NAMES, Program, Three};
 pub use read::{Contents, Opened, SparseBlocks, StoredClass, StoredGrid, Tile, Voxels, read};
 pub use walk::{Transform, read_back};

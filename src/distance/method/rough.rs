@@ -73,11 +73,7 @@ fn crossings(request: &Request<'_>, edge: f64) -> Vec<DVec3> {
 fn values_at(evaluator: &mut dyn Evaluator, positions: &[DVec3], mut take: impl FnMut(f32)) {
     let mut values = [0.0; BATCH];
     for chunk in positions.chunks(BATCH) {
-        let mut points = Points::new(chunk[0]);
-        for position in chunk {
-            points.push((*position - chunk[0]).as_vec3());
-        }
-        evaluator.values(&points, &mut values);
+        evaluator.values(&Points::of_positions(chunk), &mut values);
         values[..chunk.len()].iter().copied().for_each(&mut take);
     }
 }

@@ -76,7 +76,10 @@ pub fn deepest(band: &Band) -> f64 {
 
 /// Whether the solid holds anything that can be meshed.
 pub fn has_inside(band: &Band) -> bool {
-    deepest(band) > NO_DEPTH * band.lattice.voxel_size.get()
+    let least = NO_DEPTH * band.lattice.voxel_size.get();
+    // The first voxel found is enough.
+    let is_deep = |block: &[f32; BLOCK_VOXELS]| block.iter().any(|&distance| f64::from(distance) > least);
+    !band.inside_tiles.is_empty() || band.distances.par_iter().any(is_deep)
 }
 
 /// A change of less than this share of the volume is none: rounding.

@@ -19,7 +19,7 @@ pub fn pieces(band: &Band) -> Vec<f64> {
 
 /// The inside voxels of those pieces that `dropped` picks, block by block in the band's order, tiles after; `dropped` is
 /// told a piece's rank (0 is the largest) and its volume in cubic world units.
-pub fn voxels_of_pieces(band: &Band, dropped: impl Fn(usize, f64) -> bool) -> Vec<(IVec3, BlockMask)> {
+pub fn voxels_of_pieces(band: &Band, mut dropped: impl FnMut(usize, f64) -> bool) -> Vec<(IVec3, BlockMask)> {
     let pieces = Pieces::of(band);
     let volumes = pieces.volumes(band);
     let drops: Vec<bool> = volumes.iter().enumerate().map(|(rank, &volume)| dropped(rank, volume)).collect();

@@ -4,10 +4,9 @@ use std::sync::Arc;
 
 use glam::{DVec3, DVec4};
 
-use crate::field::{Aabb, Bent, Expression, Folded, Graph, Node, Spine, heights};
+use crate::field::{Aabb, Bent, Expression, Folded, Graph, Node, Spine};
 use crate::node::bend::Bend;
 use crate::node::curves::{b_spline, bezier, catmull_rom};
-use crate::node::own_box::own_box;
 use crate::node::spec::Spec;
 use crate::text::key::Absent::{Nothing, Text, Vector};
 use crate::text::key::{Key, Kind};
@@ -70,11 +69,9 @@ pub const NODE: Spec = Spec {
             let problem = format!("`bend_along` bends solids, and `{}` is a shape of the plane", build.name());
             return Err(build.wrong("bend_along", problem).help("extrude it first, and bend the solid"));
         }
-        let mut own = own_box(build)?;
+        // What construction tells of a box may be larger than the solid, which would not reach the curve's ends then.
+        let own = build.solid_box(inner)?;
         let solid = Expression::new(build.graph(), inner);
-        if let Some([bottom, top]) = heights(&solid, &own) {
-            (own.min.z, own.max.z) = (bottom, top);
-        }
         let height = own.max.z - own.min.z;
         let spine = Spine::new(&line, build.direction("bend_up")?);
         let is_whole = build.arguments().choice("bend_fit") != Some(&"lengths");

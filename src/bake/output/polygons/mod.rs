@@ -116,8 +116,7 @@ fn sampled<const N: usize>(attribute: &dyn Attribute<N>, positions: &[DVec3]) ->
     let chunks = positions.par_chunks(BATCH).map_init(
         || (attribute.sampler(), Box::new([[0.0; N]; BATCH])),
         |(sampler, out), positions| {
-            let mut points = Points::new(positions[0]);
-            positions.iter().for_each(|position| points.push((*position - positions[0]).as_vec3()));
+            let points = Points::of_positions(positions);
             let Some(region) = points.bounding_box() else { return Vec::new() };
             sampler.enter(&region);
             sampler.sample(&points, out);
