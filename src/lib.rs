@@ -64,7 +64,9 @@
 
 pub mod attribute;
 pub mod bake;
+// What `main.rs` calls, and nobody else.
 #[cfg(feature = "cli")]
+#[doc(hidden)]
 pub mod cli;
 pub mod disk;
 pub mod distance;

@@ -3,7 +3,7 @@
 mod support;
 
 use std::fs;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
 use support::{Run, Workplace};
@@ -12,7 +12,7 @@ use support::{Run, Workplace};
 const SCENE: &str = "hfvdb = 1\nframes = \"1-3\"\nmorph = { from = \"small\", to = \"heart\" }\n\
                      [shape.small]\nheart = 1.5\ncolor = \"red\"\n[shape.heart]\nheart = 2\n\
                      move = [\"0.1*t\", 0, 0]\n";
-const BAKE: &str = "bake morph.toml --voxel-size 0.03 --frames 2 --overwrite";
+const BAKE: &str = "bake morph.toml --voxel-size 0.04 --frames 2 --overwrite";
 
 fn place() -> Workplace {
     let place = Workplace::new();
@@ -28,8 +28,18 @@ fn bake(place: &Workplace, more: &str) -> (Run, Vec<u8>) {
     (run, bytes)
 }
 
+/// The entries of a kind, and what has no business there.
+fn entries_of(place: &Workplace, extension: &str) -> Vec<PathBuf> {
+    let all = place.names("kept").into_iter().map(|name| place.path("kept").join(name));
+    all.filter(|path| path.extension().is_none_or(|own| own == extension)).collect()
+}
+
 fn entries(place: &Workplace) -> Vec<PathBuf> {
-    place.names("kept").iter().map(|name| place.path("kept").join(name)).collect()
+    entries_of(place, "distance")
+}
+
+fn plans(place: &Workplace) -> usize {
+    entries_of(place, "plan").len()
 }
 
 #[test]
@@ -42,12 +52,18 @@ fn what_is_kept_gives_the_same_bits() {
     let (run, second) = bake(&place, "--cache kept");
     assert!(!run.stderr.contains("warning"), "{}", run.stderr);
     assert!(measured == first && first == second);
+    assert_eq!((plans(&place), place.names("kept").len()), (1, 3), "the plan, and no lock");
+    // A colour changes no plan; and the way round between hues, which it does change, is found again.
+    let opposite = SCENE.replace("[shape.heart]", "[shape.heart]\ncolor = \"#00ffff\"");
+    place.write("morph.toml", &opposite);
+    let ((_, measured), (_, kept_plan)) = (bake(&place, "--no-cache"), bake(&place, "--cache kept"));
+    assert!(measured == kept_plan && plans(&place) == 1);
     // What does not change an object does not change its name: neither its colour, nor its motion, nor the morph.
     let other =
         SCENE.replace("red", "blue").replace("0.1*t", "0.2*t").replace("morph = {", "morph = { ease = \"smooth\",");
     place.write("morph.toml", other);
     bake(&place, "--cache kept");
-    assert_eq!(entries(&place), kept);
+    assert_eq!((entries(&place), plans(&place)), (kept.clone(), 2));
     // What does, does.
     place.write("morph.toml", SCENE.replace("1.5", "1.51"));
     bake(&place, "--cache kept");
@@ -59,22 +75,31 @@ fn what_is_kept_gives_the_same_bits() {
     assert!(entries(&place).len() <= 2, "{:?}", entries(&place));
 }
 
-/// Cut short, a bit flipped, another program's: each is measured again, said, and mended.
+/// Cut short, a bit flipped, another program's: each is made again, said, and mended.
 #[test]
-fn damaged_entries_are_measured_again() {
+fn damaged_entries_are_made_again() {
     let place = place();
     let (_, measured) = bake(&place, "--cache kept");
-    let entry = entries(&place).remove(0);
-    let whole = fs::read(&entry).unwrap();
-    let mut flipped = whole.clone();
-    flipped[whole.len() / 2] ^= 1;
-    for damaged in [flipped, whole[..whole.len() / 3].to_vec(), Vec::new(), b"something else".to_vec()] {
-        fs::write(&entry, damaged).unwrap();
+    let damaged = |entry: &Path, bytes: &[u8]| {
+        let whole = fs::read(entry).unwrap();
+        fs::write(entry, bytes).unwrap();
         let (run, again) = bake(&place, "--cache kept");
         assert!(again == measured);
         assert!(run.stderr.contains("is damaged"), "{}", run.stderr);
-        assert!(fs::read(&entry).unwrap() == whole, "not mended: {}", run.stderr);
+        assert!(fs::read(entry).unwrap() == whole, "not mended: {}", run.stderr);
+    };
+    let flipped = |entry: &Path| {
+        let mut bytes = fs::read(entry).unwrap();
+        let middle = bytes.len() / 2;
+        bytes[middle] ^= 1;
+        bytes
+    };
+    let [object, plan] = ["distance", "plan"].map(|kind| entries_of(&place, kind).remove(0));
+    let whole = fs::read(&object).unwrap();
+    for bytes in [flipped(&object), whole[..whole.len() / 3].to_vec(), Vec::new(), b"something else".to_vec()] {
+        damaged(&object, &bytes);
     }
+    damaged(&plan, &flipped(&plan));
 }
 
 /// A folder that cannot be made or written into, or that holds folders in place of entries.
@@ -113,4 +138,32 @@ fn many_at_once_with_a_cold_cache_make_the_same() {
         assert!(bytes == measured, "task {number}");
     }
     assert_eq!(entries(&place).len(), 2, "{:?}", entries(&place));
+}
+
+/// A distance that a shape needs while it is made is kept too.
+#[test]
+fn what_is_measured_within_a_shape_is_kept() {
+    let place = Workplace::new();
+    let scene = "hfvdb = 1\n[shape.grown]\nheart = 1\ncolor = \"red\"\noffset = 0.2\n";
+    place.write("grown.toml", scene);
+    let bake = |more: &str| {
+        let run = place.hfvdb(&format!("bake grown.toml --voxel-size 0.05 --overwrite -o m.vdb {more}")).ok();
+        assert!(!run.stderr.contains("warning"), "{}", run.stderr);
+        let mut bytes = fs::read(place.path("m.vdb")).expect("a frame");
+        bytes.drain(21..57);
+        bytes
+    };
+    let (measured, first) = (bake("--no-cache"), bake("--cache kept"));
+    let kept = entries(&place);
+    assert_eq!(kept.len(), 1);
+    let time = || fs::metadata(&kept[0]).unwrap().modified().unwrap();
+    let before = time();
+    assert!(measured == first && first == bake("--cache kept"));
+    assert!(time() > before, "not read");
+    place.write("grown.toml", scene.replace("red", "blue"));
+    bake("--cache kept");
+    assert_eq!(entries(&place), kept);
+    place.write("grown.toml", scene.replace("0.2", "0.21"));
+    bake("--cache kept");
+    assert_eq!(entries(&place).len(), 2);
 }

@@ -6,7 +6,7 @@ use clap::Args;
 
 use super::paths;
 use crate::bake::Bytes;
-use crate::shot::Cache;
+use crate::node::Cache;
 
 /// Bytes that the cache takes at most where nobody says otherwise.
 const LIMIT: u64 = 8 << 30;

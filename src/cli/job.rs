@@ -51,11 +51,11 @@ pub fn prepare(
 ) -> Result<Prepared, Failure> {
     progress.stage(PREPARING);
     let told = |share: f64, what: &str| progress.of_preparing(share, what);
-    let cache = sampling.caching.open();
+    let cache = sampling.caching.open().map(Arc::new);
     let options =
-        PrepareOptions { progress: &told, cache: cache.as_ref(), ..options(sampling, default_resolution, interrupt) };
+        PrepareOptions { progress: &told, cache: cache.clone(), ..options(sampling, default_resolution, interrupt) };
     let prepared = model.prepare(&options).map_err(|error| not_ready(error, model, interrupt))?;
-    if let Some(problem) = cache.and_then(|cache| cache.problem()) {
+    if let Some(problem) = cache.as_ref().and_then(|cache| cache.problem()) {
         global.warn(&problem);
     }
     warn(&prepared.warnings, global);

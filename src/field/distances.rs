@@ -81,8 +81,14 @@ impl Graph {
         }
     }
 
-    /// What a solid's distance on a side comes from, each before what comes from it, as far as it is not known.
-    fn origins(&self, solid: Node, side: Side, known: &BTreeMap<(Node, Side), Node>) -> BTreeMap<Wanted, Origin> {
+    /// What a solid's distance on a side comes from, each before what comes from it, as far as it is not known; with its
+    /// place in the order in which operations name their operands.
+    fn origins(
+        &self,
+        solid: Node,
+        side: Side,
+        known: &BTreeMap<(Node, Side), Node>,
+    ) -> BTreeMap<Wanted, (usize, Origin)> {
         let mut origins = BTreeMap::new();
         let mut open = vec![(solid, side)];
         while let Some(wanted) = open.pop() {
@@ -96,15 +102,19 @@ impl Graph {
                 Origin::Turned(a) => open.push((a, wanted.1.other())),
                 Origin::Value | Origin::Plane(_) | Origin::Unknown => {}
             }
-            origins.insert(wanted, origin);
+            origins.insert(wanted, (origins.len(), origin));
         }
         origins
     }
 
-    /// The parts of a solid whose distances have to be measured, and on which side, for that of the solid on one side.
+    /// The parts of a solid whose distances have to be measured, and on which side, for that of the solid on one side. In
+    /// an order that does not hang on what else the graph holds.
     pub fn to_measure(&self, solid: Node, side: Side) -> Vec<(Node, Side)> {
-        let unknown = |(wanted, origin)| matches!(origin, Origin::Unknown).then_some(wanted);
-        self.origins(solid, side, &BTreeMap::new()).into_iter().filter_map(unknown).collect()
+        let unknown = |(wanted, (place, origin))| matches!(origin, Origin::Unknown).then_some((place, wanted));
+        let origins = self.origins(solid, side, &BTreeMap::new());
+        let mut parts: Vec<(usize, Wanted)> = origins.into_iter().filter_map(unknown).collect();
+        parts.sort_unstable_by_key(|(place, _)| *place);
+        parts.into_iter().map(|(_, wanted)| wanted).collect()
     }
 
     /// A solid's distance on a side, a node with the same zero set, from those that were measured; `None` where some of
@@ -112,7 +122,7 @@ impl Graph {
     pub fn distance(&mut self, solid: Node, side: Side, measured: &BTreeMap<(Node, Side), Node>) -> Option<Node> {
         let mut made = measured.clone();
         // Arguments come before their operation, and so do their distances.
-        for (wanted, origin) in self.origins(solid, side, measured) {
+        for (wanted, (_, origin)) in self.origins(solid, side, measured) {
             let (node, side) = wanted;
             let distance = match origin {
                 Origin::Value => node,

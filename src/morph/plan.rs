@@ -140,13 +140,16 @@ impl Morph {
         Err(Error::Spreads { time, t })
     }
 
-    /// A morph whose plan was made before, from the same objects and settings.
+    /// A morph whose plan was made before, from the same objects and settings but for their colours.
     pub fn with_plan(from: MorphObject, to: MorphObject, settings: Settings, plan: Plan) -> Result<Self, Error> {
         settings.check()?;
         let (objects, way, common) = carried([from, to], &settings)?;
         let mut morph = Self::planned(objects, settings, plan, way, common);
         morph.measure_still();
         morph.measure_delay()?;
+        let ends = morph.settings.shares_of(&[0.0, 1.0]).into_iter().map(|share| morph.settings.time_of(share));
+        let ends: Vec<Arc<Measured>> = ends.map(|time| morph.measured_at(time)).collect();
+        morph.plan.turn = morph.turn(&ends[0].first, &ends[1].second);
         Ok(morph)
     }
 

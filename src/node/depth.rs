@@ -12,6 +12,7 @@ use crate::distance::method::Method;
 use crate::distance::octree::BuildError;
 use crate::field::{Aabb, BATCH, Evaluator, Field, Gradients, Interval, Points};
 
+use crate::node::keeping::{Keeping, Solid};
 use crate::node::measured::measured;
 
 /// The depth of points in a solid, world units; not a number where it cannot be measured.
@@ -28,6 +29,8 @@ pub(crate) struct Depth {
     pub tolerance: f64,
     /// What measures it.
     pub method: &'static dyn Method,
+    /// Where it is kept, and what decides it.
+    pub kept: Option<(Keeping, Solid)>,
     /// Set to stop measuring.
     pub cancel: Arc<AtomicBool>,
     /// Told why it cannot be measured.
@@ -44,7 +47,8 @@ impl Depth {
     fn measured(&self) -> Option<&dyn Distance> {
         let measure = || {
             let Self { solid, aabb, levels, voxel, method, cancel, .. } = self;
-            measured(*method, solid, *aabb, *levels, *voxel, cancel)
+            let kept = self.kept.as_ref().map(|(keeping, of)| (keeping, *of, None));
+            measured(*method, solid, *aabb, *levels, *voxel, kept, cancel)
         };
         let threads = rayon::current_num_threads();
         let apart = || match rayon::ThreadPoolBuilder::new().num_threads(threads).build() {

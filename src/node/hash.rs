@@ -8,10 +8,15 @@ use crate::disk;
 use crate::mesh;
 use crate::node::argument::Arguments;
 use crate::node::id::{ShapeId, Stage};
-use crate::node::model::{Model, Shape};
+use crate::node::model::{Model, Morph, MorphMode, Shape};
 use crate::text::files::{FilePlace, FileReference};
 use crate::text::sequence::FileSequence;
 use crate::text::value::Table;
+
+/// A shape's own colour.
+const COLOURS: [&str; 2] = ["color", "colour"];
+/// What of a scene decides the surface of no shape.
+const WITHOUT_SHAPE: [&str; 5] = ["output", "variant", "palette", "color", "colour"];
 
 impl Model {
     /// SHA-256 of all that decides the voxels: the scene with its overrides, without spacing, comments, order of
@@ -32,8 +37,7 @@ impl Model {
             // Written in place, wherever that is.
             return self.hash_of(&document, &parts).map(|hash| of_stage(hash, own, stage));
         }
-        let apart = ["morph", "output", "variant", "palette", "color", "colour"];
-        document.0.retain(|entry| !apart.contains(&entry.key.as_str()));
+        document.0.retain(|entry| entry.key != "morph" && !WITHOUT_SHAPE.contains(&entry.key.as_str()));
         let shapes = document.get_mut("shape").and_then(|entry| entry.value.table_mut());
         if let Some(shapes) = shapes {
             shapes.0.retain(|entry| parts.iter().any(|part| part.name == entry.key));
@@ -45,13 +49,51 @@ impl Model {
                     _ => &[],
                 };
                 if let Some(table) = entry.value.table_mut() {
-                    table.0.retain(|entry| {
-                        !["color", "colour"].contains(&entry.key.as_str()) && !later.contains(&entry.key.as_str())
-                    });
+                    table
+                        .0
+                        .retain(|entry| !COLOURS.contains(&entry.key.as_str()) && !later.contains(&entry.key.as_str()));
                 }
             }
         }
         self.hash_of(&document, &parts).map(|hash| of_stage(hash, own, stage))
+    }
+
+    /// SHA-256 of all in the scene that decides how a morph is planned: neither what is done with its frames nor, unless
+    /// places wait, which may be by a colour, any colour.
+    pub(crate) fn plan_hash(&self, morph: &Morph) -> Result<[u8; 32], (FileReference, std::io::Error)> {
+        const AFTERWARDS: [&str; 14] = [
+            "alpha",
+            "beta",
+            "color_space",
+            "colour_space",
+            "color_over",
+            "colour_over",
+            "octopus",
+            "master",
+            "overlap",
+            "cut",
+            "fill",
+            "displace",
+            "keep",
+            "min_piece",
+        ];
+        let link = format!("{:?} {:?} {:?}", morph.from, morph.to, morph.over);
+        let of_link = |hash: [u8; 32]| Sha256::new().chain_update(hash).chain_update(&link).finalize().into();
+        if matches!(&morph.mode, MorphMode::Volume { delay: Some(_), .. }) {
+            return self.hash().map(of_link);
+        }
+        let mut document = self.document.clone();
+        document.0.retain(|entry| !WITHOUT_SHAPE.contains(&entry.key.as_str()));
+        if let Some(morph) = document.get_mut("morph").and_then(|entry| entry.value.table_mut()) {
+            morph.0.retain(|entry| !AFTERWARDS.contains(&entry.key.as_str()));
+        }
+        if let Some(shapes) = document.get_mut("shape").and_then(|entry| entry.value.table_mut()) {
+            for table in shapes.0.iter_mut().filter_map(|entry| entry.value.table_mut()) {
+                table.0.retain(|entry| !COLOURS.contains(&entry.key.as_str()));
+            }
+        }
+        let parts = self.with_parts(&[morph.from, morph.to]);
+        self.hash_of(&document, &parts.into_iter().map(|part| self.shape(part)).collect::<Vec<_>>()).map(of_link)
     }
 
     /// The files on a disk that it names.

@@ -7,8 +7,9 @@ use rayon::prelude::*;
 use crate::attribute::conformal::{Body, Error, Feature};
 use crate::field::{Field, Interval};
 use crate::node::extent::{box_of, solid_box};
-use crate::node::id::ShapeId;
+use crate::node::id::{ShapeId, Stage};
 use crate::node::insides::BodyKey;
+use crate::node::keeping::Solid;
 use crate::node::measured::Purpose;
 use crate::node::model::{Model, Shape};
 use crate::node::profile::lift_it;
@@ -75,7 +76,7 @@ impl Solids {
         let distance = self.step_distance(
             (id, step),
             levels,
-            &Purpose { shape, key, span: shape.span, voxel, method: shape.distance },
+            &Purpose { solid: Solid::Step(id, step), shape, key, span: shape.span, voxel, method: shape.distance },
         )?;
         let body = Body::new(Arc::new(distance), solid, along, self.cancel());
         body.map_err(|error| problem(&model, body_key, None, &error))
@@ -91,7 +92,8 @@ impl Solids {
             Err(_) => body.aabb(),
         };
         let levels = Interval::new(-all.size().length(), 0.0);
-        let purpose = Purpose { shape, key, span: shape.span, voxel: Some(body.edge()), method: shape.distance };
+        let (solid, voxel) = (Solid::Stage(id, Stage::Placed), Some(body.edge()));
+        let purpose = Purpose { solid, shape, key, span: shape.span, voxel, method: shape.distance };
         Ok(Arc::new(self.distance_values(id, levels, &purpose)?))
     }
 }

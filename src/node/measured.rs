@@ -12,7 +12,9 @@ use crate::distance::nearest::Watch;
 use crate::distance::octree::{self, BuildError};
 use crate::field::{Aabb, Expression, Field, Graph, Interval, Node, Side};
 
+use crate::node::cache::Claim;
 use crate::node::extent::box_of;
+use crate::node::keeping::{Keeping, Solid};
 use crate::node::model::Shape;
 use crate::node::profile::lift_it;
 use crate::text::problem::Problem;
@@ -48,13 +50,14 @@ pub(crate) fn smallest_cell(voxel: f64, solid: &Aabb) -> f64 {
 }
 
 /// The distance of a solid in a box by a method, as good as its band wherever it is one of `levels`, positive inside.
-/// `voxel` is a voxel's edge.
+/// `voxel` is a voxel's edge. It is kept by `key` where there is a cache.
 pub(crate) fn measured(
     method: &dyn Method,
     field: &Arc<dyn Field>,
     solid: Aabb,
     levels: Interval,
     voxel: f64,
+    kept: Option<Kept<'_>>,
     cancel: &AtomicBool,
 ) -> Result<Arc<dyn Distance>, BuildError> {
     let watch = Watch { cancel, progress: &|_| {} };
@@ -63,8 +66,36 @@ pub(crate) fn measured(
     let mut settings = octree::Settings::new(reach, smallest_cell(AT_CREASES * voxel, &reach));
     settings.levels = levels;
     settings.tolerance = TOLERANCE * voxel;
-    Ok(method.measure(&Request { field, solid, detail, settings }, &watch)?.distance)
+    let request = Request { field, solid, detail, settings };
+    measured_or_kept(method, &request, kept, &[levels.lo, levels.hi, voxel], &watch)
 }
+
+/// What a method measures, or what was kept of it by these numbers and the solid's box.
+pub(crate) fn measured_or_kept(
+    method: &dyn Method,
+    request: &Request<'_>,
+    kept: Option<Kept<'_>>,
+    numbers: &[f64],
+    watch: &Watch<'_>,
+) -> Result<Arc<dyn Distance>, BuildError> {
+    let key = kept.and_then(|(keeping, solid, part)| {
+        let Aabb { min, max } = request.solid;
+        let numbers = [numbers, &min.to_array(), &max.to_array()].concat();
+        Some((keeping.cache(), keeping.key(solid, part, method.name(), &numbers)?))
+    });
+    let Some((cache, key)) = key else { return Ok(method.measure(request, watch)?.distance) };
+    match cache.claim(key, watch.cancel, &|| {})? {
+        Claim::Known(known) => Ok(method.restored(known, request.field).distance),
+        Claim::Open(task) => {
+            let measured = method.measure(request, watch)?;
+            task.done(&measured);
+            Ok(measured.distance)
+        }
+    }
+}
+
+/// Where a distance is kept, the solid that it is of, and which of its parts where it is measured by these.
+pub(crate) type Kept<'a> = (&'a Keeping, Solid, Option<usize>);
 
 /// The box of a solid grown to the outermost of some levels.
 fn reach(solid: Aabb, levels: Interval) -> Aabb {
@@ -94,6 +125,8 @@ pub(crate) fn told(graph: &mut Graph, solid: Node, levels: Interval, method: &st
 /// What a distance is for.
 #[derive(Clone, Copy)]
 pub(crate) struct Purpose<'a> {
+    /// Of what it is.
+    pub solid: Solid,
     /// The shape that needs it.
     pub shape: &'a Shape,
     /// The key that needs it.
@@ -146,14 +179,31 @@ pub(crate) struct Distances {
     resolution: f64,
     /// Set to stop measuring.
     cancel: Arc<AtomicBool>,
+    /// Where they are kept for other runs.
+    keeping: Option<Keeping>,
     /// Those found so far, by their solids, levels, voxels and methods.
     known: HashMap<(Node, [u64; 3], &'static str), Node>,
 }
 
 impl Distances {
+    /// Keeps them for other runs, and uses what others kept.
+    pub fn keep(&mut self, keeping: Keeping) {
+        self.keeping = Some(keeping);
+    }
+
+    /// Where they are kept.
+    pub fn keeping(&self) -> Option<&Keeping> {
+        self.keeping.as_ref()
+    }
+
+    /// From now on at another frame.
+    pub fn go_to(&mut self, frame: f64) {
+        self.keeping = self.keeping.take().map(|keeping| keeping.at(frame));
+    }
+
     /// None found yet.
     pub fn new(resolution: f64, cancel: &Arc<AtomicBool>) -> Self {
-        Self { resolution, cancel: Arc::clone(cancel), known: HashMap::new() }
+        Self { resolution, cancel: Arc::clone(cancel), keeping: None, known: HashMap::new() }
     }
 
     /// A node with a solid's zero set that is the distance to it wherever that is one of `levels`, positive inside: the
@@ -181,7 +231,7 @@ impl Distances {
         };
         let distance = match found {
             Some(distance) => distance,
-            None => self.measured(graph, solid, levels, purpose)?,
+            None => self.measured(graph, solid, levels, purpose, None)?,
         };
         self.known.insert(key, distance);
         Ok(distance)
@@ -201,10 +251,10 @@ impl Distances {
             return Ok(None);
         }
         let mut found = BTreeMap::new();
-        for part in parts {
+        for (place, part) in parts.into_iter().enumerate() {
             // Of what is taken away the other side counts.
             let levels = if part.1 == side { levels } else { Interval::new(-levels.hi, -levels.lo) };
-            found.insert(part, self.measured(graph, part.0, levels, purpose)?);
+            found.insert(part, self.measured(graph, part.0, levels, purpose, Some(place))?);
         }
         Ok(graph.distance(solid, side, &found))
     }
@@ -215,6 +265,7 @@ impl Distances {
         solid: Node,
         levels: Interval,
         purpose: &Purpose<'_>,
+        part: Option<usize>,
     ) -> Result<Node, Problem> {
         if purpose.shape.is_flat {
             return Err(purpose.in_the_plane());
@@ -224,7 +275,8 @@ impl Distances {
         // No solid has more voxels than the whole that is baked, but where it is scaled.
         let voxel = purpose.voxel.unwrap_or(reach(aabb, levels).size().max_element() / self.resolution);
         let method = named(purpose.method);
-        let measured = measured(method, &field, aabb, levels, voxel, &self.cancel);
+        let kept = self.keeping.as_ref().map(|keeping| (keeping, purpose.solid, part));
+        let measured = measured(method, &field, aabb, levels, voxel, kept, &self.cancel);
         let measured = measured.map_err(|error| purpose.failed(&error))?;
         let node = graph.field(measured);
         let node = graph.bounded(node, aabb);

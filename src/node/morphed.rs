@@ -7,11 +7,13 @@ use crate::distance::method::{Request, named};
 use crate::distance::nearest::Watch;
 use crate::distance::octree;
 use crate::field::{Aabb, Field};
-use crate::morph::{Carry, Flow, Mode, Morph, MorphAttribute, MorphObject, Motion, Settings, Transfer};
+use crate::morph::{self, Carry, Flow, Mode, Morph, MorphAttribute, MorphObject, Motion, Settings, Transfer};
 use crate::node::attributes::{Asked, TheColour};
+use crate::node::cache::Cache;
 use crate::node::extent::solid_box;
 use crate::node::id::Stage;
-use crate::node::measured::smallest_cell;
+use crate::node::keeping::Solid;
+use crate::node::measured::{measured_or_kept, smallest_cell};
 use crate::node::model::ShapeId;
 use crate::node::painted::Paint;
 use crate::node::solid::Solids;
@@ -19,6 +21,22 @@ use crate::text::problem::Problem;
 
 /// What can carry the shapes of a morph that is one.
 pub(crate) const CARRIES: &[&str] = &["none", "centroid", "inertia"];
+
+/// A morph, planned now or as the plan was kept by a key.
+pub(crate) fn planned_or_kept(
+    from: MorphObject,
+    to: MorphObject,
+    settings: Settings,
+    kept: Option<(&Cache, [u8; 32])>,
+) -> Result<Morph, morph::Error> {
+    let Some((cache, key)) = kept else { return Morph::new(from, to, settings) };
+    if let Some(plan) = cache.plan(key) {
+        return Morph::with_plan(from, to, settings, plan);
+    }
+    let morph = Morph::new(from, to, settings)?;
+    cache.keep_plan(key, morph.plan());
+    Ok(morph)
+}
 
 impl Solids {
     /// The morph that a shape made by `morph` shows one time of.
@@ -53,7 +71,10 @@ impl Solids {
                 .unwrap_or(ColourSpace::Auto),
             ..Settings::default()
         };
-        let morph = Morph::new(from, to, settings).map_err(|error| {
+        let kept = self.keeping().and_then(|keeping| {
+            Some((keeping.cache(), keeping.key(Solid::Stage(id, Stage::Own), None, "plan", &[voxel])?))
+        });
+        let morph = planned_or_kept(from, to, settings, kept).map_err(|error| {
             Problem::new(arguments.span("morph").unwrap_or(shape.span), format!("`{}`: {error}", shape.name))
         })?;
         Ok(Arc::clone(self.morphs.entry(id).or_insert(Arc::new(morph))))
@@ -79,12 +100,12 @@ impl Solids {
         let cell = smallest_cell(voxel, &solid);
         let request = Request { field: &surface, solid, detail: cell, settings: octree::Settings::new(solid, cell) };
         let watch = Watch { cancel: self.cancel(), progress: &|_| {} };
-        let measured = named(shape.distance)
-            .measure(&request, &watch)
+        let kept = self.keeping().map(|keeping| (keeping, Solid::Stage(id, Stage::Placed), None));
+        let distance = measured_or_kept(named(shape.distance), &request, kept, &[cell], &watch)
             .map_err(|error| Problem::new(shape.span, format!("`{}`: {error}", shape.name)))?;
         let paint = self.paint(TheColour, id, Stage::Placed, voxel)?;
         let colour = paint.unwrap_or_else(|| Paint::solid(TheColour.absent())).attribute;
-        Ok(MorphObject { surface, distance: measured.distance, colour, motion: Motion::default() })
+        Ok(MorphObject { surface, distance, colour, motion: Motion::default() })
     }
 
     /// An attribute of a shape made by `morph`; `None` where neither operand has it.

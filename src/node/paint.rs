@@ -16,6 +16,7 @@ use crate::node::attributes::{Asked, TheScalar};
 use crate::node::depth::Depth;
 use crate::node::extent::{box_of, solid_box};
 use crate::node::id::Stage;
+use crate::node::keeping::Solid;
 use crate::node::measured::Purpose;
 use crate::node::model::{Model, Shape, ShapeId};
 use crate::node::painted::Paint;
@@ -189,8 +190,8 @@ impl Solids {
             Rule::Union { seam } if seam > 0.0 && box_of(&plain).is_ok() => {
                 let model = self.model();
                 let shape = model.shape(id);
-                let (span, method) = (shape.span, shape.distance);
-                let purpose = Purpose { shape, key: "seam", span, voxel: None, method };
+                let (span, method, solid) = (shape.span, shape.distance, Solid::Stage(id, Stage::Placed));
+                let purpose = Purpose { solid, shape, key: "seam", span, voxel: None, method };
                 self.distance_values(id, Interval::new(-seam / 2.0, seam / 2.0), &purpose)?
             }
             _ => plain,
@@ -314,7 +315,8 @@ impl<const N: usize, W: Asked<N>> Sourcing<N> for Painting<'_, W> {
         let cancel = Arc::clone(self.solids.cancel());
         let tolerance = TOLERANCE_VOXELS * voxel;
         let (method, measured) = (named(self.shape.distance), OnceLock::new());
-        Ok(Arc::new(Depth { solid, aabb, levels, voxel, tolerance, method, cancel, failed, measured }))
+        let kept = self.solids.keeping().cloned().map(|keeping| (keeping, Solid::Stage(id, Stage::Bare)));
+        Ok(Arc::new(Depth { solid, aabb, levels, voxel, tolerance, method, kept, cancel, failed, measured }))
     }
 
     fn inside(&mut self, shapes: &[ShapeId], along: u32, key: &'static str) -> Result<Inside, Problem> {

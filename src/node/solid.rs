@@ -16,10 +16,12 @@ use crate::node::argument::{Argument, Arguments};
 use crate::node::assets::Assets;
 use crate::node::attributes::{Paints, TheScalar};
 use crate::node::bend::Bend;
+use crate::node::cache::Cache;
 use crate::node::displacement::{self, Displacement};
 use crate::node::extent::{box_of, solid_box};
 use crate::node::id::Stage;
 use crate::node::insides::Insides;
+use crate::node::keeping::{Keeping, Solid};
 use crate::node::measured::{BESIDE_SURFACE, Distances, Purpose, SLACK, told};
 use crate::node::model::{CellsId, Fill, Model, Placement, Shape, ShapeId};
 use crate::node::reading::Reading;
@@ -102,9 +104,21 @@ impl Solids {
         }
     }
 
+    /// Keeps what is measured in a cache, and uses what is there.
+    pub fn keep(&mut self, cache: &Arc<Cache>) {
+        let keeping = Keeping::new(Arc::clone(cache), &self.model, self.moment.frame, self.resolution);
+        self.distances.keep(keeping);
+    }
+
+    /// Where what is measured is kept.
+    pub fn keeping(&self) -> Option<&Keeping> {
+        self.distances.keeping()
+    }
+
     /// The same at another moment: what does not change is kept.
     pub fn at(&self, moment: Moment, variation: &Variation) -> Self {
         let mut other = Self { moment, paints: Paints::default(), ..self.clone() };
+        other.distances.go_to(other.moment.frame);
         other.made.retain(|(id, made), _| match made {
             Made::Step(step) => !variation.step(*id, *step),
             Made::Scaled | Made::Placed => !variation.placed(*id),
@@ -308,7 +322,7 @@ impl Solids {
         }
         let model = self.model();
         let shape = model.shape(id);
-        let mut build = Making::new(self, id, shape, step);
+        let mut build = Making::new(self, id, shape, step, "the field");
         let mut node = (build.spec.build)(&mut build)?;
         if let Some(bend) = self.bend(id, step)? {
             node = bend.node(&mut self.graph, node);
@@ -323,7 +337,7 @@ impl Solids {
         let shape = model.shape(id);
         let of_step = |step: &usize| shape.spec_of(*step).cells.is_some();
         let Some(step) = (0..=shape.modifiers.len()).rev().find(of_step) else { return Ok(None) };
-        let mut making = Making::new(self, id, shape, step);
+        let mut making = Making::new(self, id, shape, step, "the cells");
         let Some(cells) = making.spec.cells else { return Ok(None) };
         Ok(Some((step, cells(&mut making)?)))
     }
@@ -334,7 +348,7 @@ impl Solids {
             return Ok(Some(Arc::clone(known)));
         }
         let model = self.model();
-        let mut making = Making::new(self, id, model.shape(id), step);
+        let mut making = Making::new(self, id, model.shape(id), step, "the bend");
         let Some(bend) = making.spec.bend else { return Ok(None) };
         let bend = bend(&mut making)?;
         self.bends.insert((id, step), Arc::clone(&bend));
@@ -435,7 +449,8 @@ impl Solids {
         let placed = self.node(id, Stage::Placed)?;
         let model = self.model();
         let shape = model.shape(id);
-        let purpose = &Purpose { method: shape.distance, ..*purpose };
+        let of = |stage| Solid::Stage(id, stage);
+        let purpose = &Purpose { solid: of(Stage::Placed), method: shape.distance, ..*purpose };
         if let Some(distance) = told(&mut self.graph, placed, levels, purpose.method) {
             return Ok(distance);
         }
@@ -445,7 +460,8 @@ impl Solids {
         }
         let own = self.node(id, Stage::Own)?;
         let levels = Interval::new(levels.lo / scale.x, levels.hi / scale.x);
-        let purpose = Purpose { voxel: purpose.voxel.map(|voxel| voxel / scale.x), ..*purpose };
+        let voxel = purpose.voxel.map(|voxel| voxel / scale.x);
+        let purpose = Purpose { solid: of(Stage::Own), voxel, ..*purpose };
         let distance = self.distances.of(&mut self.graph, own, levels, &purpose)?;
         let map = self.placement(&shape.placement, Stage::Placed)?;
         self.transformed(distance, &map, shape)
@@ -459,7 +475,8 @@ impl Solids {
         let size = box_of(&self.values(id)?).map_or(1.0, |aabb| aabb.size().length().max(f64::MIN_POSITIVE));
         let model = self.model();
         let shape = model.shape(id);
-        let purpose = Purpose { shape, key, span, voxel: None, method: shape.distance };
+        let solid = Solid::Stage(id, Stage::Placed);
+        let purpose = Purpose { solid, shape, key, span, voxel: None, method: shape.distance };
         self.distance_values(id, Interval::new(-size, size), &purpose)
     }
 
@@ -489,21 +506,27 @@ struct Making<'b> {
     step: usize,
     spec: &'static Spec,
     arguments: &'b Arguments,
+    /// What of it is made.
+    making: &'static str,
+    /// How many distances it asked for.
+    asked: usize,
 }
 
 impl<'b> Making<'b> {
-    fn new(solids: &'b mut Solids, id: ShapeId, shape: &'b Shape, step: usize) -> Self {
+    fn new(solids: &'b mut Solids, id: ShapeId, shape: &'b Shape, step: usize, making: &'static str) -> Self {
         let (spec, arguments) = shape.step(step);
-        Self { solids, id, shape, step, spec, arguments }
+        Self { solids, id, shape, step, spec, arguments, making, asked: 0 }
     }
 
-    fn purpose(&self, key: &'static str) -> Purpose<'b> {
+    fn purpose(&mut self, key: &'static str) -> Purpose<'b> {
+        let solid = Solid::Asked { id: self.id, step: self.step, making: self.making, before: self.asked };
+        self.asked += 1;
         let span = match self.arguments.get(key) {
             Some(Argument::Number(number)) => number.span,
             Some(Argument::Scalar(name)) => name.span,
             _ => self.shape.span,
         };
-        Purpose { shape: self.shape, key, span, voxel: None, method: self.shape.distance }
+        Purpose { solid, shape: self.shape, key, span, voxel: None, method: self.shape.distance }
     }
 }
 

@@ -298,7 +298,6 @@ fn trees_with_offsets_and_walls_are_as_far_as_brute_force_says() {
             }
         };
         let (voxels, wrong) = judged(&band_of(&scene, 1), &solid, moved);
-        println!("T {seed} {wrong} of {voxels}");
         assert!((wrong as f64) < BESIDE_CREASES * voxels as f64, "{wrong} of {voxels} voxels of tree {seed}:\n{text}");
         baked += 1;
     }

@@ -113,7 +113,7 @@ impl LevelSets {
         let field = self.field(frame)?;
         let Ok(solid) = box_of(field.as_ref()) else { return Ok(None) };
         let problem = |error: String| Problem::new(self.span, format!("frame {frame}: {error}"));
-        let distance = measured(named(USUAL), &field, solid, Interval::ZERO, cell, &self.cancel);
+        let distance = measured(named(USUAL), &field, solid, Interval::ZERO, cell, None, &self.cancel);
         distance.map(Some).map_err(|error| Stop::of_measuring(&error, problem))
     }
 

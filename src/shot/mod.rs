@@ -1,8 +1,6 @@
 //! Frames made from nodes: the shot's box and lattice, morphs planned over it, what is kept from frame to frame, and each
-//! frame's field, colours, scalars and motion. Knows no voxels, and
-//! writes no files but those of its cache.
+//! frame's field, colours, scalars and motion. Knows no voxels, and writes no files.
 
-mod cache;
 mod carry;
 mod delay;
 mod error;
@@ -47,7 +45,6 @@ mod sequence_tests;
 #[cfg(test)]
 mod volume_tests;
 
-pub use cache::Cache;
 pub use error::Error;
 pub use prepare::PrepareOptions;
 pub use prepared::{FrameContent, FrameInfo, MorphReport, Prepared};

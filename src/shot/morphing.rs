@@ -19,14 +19,15 @@ use crate::morph::{self, MorphObject, Motion, Side, Similarity};
 
 use crate::node::argument::Arguments;
 use crate::node::attributes::{Asked, TheColour, TheScalar};
+use crate::node::cache::{Cache, Claim};
 use crate::node::extent::{box_of, solid_box};
 use crate::node::id::Stage;
 use crate::node::measured::smallest_cell;
 use crate::node::model::{Model, Morph, MorphMode, Shape, ShapeId};
+use crate::node::morphed::planned_or_kept;
 use crate::node::painted::Paint;
 use crate::node::solid::Solids;
 use crate::node::variation::Variation;
-use crate::shot::cache::{Cache, Claim};
 use crate::shot::carry::{anchors_problem, carry};
 use crate::shot::delay::delay;
 use crate::shot::morph_settings::settings;
@@ -279,8 +280,9 @@ pub(crate) fn plan(
     if let morph::Mode::Flow(flow) = &mut settings.mode {
         flow.delay = delay(model, solids, morph, measuring.voxel)?;
     }
+    let kept = plan_key(model, morph, &pair, measuring);
     let mut planned = ready(model, solids, [&pair.from, &pair.to], measuring, |from, to| {
-        morph::Morph::new(from, to, settings).map_err(|error| no_plan(model, morph, &error))
+        planned_or_kept(from, to, settings, kept).map_err(|error| no_plan(model, morph, &error))
     })?;
     for [from, to] in &pair.parts {
         let whole = &planned.morph;
@@ -289,6 +291,15 @@ pub(crate) fn plan(
     }
     planned.bytes = measuring.done[before..].iter().map(|(_, _, side)| side.measured.bytes).sum();
     Ok(planned)
+}
+
+/// Where a plan is kept, and its key.
+fn plan_key<'c>(model: &Model, morph: &Morph, pair: &Pair, measuring: &Measuring<'c>) -> Option<(&'c Cache, [u8; 32])> {
+    let cache = measuring.cache.filter(|_| !measuring.roughly)?;
+    let cells = [&pair.from, &pair.to].map(|side| side.cell(measuring.voxel));
+    let numbers = [measuring.voxel, measuring.resolution, cells[0], cells[1]];
+    // A file that cannot be read by now is told of when its frame is made.
+    Some((cache, cache.key(&model.plan_hash(morph).ok()?, &numbers)))
 }
 
 /// What is wrong with a morph that cannot be planned.
@@ -457,7 +468,7 @@ fn claims<'c, P>(
             let share = measuring.done.len() as f64 / measuring.count as f64;
             (measuring.progress)(share, &format!("{name} is being measured by another process"));
         };
-        claims[place] = Some(cache.claim(key, measuring.cancel, &waiting)?);
+        claims[place] = Some(cache.claim(key, measuring.cancel, &waiting).map_err(|_| Stop::Cancelled)?);
     }
     Ok(claims)
 }

@@ -13,6 +13,7 @@ use crate::grid::{Lattice, VoxelSize};
 use crate::node::argument::Arguments;
 use crate::node::assets::Assets;
 use crate::node::attributes::{TheColour, TheScalar};
+use crate::node::cache::Cache;
 use crate::node::extent::{box_of, no_box, solid_box};
 use crate::node::id::Stage;
 use crate::node::measured::MOST_CELLS;
@@ -20,7 +21,6 @@ use crate::node::model::{Content, Model, Morph, MorphMode, ShapeId};
 use crate::node::paint::surely_has;
 use crate::node::solid::Solids;
 use crate::node::variation::Variation;
-use crate::shot::cache::Cache;
 use crate::shot::carry::untold;
 use crate::shot::error::Error;
 use crate::shot::level_sets::LevelSets;
@@ -56,7 +56,7 @@ pub struct PrepareOptions<'a> {
     /// `None` for no limit of frames, and 4 GiB for an object or a volume.
     pub memory_limit: Option<usize>,
     /// Where measured objects are kept, to be used again.
-    pub cache: Option<&'a Cache>,
+    pub cache: Option<Arc<Cache>>,
     /// Set it to stop, now or while a frame is made: the result is [`Error::Cancelled`].
     pub cancel: Arc<AtomicBool>,
     /// Told the share done, 0 to 1, and what is being done, from any thread; only morphs take long.
@@ -149,6 +149,9 @@ fn build(model: &Arc<Model>, options: &PrepareOptions<'_>, precision: Precision)
         },
         &options.cancel,
     );
+    if let (Some(cache), Precision::Full) = (&options.cache, precision) {
+        solids.keep(cache);
+    }
     let warnings = solids.cut_by_bounds(&parts)?;
     Ok(Built { parts, assets, variation, solids, warnings })
 }
@@ -280,7 +283,7 @@ fn ready_morphs(
     }
     let mut measuring = Measuring {
         roughly: precision == Precision::Rough,
-        cache: options.cache,
+        cache: options.cache.as_deref(),
         resolution: resolution(model, options),
         voxel: about.voxel_size.get(),
         memory_limit: options.memory_limit,

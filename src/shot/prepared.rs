@@ -259,7 +259,7 @@ impl Prepared {
                 .measure(&request, &Watch { cancel: &self.cancel, progress: &|_| {} })
                 .map(|measured| measured.distance)
         } else {
-            measured(named(USUAL), &whole, solid, Interval::ZERO, voxel, &self.cancel)
+            measured(named(USUAL), &whole, solid, Interval::ZERO, voxel, None, &self.cancel)
         };
         let distance = distance.map_err(|error| Stop::of_measuring(&error, problem))?;
         Ok(displacement.of_field(distance))

@@ -1,11 +1,12 @@
-//! Measured objects kept in a folder, so that what processes and machines measure alike is measured once.
+//! Measured objects and plans of morphs kept in a folder, so that what processes and machines work out alike is worked out
+//! once.
 //!
-//! An entry's name is a hash of all that decides the object (`Model::part_hash` and options) and of the program. Its bytes end
+//! An entry's name is a hash of all that decides the object (`Model::part_hash` and numbers) and of the program. Its bytes end
 //! with their SHA-256: what is damaged, foreign or of another program counts as not there. Whatever goes wrong with the
 //! folder, the object is measured, and one word of it kept for the caller.
 
 use std::path::{Path, PathBuf};
-use std::sync::atomic::AtomicBool;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant, SystemTime};
 
@@ -13,11 +14,11 @@ use sha2::{Digest, Sha256};
 
 use crate::disk::{self, FileLock};
 use crate::distance::method::Measured;
-use crate::distance::octree::DistanceObject;
-use crate::shot::stop::{Stop, stop_if};
+use crate::distance::octree::{BuildError, DistanceObject};
+use crate::morph::Plan;
 
-/// What entries end with.
-const EXTENSION: &str = "distance";
+/// What entries end with: measured objects, and plans.
+const EXTENSIONS: [&str; 2] = ["distance", "plan"];
 /// Objects of fewer samples are measured as fast as they are read: some ten microseconds each.
 const WORTH: usize = 5000;
 /// How long to wait for another process that measures the same, before measuring it too.
@@ -25,7 +26,7 @@ const PATIENCE: Duration = Duration::from_secs(600);
 /// How long to wait before looking for its result again.
 const PAUSE: Duration = Duration::from_millis(50);
 
-/// A folder of measured objects.
+/// A folder of measured objects and plans.
 #[derive(Debug)]
 pub struct Cache {
     folder: PathBuf,
@@ -64,15 +65,18 @@ impl Cache {
     /// The object of a key where it is known; else the task to measure it, once nobody else does. Who claims several
     /// claims them in the order of their keys, and measures none before it has all: else two would wait for each other.
     /// `waiting` is called once where it has to wait.
-    pub(crate) fn claim(&self, key: [u8; 32], cancel: &AtomicBool, waiting: &dyn Fn()) -> Result<Claim<'_>, Stop> {
-        let name: String = key.iter().map(|byte| format!("{byte:02x}")).collect();
-        let path = self.folder.join(&name).with_extension(EXTENSION);
+    pub(crate) fn claim(
+        &self,
+        key: [u8; 32],
+        cancel: &AtomicBool,
+        waiting: &dyn Fn(),
+    ) -> Result<Claim<'_>, BuildError> {
+        let path = self.path(key, EXTENSIONS[0]);
         let open = |path, lock| Claim::Open(Task { cache: self, path, _lock: lock });
         if let Some(known) = self.read(&path) {
             return Ok(Claim::Known(known));
         }
-        if let Err(error) = std::fs::create_dir_all(&self.folder) {
-            self.note(format!("the cache {} cannot be made, so nothing is kept: {error}", self.folder.display()));
+        if !self.make_folder() {
             return Ok(open(path, None));
         }
         let start = Instant::now();
@@ -92,7 +96,9 @@ impl Cache {
             if start.elapsed() > PATIENCE {
                 return Ok(open(path, None));
             }
-            stop_if(cancel)?;
+            if cancel.load(Ordering::Relaxed) {
+                return Err(BuildError::Cancelled);
+            }
             if !std::mem::replace(&mut waits, true) {
                 waiting();
             }
@@ -100,8 +106,39 @@ impl Cache {
         }
     }
 
-    /// An entry, if it is whole.
+    /// The plan of a key, where it is known. Planning takes a second or two: nobody waits for another who does it.
+    pub(crate) fn plan(&self, key: [u8; 32]) -> Option<Plan> {
+        self.entry(&self.path(key, EXTENSIONS[1]), |bytes| serde_json::from_slice(bytes).ok())
+    }
+
+    /// Keeps a plan.
+    pub(crate) fn keep_plan(&self, key: [u8; 32], plan: &Plan) {
+        if let (Ok(bytes), true) = (serde_json::to_vec(plan), self.make_folder()) {
+            self.write(&self.path(key, EXTENSIONS[1]), bytes);
+        }
+    }
+
+    fn path(&self, key: [u8; 32], extension: &str) -> PathBuf {
+        let name: String = key.iter().map(|byte| format!("{byte:02x}")).collect();
+        self.folder.join(&name).with_extension(extension)
+    }
+
+    /// Whether the folder is there by now.
+    fn make_folder(&self) -> bool {
+        let made = std::fs::create_dir_all(&self.folder);
+        if let Err(error) = &made {
+            self.note(format!("the cache {} cannot be made, so nothing is kept: {error}", self.folder.display()));
+        }
+        made.is_ok()
+    }
+
+    /// An object, if its entry is whole.
     fn read(&self, path: &Path) -> Option<Arc<DistanceObject>> {
+        self.entry(path, DistanceObject::from_bytes).map(Arc::new)
+    }
+
+    /// An entry, if it is whole.
+    fn entry<T>(&self, path: &Path, from_bytes: impl FnOnce(&[u8]) -> Option<T>) -> Option<T> {
         if !path.exists() {
             return None;
         }
@@ -114,19 +151,18 @@ impl Cache {
                 return None;
             }
         };
-        let object = sound(&bytes).and_then(DistanceObject::from_bytes).map(Arc::new);
-        let Some(object) = object else {
+        let Some(whole) = sound(&bytes).and_then(from_bytes) else {
             self.note(format!("{} is damaged, and its object is measured again", path.display()));
             return None;
         };
         // The least recently used go first. What cannot be touched is still of use.
         let now = std::fs::File::options().append(true).open(path);
         let _ = now.and_then(|file| file.set_modified(SystemTime::now()));
-        Some(object)
+        Some(whole)
     }
 
-    fn write(&self, path: &Path, object: &DistanceObject) {
-        let mut bytes = object.to_bytes();
+    /// Writes an entry, with the sum of its bytes after them.
+    fn write(&self, path: &Path, mut bytes: Vec<u8>) {
         let sum = Sha256::digest(&bytes);
         bytes.extend_from_slice(&sum);
         if bytes.len() as u64 > self.limit {
@@ -143,7 +179,7 @@ impl Cache {
         let Ok(folder) = std::fs::read_dir(&self.folder) else { return };
         let mut entries: Vec<(SystemTime, u64, PathBuf)> = folder
             .flatten()
-            .filter(|entry| entry.path().extension().is_some_and(|end| end == EXTENSION))
+            .filter(|entry| entry.path().extension().is_some_and(|end| EXTENSIONS.iter().any(|own| end == *own)))
             .filter_map(|entry| {
                 let metadata = entry.metadata().ok()?;
                 Some((metadata.modified().ok()?, metadata.len(), entry.path()))
@@ -180,7 +216,7 @@ impl Task<'_> {
     /// Keeps what was measured, if it is worth it.
     pub fn done(&self, measured: &Measured) {
         if measured.object.report().samples >= WORTH {
-            self.cache.write(&self.path, &measured.object);
+            self.cache.write(&self.path, measured.object.to_bytes());
         }
     }
 }
