@@ -24,7 +24,7 @@ const EXTREMES: [&str; 9] =
 const PATIENCE: Duration = Duration::from_secs(180);
 
 /// How many places are made ready: all of them takes many minutes.
-const PREPARED: usize = 60;
+const PREPARED: usize = 30;
 
 /// The numbers of a text, without its comments: values, keys, frames, and those in formulas.
 fn numbers(text: &str) -> Vec<Range<usize>> {

@@ -51,11 +51,9 @@ pub fn prepare(
 ) -> Result<Prepared, Failure> {
     progress.stage(PREPARING);
     let told = |share: f64, what: &str| progress.of_preparing(share, what);
-    let cache = sampling.caching.open().map(Arc::new);
-    let options =
-        PrepareOptions { progress: &told, cache: cache.clone(), ..options(sampling, default_resolution, interrupt) };
+    let options = PrepareOptions { progress: &told, ..options(sampling, default_resolution, interrupt) };
     let prepared = model.prepare(&options).map_err(|error| not_ready(error, model, interrupt))?;
-    if let Some(problem) = cache.as_ref().and_then(|cache| cache.problem()) {
+    if let Some(problem) = options.cache.as_ref().and_then(|cache| cache.problem()) {
         global.warn(&problem);
     }
     warn(&prepared.warnings, global);
@@ -88,7 +86,7 @@ fn options(sampling: &Sampling, default_resolution: Option<u32>, interrupt: &Int
         resolution: sampling.resolution.or(default_resolution),
         half_width: sampling.half_width,
         memory_limit: usize::try_from(limit(sampling).0).ok(),
-        cache: None,
+        cache: sampling.caching.open().map(Arc::new),
         cancel: Arc::clone(interrupt.flag()),
         progress: &|_, _| (),
     }

@@ -15,6 +15,8 @@ use super::descent::Scope;
 /// Cells along the longest side when the box is searched. Larger finds tighter boxes of shapes that do not know
 /// their own, in proportionally more time.
 const CELLS: f64 = 512.0;
+/// The same where a box is wanted soon.
+const FEW_CELLS: f64 = 64.0;
 
 /// The most boxes bounded in a search; beyond it the boxes reached count as solid, so the result stays conservative.
 const BUDGET: usize = 400_000;
@@ -65,6 +67,16 @@ impl std::error::Error for Error {}
 /// Found by bounds of F over cells of a grid whose step is a power of two near a 512th of the result, standing at
 /// multiples of that step: so the result does not hang on how loose the field's own box or the bounds are.
 pub fn extent(field: &dyn Field, bounds: Option<Aabb>) -> Result<Extent, Error> {
+    of_cells(field, bounds, CELLS)
+}
+
+/// A box that holds it, in a fraction of the time: up to a 32nd of its longest side looser. What does not reach the bounds here
+/// does not reach them.
+pub fn about(field: &dyn Field, bounds: Option<Aabb>) -> Result<Extent, Error> {
+    of_cells(field, bounds, FEW_CELLS)
+}
+
+fn of_cells(field: &dyn Field, bounds: Option<Aabb>, cells: f64) -> Result<Extent, Error> {
     let own = field.bounding_box();
     let within = match (own, bounds) {
         (Some(own), Some(bounds)) => own.intersection(bounds).ok_or(Error::Empty)?,
@@ -76,11 +88,11 @@ pub fn extent(field: &dyn Field, bounds: Option<Aabb>) -> Result<Extent, Error> 
     if within.min.abs().max(within.max.abs()).max_element() > FARTHEST {
         return Err(Error::TooFar);
     }
-    let mut solid = search(field, within, step_for(within, CELLS / 8.0))?;
+    let mut solid = search(field, within, step_for(within, cells / 8.0))?;
     // A smaller box asks for a smaller step, until it does not.
     let mut step = f64::INFINITY;
-    while step_for(solid, CELLS) < step {
-        step = step_for(solid, CELLS);
+    while step_for(solid, cells) < step {
+        step = step_for(solid, cells);
         solid = search(field, solid, step)?;
     }
     let reaches_bounds = std::array::from_fn(|side| {

@@ -6,9 +6,18 @@ use crate::node::model::{Model, ShapeId};
 use crate::node::spec::Carries;
 use crate::text::problem::Problem;
 
+/// What finds the box of a shape: [`box_of`] or [`box_about`].
+pub(crate) type FindBox = fn(&dyn Field) -> Result<Aabb, extent::Error>;
+
 /// The box of F ≥ 0.
 pub(crate) fn box_of(field: &dyn Field) -> Result<Aabb, extent::Error> {
     let solid = extent(field, None)?.solid;
+    if solid.size().max_element() > 0.0 { Ok(solid) } else { Err(extent::Error::Empty) }
+}
+
+/// A box that holds it, found in a fraction of the time.
+pub(crate) fn box_about(field: &dyn Field) -> Result<Aabb, extent::Error> {
+    let solid = extent::about(field, None)?.solid;
     if solid.size().max_element() > 0.0 { Ok(solid) } else { Err(extent::Error::Empty) }
 }
 

@@ -7,7 +7,7 @@ use std::sync::{Arc, OnceLock};
 use glam::{DAffine3, DVec3};
 
 use crate::attribute::{CellIndex, Scalar};
-use crate::distance::extent::extent;
+use crate::distance::extent;
 use crate::field::cells::{CellOptions, Cells};
 use crate::field::facet::Pieces;
 use crate::field::{Aabb, Expression, Field, Graph, Interval, Node, SetSystem, rotation};
@@ -140,7 +140,13 @@ impl Solids {
             let Some((step, bounds)) = shape.cuts().find(|(_, bounds)| !bounds.cut) else { continue };
             let node = self.step(id, step - 1)?;
             // Nothing inside at all is an error of the whole, said elsewhere.
-            let Ok(found) = extent(&Expression::new(&self.graph, node), Some(bounds.aabb)) else { continue };
+            let field = Expression::new(&self.graph, node);
+            // Most are not cut by far, which is told soon.
+            let about = extent::about(&field, Some(bounds.aabb));
+            if about.is_ok_and(|about| about.reaches_bounds == [false; 6]) {
+                continue;
+            }
+            let Ok(found) = extent::extent(&field, Some(bounds.aabb)) else { continue };
             let sides = ["-x", "+x", "-y", "+y", "-z", "+z"];
             let cut: Vec<&str> =
                 sides.into_iter().zip(found.reaches_bounds).filter(|(_, cut)| *cut).map(|(side, _)| side).collect();

@@ -41,7 +41,6 @@ fn what_lies_apart_is_carried_and_what_overlaps_is_not() {
         APART.replace("move = [3, 0, 0]", "move = [0.9, 0, 0]"),
         // They meet on the way, and so their own motion is meant.
         APART.replace("move = [3, 0, 0]", "move = ['3 - 2.5*t', 0, 0]"),
-        format!("{APART}mode = 'paper'\nslab = [-1, 2]\ns = 0.25\n"),
         format!("{APART}mode = 'linear'\n"),
     ] {
         assert!(!frames(&same, &[]).1, "{same}");

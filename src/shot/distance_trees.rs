@@ -18,7 +18,7 @@ const TREES: u64 = 3;
 /// The share of operations whose operands share a face.
 const SHARED_FACES: f64 = 0.3;
 /// Voxels along the longest side.
-const RESOLUTION: u32 = 24;
+const RESOLUTION: u32 = 20;
 /// The spacing of points on a boundary, in voxels.
 const SPACING: f64 = 0.2;
 /// The same on the boundary of an operand: an offset of it is short beyond creases by as much.

@@ -20,7 +20,7 @@ use crate::morph::{self, MorphObject, Motion, Side, Similarity};
 use crate::node::argument::Arguments;
 use crate::node::attributes::{Asked, TheColour, TheScalar};
 use crate::node::cache::{Cache, Claim};
-use crate::node::extent::{box_of, solid_box};
+use crate::node::extent::{FindBox, box_of, no_box, solid_box};
 use crate::node::id::Stage;
 use crate::node::measured::smallest_cell;
 use crate::node::model::{Model, Morph, MorphMode, Shape, ShapeId};
@@ -103,9 +103,10 @@ pub(crate) fn pair(
     solids: &mut Solids,
     variation: &Variation,
     morph: &Morph,
+    find: FindBox,
 ) -> Result<Pair, Stop> {
-    let from = side(model, solids, variation, morph.from)?;
-    let to = side(model, solids, variation, morph.to)?;
+    let from = side(model, solids, variation, morph.from, find)?;
+    let to = side(model, solids, variation, morph.to, find)?;
     if let MorphMode::OpenVdb = morph.mode {
         stand_still(model, [&from, &to])?;
     }
@@ -143,7 +144,13 @@ fn part(model: &Model, solids: &mut Solids, whole: &Object, id: ShapeId) -> Resu
     Ok(Object { id, stage: Stage::Placed, field, solid, motion: whole.motion.clone() })
 }
 
-fn side(model: &Arc<Model>, solids: &mut Solids, variation: &Variation, id: ShapeId) -> Result<Object, Problem> {
+fn side(
+    model: &Arc<Model>,
+    solids: &mut Solids,
+    variation: &Variation,
+    id: ShapeId,
+    find: FindBox,
+) -> Result<Object, Problem> {
     let shape = model.shape(id);
     if variation.own(id) {
         if let Some(files) = shape.all_arguments().find_map(Arguments::sequence) {
@@ -157,7 +164,7 @@ fn side(model: &Arc<Model>, solids: &mut Solids, variation: &Variation, id: Shap
     let uniform = scale_is_uniform(model, shape)?;
     let stage = if uniform { Stage::Own } else { Stage::Scaled };
     let field = solids.field(id, stage)?;
-    let solid = solid_box(model, id, field.as_ref())?;
+    let solid = find(field.as_ref()).map_err(|error| no_box(model, id, error))?;
     Ok(Object { id, stage, field, solid, motion: motion(model, shape, uniform, variation.placed(id))? })
 }
 

@@ -14,7 +14,7 @@ use crate::node::argument::Arguments;
 use crate::node::assets::Assets;
 use crate::node::attributes::{TheColour, TheScalar};
 use crate::node::cache::Cache;
-use crate::node::extent::{box_of, no_box, solid_box};
+use crate::node::extent::{FindBox, box_about, box_of, no_box};
 use crate::node::id::Stage;
 use crate::node::measured::MOST_CELLS;
 use crate::node::model::{Content, Model, Morph, MorphMode, ShapeId};
@@ -149,7 +149,7 @@ fn build(model: &Arc<Model>, options: &PrepareOptions<'_>, precision: Precision)
         },
         &options.cancel,
     );
-    if let (Some(cache), Precision::Full) = (&options.cache, precision) {
+    if let Some(cache) = &options.cache {
         solids.keep(cache);
     }
     let warnings = solids.cut_by_bounds(&parts)?;
@@ -160,12 +160,12 @@ fn examine(model: &Arc<Model>, options: &PrepareOptions<'_>) -> Result<Diagnosti
     let Built { mut solids, variation, mut warnings, assets, .. } = build(model, options, Precision::Rough)?;
     match &model.content {
         Content::Shape(id) => {
-            let extent = shape_box(model, &mut solids, &variation, *id, options)?;
+            let extent = shape_box(model, &mut solids, &variation, *id, options, box_about)?;
             lattice(model, options, extent)?;
         }
         Content::Morph(morphs) => {
             for morph in morphs {
-                let pair = pair(model, &mut solids, &variation, morph)?;
+                let pair = pair(model, &mut solids, &variation, morph, box_about)?;
                 let about = lattice(model, options, pair.both)?;
                 admit(model, morph, &pair, numbers_of(model, morphs), &about, options)?;
             }
@@ -231,12 +231,14 @@ fn shape_box(
     variation: &Variation,
     id: ShapeId,
     options: &PrepareOptions<'_>,
+    find: FindBox,
 ) -> Result<Aabb, Stop> {
     if changes(variation, id) {
         solids.build_still(&model.with_parts(&[id]), variation);
-        return box_over_shot(model, solids, variation, id, options);
+        return box_over_shot(model, solids, variation, id, options, find);
     }
-    Ok(solid_box(model, id, solids.field(id, Stage::Placed)?.as_ref())?)
+    let field = solids.field(id, Stage::Placed)?;
+    Ok(find(field.as_ref()).map_err(|error| no_box(model, id, error))?)
 }
 
 fn ready_shape(
@@ -246,7 +248,7 @@ fn ready_shape(
     id: ShapeId,
     options: &PrepareOptions<'_>,
 ) -> Result<(Ready, Aabb, Lattice), Stop> {
-    let extent = shape_box(model, solids, variation, id, options)?;
+    let extent = shape_box(model, solids, variation, id, options, box_of)?;
     let lattice = lattice(model, options, extent)?;
     if changes(variation, id) {
         let is_kept = |part: &ShapeId| model.shape(*part).has_seam() || model.shape(*part).is_conformal();
@@ -273,7 +275,8 @@ fn ready_morphs(
     options: &PrepareOptions<'_>,
     precision: Precision,
 ) -> Result<(Ready, Aabb, Lattice), Stop> {
-    let pairs = morphs.iter().map(|morph| pair(model, solids, variation, morph)).collect::<Result<Vec<_>, _>>()?;
+    let pairs =
+        morphs.iter().map(|morph| pair(model, solids, variation, morph, box_of)).collect::<Result<Vec<_>, _>>()?;
     let both = pairs.iter().map(|pair| pair.both).reduce(Aabb::union).expect("a chain has a morph");
     // The in-betweens' box is known only once the objects are measured; about a voxel is enough for that.
     let about = lattice(model, options, both)?;
@@ -350,6 +353,7 @@ fn box_over_shot(
     variation: &Variation,
     id: ShapeId,
     options: &PrepareOptions<'_>,
+    find: FindBox,
 ) -> Result<Aabb, Stop> {
     let shot = model.shot.range;
     let by_file = model.with_parts(&[id]).into_iter().any(|part| {
@@ -365,7 +369,7 @@ fn box_over_shot(
     let one = |frame: &f64| -> Result<Result<Aabb, extent::Error>, Stop> {
         stop_if(&options.cancel)?;
         let mut solids = solids.at(model.moment(*frame), variation);
-        Ok(box_of(solids.field(id, Stage::Placed)?.as_ref()))
+        Ok(find(solids.field(id, Stage::Placed)?.as_ref()))
     };
     // One file after the other: all at a time may not fit into the memory.
     let boxes: Result<Vec<_>, Stop> =
