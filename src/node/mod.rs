@@ -388,6 +388,7 @@ nodes! {
             curvature
             facing
             travel
+            diffusion
             ramp
             bands
             parts

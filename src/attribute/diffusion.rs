@@ -1,0 +1,226 @@
+//! Diffusion distances inside a solid (HFRep, section 4.2: interior distance functions; Rustamov, Lipman and Funkhouser,
+//! Interior distance using barycentric coordinates, 2009).
+//!
+//! Heat that starts at two places of the boundary spreads alike where many short ways along it join them. Each vertex of
+//! the boundary gets the numbers p*ₖ = φₖ·exp(−λₖt) of the eigenfunctions of its Laplacian; inside they are mixed by
+//! mean-value coordinates, outside they are those of the closest point. The distance of two places is that of their
+//! numbers. It is smooth, knows no shortcuts through the air, and is 1 at the place of the boundary that is farthest from
+//! the sources.
+//!
+//! **Guaranteed:** the same bits for any number of threads; between 0 and 1. **Not guaranteed:** more detail than the boundary
+//! has on a lattice of some thousand cells; walls thinner than a cell may join there.
+
+mod mean_value;
+mod spectrum;
+mod surface;
+
+use std::fmt;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use glam::{DVec3, IVec3};
+use rayon::prelude::*;
+
+use self::spectrum::Spectrum;
+use self::surface::Grid;
+use super::{Attribute, Sampler};
+use crate::field::{Aabb, BATCH, Field, Interval, Points};
+use crate::mesh::{Holes, MeshDistance, TriangleMesh};
+
+/// Why there are no diffusion distances.
+#[derive(Clone, Debug, PartialEq)]
+pub enum DiffusionError {
+    /// Set to stop.
+    Cancelled,
+    /// A source is not inside.
+    Outside(DVec3),
+    /// The boundary is of several closed pieces, each a space of its own; a place of one and of another.
+    Pieces([DVec3; 2]),
+    /// The boundary cannot be made of triangles there.
+    Surface(String),
+}
+
+impl fmt::Display for DiffusionError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let place = |p: &DVec3| format!("({:.4}, {:.4}, {:.4})", p.x, p.y, p.z);
+        match self {
+            Self::Cancelled => f.write_str("stopped"),
+            Self::Outside(source) => write!(f, "the source {} of `diffusion` lies outside of the shape", place(source)),
+            Self::Pieces([one, other]) => {
+                write!(f, "`diffusion` needs a boundary in one piece: {} and {} are of two", place(one), place(other))
+            }
+            Self::Surface(problem) => write!(f, "`diffusion` finds no boundary: {problem}"),
+        }
+    }
+}
+
+impl std::error::Error for DiffusionError {}
+
+/// What diffusion distances are found for.
+pub struct Spreading<'a> {
+    /// The solid.
+    pub solid: &'a dyn Field,
+    /// Its box.
+    pub aabb: Aabb,
+    /// Where it starts; of several, the least distance counts.
+    pub sources: &'a [DVec3],
+    /// t·λ₁: how long heat spreads, free of units. Smaller is sharper.
+    pub time: f64,
+    /// Set to stop.
+    pub cancel: &'a AtomicBool,
+}
+
+/// Diffusion distances from some sources, on a lattice around the solid; beyond it those of the nearest place in it.
+pub struct Diffusion {
+    origin: DVec3,
+    step: f64,
+    size: IVec3,
+    /// The square of the distance at each node, of which 1 is the greatest at the boundary: smooth at the source too.
+    squares: Vec<f32>,
+}
+
+/// Nodes nearer to the boundary than this, in steps, have what the closest point has: mean-value coordinates are about to
+/// divide by nothing there.
+const AT_BOUNDARY: f64 = 0.02;
+
+impl Diffusion {
+    /// Finds the distances.
+    ///
+    /// # Errors
+    /// A source outside, a boundary of several pieces, or none.
+    pub fn new(spreading: &Spreading<'_>) -> Result<Self, DiffusionError> {
+        let Spreading { solid, aabb, sources, time, cancel } = spreading;
+        let mut evaluator = solid.evaluator();
+        for source in *sources {
+            let mut point = Points::new(*source);
+            point.push(glam::Vec3::ZERO);
+            let mut value = [0.0; BATCH];
+            evaluator.values(&point, &mut value);
+            if value[0].is_nan() || value[0] < 0.0 {
+                return Err(DiffusionError::Outside(*source));
+            }
+        }
+        let stopped = || if cancel.load(Ordering::Relaxed) { Err(DiffusionError::Cancelled) } else { Ok(()) };
+        stopped()?;
+        let grid = Grid::fitting(*solid, *aabb);
+        let surface = grid.surface(*solid);
+        if let Some(pieces) = surface.two_pieces() {
+            return Err(DiffusionError::Pieces(pieces));
+        }
+        let wrong = |problem: String| DiffusionError::Surface(problem);
+        let mesh = TriangleMesh::new(surface.positions.clone(), surface.triangles.clone(), None)
+            .map_err(|problem| wrong(problem.to_string()))?;
+        let closest = MeshDistance::new(mesh, Holes::Parity).map_err(|problem| wrong(problem.to_string()))?;
+        stopped()?;
+        let spectrum = Spectrum::new(&surface, *time, cancel).ok_or(DiffusionError::Cancelled)?;
+        // By the mesh that is asked, whose vertices may be in another order.
+        let positions = closest.mesh().positions();
+        let order = surface.order_of(positions).ok_or_else(|| wrong("its triangles cross one another".into()))?;
+        let numbers: Vec<&[f64]> = order.iter().map(|vertex| spectrum.of_vertex(*vertex as usize)).collect();
+        let triangles = closest.mesh().triangles();
+        let count = spectrum.modes();
+        let of_foot = |position: DVec3, out: &mut Vec<f64>| {
+            let foot = closest.nearest(position);
+            let [a, b, c] = triangles[foot.triangle as usize].map(|vertex| numbers[vertex as usize]);
+            let [second, third] = foot.weights;
+            out.clear();
+            out.extend((0..count).map(|k| (1.0 - second - third) * a[k] + second * b[k] + third * c[k]));
+        };
+        let of_place = |position: DVec3, is_inside: bool, weights: &mut Vec<f64>, out: &mut Vec<f64>| {
+            let near = closest.nearest(position).distance_squared.sqrt() < AT_BOUNDARY * grid.step;
+            if near || !is_inside {
+                return of_foot(position, out);
+            }
+            mean_value::weights(position, positions, triangles, weights);
+            out.clear();
+            out.resize(count, 0.0);
+            for (weight, numbers) in weights.iter().zip(&numbers) {
+                out.iter_mut().zip(*numbers).for_each(|(sum, number)| *sum += weight * number);
+            }
+        };
+        let mut starts: Vec<Vec<f64>> = Vec::new();
+        for source in *sources {
+            let mut start = Vec::new();
+            of_place(*source, true, &mut Vec::new(), &mut start);
+            starts.push(start);
+        }
+        let square = |numbers: &[f64]| {
+            let to = |start: &Vec<f64>| start.iter().zip(numbers).map(|(a, b)| (a - b) * (a - b)).sum::<f64>();
+            starts.iter().map(to).fold(f64::INFINITY, f64::min)
+        };
+        let greatest = numbers.iter().map(|numbers| square(numbers)).fold(f64::MIN_POSITIVE, f64::max);
+        let of_node = |(weights, out): &mut (Vec<f64>, Vec<f64>), node: usize| {
+            if cancel.load(Ordering::Relaxed) {
+                return 0.0;
+            }
+            of_place(grid.position(node), grid.is_inside(node), weights, out);
+            // In the inside of a ball or a bar the mean of what is around may be a little farther than any of it.
+            (square(out) / greatest).min(1.0) as f32
+        };
+        let squares: Vec<f32> =
+            (0..grid.nodes()).into_par_iter().map_init(<(Vec<f64>, Vec<f64>)>::default, of_node).collect();
+        stopped()?;
+        Ok(Self { origin: grid.origin, step: grid.step, size: grid.size, squares })
+    }
+
+    /// The distance at a position: the square is cubic between nodes (Catmull and Rom), so the distance has no creases.
+    fn at(&self, position: DVec3) -> f32 {
+        let place = (position - self.origin) / self.step;
+        if place.is_nan() {
+            return f32::NAN;
+        }
+        let place = place.clamp(DVec3::ZERO, (self.size - 1).as_dvec3());
+        let least = place.floor().as_ivec3().clamp(IVec3::ZERO, self.size - 2);
+        let share = place - least.as_dvec3();
+        let weights = [catmull_rom(share.x), catmull_rom(share.y), catmull_rom(share.z)];
+        let node = |x: i32, y: i32, z: i32| {
+            let at = (least + IVec3::new(x, y, z) - 1).clamp(IVec3::ZERO, self.size - 1);
+            f64::from(self.squares[((at.x * self.size.y + at.y) * self.size.z + at.z) as usize])
+        };
+        let mut sum = 0.0;
+        for x in 0..4 {
+            for y in 0..4 {
+                let along: f64 = (0..4).map(|z| weights[2][z] * node(x, y, z as i32)).sum();
+                sum += weights[0][x as usize] * weights[1][y as usize] * along;
+            }
+        }
+        sum.clamp(0.0, 1.0).sqrt() as f32
+    }
+}
+
+/// The weights of four nodes for a place between the middle two.
+fn catmull_rom(u: f64) -> [f64; 4] {
+    let (uu, uuu) = (u * u, u * u * u);
+    [
+        0.5 * (-uuu + 2.0 * uu - u),
+        0.5 * (3.0 * uuu - 5.0 * uu + 2.0),
+        0.5 * (-3.0 * uuu + 4.0 * uu + u),
+        0.5 * (uuu - uu),
+    ]
+}
+
+impl Attribute<1> for Diffusion {
+    fn sampler(&self) -> Box<dyn Sampler<1> + '_> {
+        Box::new(DiffusionSampler(self))
+    }
+}
+
+struct DiffusionSampler<'a>(&'a Diffusion);
+
+impl Sampler<1> for DiffusionSampler<'_> {
+    fn enter(&mut self, _region: &Aabb) {}
+
+    fn leave(&mut self) {}
+
+    fn sample(&mut self, points: &Points, out: &mut [[f32; 1]; BATCH]) {
+        for (i, out) in out.iter_mut().enumerate().take(points.len) {
+            *out = [self.0.at(points.position(i))];
+        }
+    }
+
+    fn bounds(&mut self, _region: &Aabb) -> [Interval; 1] {
+        [Interval::new(0.0, 1.0)]
+    }
+}
+
+#[cfg(test)]
+mod tests;
