@@ -15,6 +15,11 @@ pub enum SetSystem {
     R0,
     /// Maximum and minimum: keep exact distances exact on one side.
     MinMax,
+    /// System R_m, R₀ times `(a² + b²)^(m/2)`: m times differentiable also where both operands are zero.
+    Rm {
+        /// m, at least 1.
+        order: u32,
+    },
     /// Rvachev's normalised system of class Cⁿ⁻¹: as steep on the surface as its operands.
     Cn {
         /// n, at least 2.
@@ -27,6 +32,7 @@ impl SetSystem {
         match self {
             Self::R0 => Binary::Union,
             Self::MinMax => Binary::Max,
+            Self::Rm { order } => Binary::RmUnion { order },
             Self::Cn { order } => Binary::CnUnion { order },
         }
     }
@@ -35,6 +41,7 @@ impl SetSystem {
         match self {
             Self::R0 => Binary::Intersection,
             Self::MinMax => Binary::Min,
+            Self::Rm { order } => Binary::RmIntersection { order },
             Self::Cn { order } => Binary::CnIntersection { order },
         }
     }

@@ -155,8 +155,8 @@ pub enum Hint {
 pub trait Evaluator: Send {
     /// Prunes for all calls until the matching `leave`.
     ///
-    /// Pruning keeps the zero set, the sign, and value and gradient *on* the zero set; F away from the surface
-    /// may change (an operand that cannot matter for the sign is dropped).
+    /// Pruning keeps the zero set, the sign, and value and gradient *on* the zero set (of operations of R_m the gradient's
+    /// direction); F away from the surface may change (an operand that cannot matter for the sign is dropped).
     fn enter(&mut self, region: &Aabb);
 
     /// Bounds of F over the innermost region entered, rounded outward: of the unpruned F or tighter in sign; they

@@ -219,6 +219,8 @@ operations! {
     pow: Pow,
     r0_intersection: Intersection,
     r0_union: Union,
+    rm_intersection: RmIntersection { order: u32 = 3 },
+    rm_union: RmUnion { order: u32 = 2 },
     smooth_circular: SmoothCircular { width: f64 = 1.5 },
     smooth_cubic: SmoothCubic { width: f64 = 1.5 },
     smooth_exponential: SmoothExponential { width: f64 = 0.5 },

@@ -136,7 +136,13 @@ proptest! {
             pruned.gradients(&points, &mut out);
             pruned.leave();
             prop_assert!(out.value[0].abs() < 1e-5, "{} at {p}", out.value[0]);
-            prop_assert!((out.gradient(0).as_dvec3() - slope).length() < 3e-3 * (1.0 + slope.length()));
+            let found = out.gradient(0).as_dvec3();
+            if !recipe.has_power() {
+                prop_assert!((found - slope).length() < 3e-3 * (1.0 + slope.length()));
+            } else if slope.length() > 0.1 {
+                // Of R_m its direction is kept.
+                prop_assert!((found.normalize() - slope.normalize()).length() < 1e-2, "{found}, {slope} at {p}");
+            }
         }
     }
 

@@ -126,22 +126,43 @@ impl Recipe {
 
     /// Whether an inset reaches a corner somewhere below.
     pub fn has_inset(&self) -> bool {
-        match self {
-            Self::Offset(solid, distance) => *distance < 0.0 || solid.has_inset(),
-            Self::Union(_, parts) | Self::Intersection(_, parts) => parts.iter().any(Self::has_inset),
-            Self::Difference(_, a, b) => a.has_inset() || b.has_inset(),
-            Self::Blended(_, a, b, within) => {
-                a.has_inset() || b.has_inset() || within.as_ref().is_some_and(|within| within.has_inset())
+        self.any(&|recipe| matches!(recipe, Self::Offset(_, distance) if *distance < 0.0))
+    }
+
+    /// Whether there is an operation of R_m somewhere below.
+    pub fn has_power(&self) -> bool {
+        self.any(&|recipe| {
+            matches!(
+                recipe,
+                Self::Union(SetSystem::Rm { .. }, _)
+                    | Self::Intersection(SetSystem::Rm { .. }, _)
+                    | Self::Difference(SetSystem::Rm { .. }, ..)
+            )
+        })
+    }
+
+    /// Whether this is so of it or of something below.
+    fn any(&self, is: &dyn Fn(&Self) -> bool) -> bool {
+        is(self)
+            || match self {
+                Self::Union(_, parts) | Self::Intersection(_, parts) => parts.iter().any(|part| part.any(is)),
+                Self::Difference(_, a, b) => a.any(is) || b.any(is),
+                Self::Blended(_, a, b, within) => {
+                    a.any(is) || b.any(is) || within.as_ref().is_some_and(|within| within.any(is))
+                }
+                Self::Offset(solid, _)
+                | Self::Shell(solid, _)
+                | Self::Placed(solid, _)
+                | Self::Mirrored(solid, ..) => solid.any(is),
+                _ => false,
             }
-            Self::Shell(solid, _) | Self::Placed(solid, _) | Self::Mirrored(solid, ..) => solid.has_inset(),
-            _ => false,
-        }
     }
 }
 
 fn union(system: SetSystem, a: f64, b: f64) -> f64 {
     match system {
         SetSystem::R0 => a + b + a.hypot(b),
+        SetSystem::Rm { order } => (a + b + a.hypot(b)) * a.hypot(b).powi(order as i32),
         SetSystem::MinMax => a.max(b),
         SetSystem::Cn { order } => {
             let norm = (a.abs().powi(order as i32) + b.abs().powi(order as i32)).powf(1.0 / f64::from(order));
@@ -210,6 +231,7 @@ fn system() -> impl Strategy<Value = SetSystem> {
         4 => Just(SetSystem::R0),
         4 => Just(SetSystem::MinMax),
         2 => (2..5u32).prop_map(|order| SetSystem::Cn { order }),
+        1 => (1..3u32).prop_map(|order| SetSystem::Rm { order }),
     ]
 }
 
