@@ -1,6 +1,8 @@
 //! An ellipse.
 
-use crate::field::{Ellipse, Joined};
+use std::sync::Arc;
+
+use crate::field::Ellipse;
 use crate::node::spec::{Plane, Spec};
 use crate::text::key::Absent::Required;
 use crate::text::key::{Key, Kind, Limit};
@@ -16,7 +18,7 @@ pub const NODE: Spec = Spec {
     plane: Plane::Flat,
     build: |build| {
         let half = build.pair("ellipse")?;
-        Ok(build.graph().field(Joined::shared(Ellipse::new(half))))
+        Ok(build.graph().field(Arc::new(Ellipse::new(half.to_array()))))
     },
     ..Spec::PLAIN
 };

@@ -1,8 +1,10 @@
 //! A cylinder over an ellipse.
 
+use std::sync::Arc;
+
 use glam::DVec3;
 
-use crate::field::{Aabb, Ellipse, Joined};
+use crate::field::{Aabb, Ellipse};
 use crate::node::spec::Spec;
 use crate::text::key::Absent::{Number, Required};
 use crate::text::key::{Key, Kind, Limit};
@@ -23,7 +25,7 @@ pub const NODE: Spec = Spec {
     build: |build| {
         let (half, height) = (build.pair("elliptic_cylinder")?, build.number("height")?);
         let graph = build.graph();
-        let (section, caps) = (graph.field(Joined::shared(Ellipse::new(half))), graph.slab(DVec3::Z, height));
+        let (section, caps) = (graph.field(Arc::new(Ellipse::new(half.to_array()))), graph.slab(DVec3::Z, height));
         let node = graph.corner(section, caps);
         let half = half.extend(height / 2.0);
         Ok(graph.exact(node, Aabb::new(-half, half)))
