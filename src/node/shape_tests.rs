@@ -208,7 +208,7 @@ fn solids_of_the_plane_are_as_exact_as_they_say() {
     ] {
         let field = field(keys);
         assert_eq!(field.slope(), slope, "{keys}");
-        let wrong = wrong_distances(keys, &field, 40);
+        let wrong = wrong_distances(keys, &field);
         assert!(wrong.is_empty(), "{}", wrong.join("\n"));
     }
 }
