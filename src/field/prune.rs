@@ -4,7 +4,8 @@
 //! and gradient where it is zero. The root is asked for its sign unless a field keeps values; set operations,
 //! negation and constant factors pass the question on, everything else needs values. Where signs suffice, an
 //! argument of a union that is negative throughout is dropped (of an intersection: positive), and a union with
-//! an argument that is positive throughout is that argument. Where values are needed, only choices that are the
+//! an argument that is positive throughout is that argument; a power, which is level where surfaces meet, is the maximum or
+//! minimum, which is not. Where values are needed, only choices that are the
 //! same to the last bit are made: the greater of two that do not overlap, the absolute value of a number of
 //! known sign, a sum with an exact zero.
 //!
@@ -32,6 +33,8 @@ enum Choice {
     Is(u32),
     /// The operation is its argument negated.
     Negated(u32),
+    /// This other one of the same arguments has its sign, and better slopes.
+    Sided(Binary),
 }
 
 /// The window of an operation that nothing asked for.
@@ -143,6 +146,12 @@ impl Pruner {
                 _ => Interval::ALL,
             };
             let choice = choose(op, if asked == Asked::Sign { Interval::ZERO } else { matters }, bounds);
+            let choice = match (choice, op) {
+                (Choice::Keep, Op::Binary(operation, ..)) if asked == Asked::Sign => {
+                    operation.sided().map_or(Choice::Keep, Choice::Sided)
+                }
+                _ => choice,
+            };
             self.choices[index] = choice;
             let (all, windows) = (&mut self.asked, &mut self.windows);
             let mut ask = |argument: u32, asked: Asked, window: Interval| {
@@ -152,6 +161,10 @@ impl Pruner {
             };
             match choice {
                 Choice::Keep => ask_arguments(op, asked, matters, ask),
+                Choice::Sided(_) => {
+                    ask_arguments(op, asked, matters, ask);
+                    shorter = true;
+                }
                 Choice::Is(a) => {
                     ask(a, asked, window);
                     shorter = true;
@@ -177,6 +190,7 @@ impl Pruner {
                 choice => {
                     out.push(match choice {
                         Choice::Negated(a) => Op::Unary(Unary::Linear { scale: -1.0, offset: 0.0 }, places[a as usize]),
+                        Choice::Sided(other) => op.with(other).renamed(|argument| places[argument as usize]),
                         _ => op.renamed(|argument| places[argument as usize]),
                     });
                     out.len() as u32 - 1
@@ -277,6 +291,27 @@ mod tests {
             }
         }
         assert!(after * 5 < before, "{after} of {before}");
+    }
+
+    /// A power is level where surfaces meet, and closest points are not found there.
+    #[test]
+    fn where_signs_suffice_a_power_is_none() {
+        let mut graph = Graph::new();
+        let planes = [DVec3::X, DVec3::Y].map(|normal| graph.half_space(normal, 0.0));
+        let system = crate::field::SetSystem::Rm { order: 2 };
+        let corner = graph.intersection(system, &planes);
+        let root = graph.difference(system, corner, &[planes[0]]);
+        let program = Program::new(&graph, root);
+        let region = Aabb::new(DVec3::splat(-0.1), DVec3::splat(0.1));
+        let mut bounds = Intervals::default();
+        program.bound(&program.ops, &region, true, &mut [], &mut bounds);
+        let (mut pruner, mut ops) = (Pruner::default(), Vec::new());
+        for (asked, wanted) in [(Asked::Sign, 0), (Asked::Value, 2)] {
+            pruner.plan(&program.ops, &bounds, asked);
+            pruner.shorten(&program.ops, &mut ops);
+            let powers = ops.iter().filter(|op| matches!(op, Op::Binary(Binary::RmIntersection { .. }, ..))).count();
+            assert_eq!(powers, wanted, "{ops:?}");
+        }
     }
 
     #[test]

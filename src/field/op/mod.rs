@@ -260,6 +260,15 @@ impl Binary {
             other => other,
         }
     }
+
+    /// The operation with the same sign that is nowhere level where its arguments are not, of one that is.
+    pub fn sided(self) -> Option<Self> {
+        match self {
+            Self::RmUnion { .. } => Some(Self::Max),
+            Self::RmIntersection { .. } => Some(Self::Min),
+            _ => None,
+        }
+    }
 }
 
 /// One operation; arguments are indices of earlier operations.
@@ -302,6 +311,14 @@ impl Op {
                 Self::Binary(operation, a, name(b))
             }
             Self::Choose(arguments) => Self::Choose(arguments.map(name)),
+        }
+    }
+
+    /// Another operation on the same two arguments.
+    pub fn with(self, operation: Binary) -> Self {
+        match self {
+            Self::Binary(_, a, b) => Self::Binary(operation, a, b),
+            other => other,
         }
     }
 
