@@ -1,4 +1,4 @@
-//! Tubes along curves of control points, each a place and a radius: the radius is a fourth coordinate of the curve.
+//! Curves by control points. Of tubes each is a place and a radius: the radius is a fourth coordinate of the curve.
 //!
 //! A curve is cut into straight pieces, [`PIECES`] between two control points; against their length they are off by about
 //! a thirty-thousandth of it at a quarter turn.
@@ -6,11 +6,91 @@
 use glam::{DVec3, DVec4};
 
 use super::spec::Build;
-use crate::field::{Graph, Joined, Node, Strut, Struts};
+use crate::field::{CopyPlace, Graph, Joined, Node, Strut, Struts};
 use crate::text::problem::Problem;
+use crate::text::source::Span;
 
 /// Straight pieces of a curve between two control points.
 const PIECES: usize = 64;
+
+/// The most control points of one Bézier curve.
+const MOST_OF_BEZIER: usize = 32;
+
+/// The most points of a curve that solids lie along, each with [`PIECES`] that a place is compared with.
+const MOST_POINTS: usize = 1000;
+
+/// The points that a key lists, or the file that it names, and where.
+pub fn curve_points(build: &dyn Build, key: &str) -> Result<(Vec<DVec3>, Span), Problem> {
+    let given = build.arguments().places(key).expect("it must be there");
+    let is_plain = |place: &CopyPlace| *place == CopyPlace::moved(place.at);
+    if let Some(at) = given.rows.iter().position(|place| !is_plain(place)) {
+        let problem = format!("point {} of `{key}` has more than x, y and z", at + 1);
+        return Err(
+            Problem::new(given.span, problem).help("a curve goes through places, which have neither size nor turn")
+        );
+    }
+    Ok((given.rows.iter().map(|place| place.at).collect(), given.span))
+}
+
+/// The line that solids lie along, by the points of a key, the choice of its curve, and whether it closes: then without its
+/// beginning once more at the end.
+pub fn line_along(build: &dyn Build, key: &str, curve: &str, closed: bool) -> Result<Vec<DVec3>, Problem> {
+    let (mut points, span) = curve_points(build, key)?;
+    let kind = match curve {
+        "bezier" => "Bézier curve",
+        "b_spline" => "B-spline",
+        _ => "smooth curve",
+    };
+    let broken = |rule: String, help: &str| Err(Problem::new(span, format!("`{key}`: {rule}")).help(help));
+    if points.len() > MOST_POINTS {
+        let rule = format!("a curve takes at most {MOST_POINTS} points, and has {}", points.len());
+        return broken(rule, "every second or tenth point: the curve is smooth between them");
+    }
+    let size = points.iter().fold(0.0_f64, |size, point| size.max(point.distance(points[0])));
+    let is_same = |a: &DVec3, b: &DVec3| a.distance(*b) <= 1e-9 * size;
+    if points.len() > 1 && size == 0.0 {
+        return broken("all points of the curve are the same".into(), "give it points that differ");
+    }
+    if curve == "smooth" {
+        // It would go out and back between two that stand on one another.
+        points.dedup_by(|a, b| is_same(a, b));
+        if closed && points.len() > 1 && is_same(&points[0], &points[points.len() - 1]) {
+            points.pop();
+        }
+    }
+    let (least, in_words) = match (curve, closed) {
+        (_, true) => (3, "three"),
+        ("b_spline", _) => (4, "four"),
+        _ => (2, "two"),
+    };
+    if points.len() < least {
+        let closed = if closed { "closed " } else { "" };
+        let rule = format!("a {closed}{kind} needs at least {in_words} points, and has {}", points.len());
+        return broken(
+            rule,
+            if closed.is_empty() { "more points; a smooth curve goes through two" } else { "more points" },
+        );
+    }
+    if curve == "bezier" && points.len() > MOST_OF_BEZIER {
+        let rule = format!("a Bézier curve takes at most {MOST_OF_BEZIER} control points, and has {}", points.len());
+        return broken(rule, "a B-spline (`b_spline`) takes more");
+    }
+    let control: Vec<DVec4> = points.iter().map(|point| point.extend(1.0)).collect();
+    let line = match curve {
+        "bezier" => bezier(&control),
+        "b_spline" => b_spline(&control, closed),
+        _ => catmull_rom(&control, closed),
+    };
+    let mut line: Vec<DVec3> = line.into_iter().map(DVec4::truncate).collect();
+    line.dedup_by(|a, b| is_same(a, b));
+    if closed {
+        line.pop();
+    }
+    if line.len() < 3 {
+        return broken("the curve has no length".into(), "give it points that differ");
+    }
+    Ok(line)
+}
 
 /// The points of a key, with their radii.
 pub fn tube_points(build: &mut dyn Build, key: &str) -> Result<Vec<DVec4>, Problem> {

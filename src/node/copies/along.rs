@@ -4,6 +4,7 @@ use glam::DVec3;
 
 use crate::field::CopyPlace;
 use crate::node::copied::{MOST_COPIES, cells_of, copies_of, facing};
+use crate::node::curves::curve_points;
 use crate::node::spec::Spec;
 use crate::text::key::Absent::{Nothing, Number, Text};
 use crate::text::key::{Key, Kind, Limit};
@@ -41,9 +42,7 @@ pub const NODE: Spec = Spec {
     example: "box = [0.3, 0.25, 0.12]\nalong = [[-1, -0.6, 0], [-0.4, 0.6, 0.2], [0.4, -0.6, 0.4], [1, 0.6, 0.6]]\ncount = 24",
     cells: Some(cells_of),
     bend: Some(|build| {
-        let given = build.arguments().places("along").expect("it must be there");
-        let points: Vec<DVec3> = given.rows.iter().map(|place| place.at).collect();
-        let span = given.span;
+        let (points, span) = curve_points(build, "along")?;
         if points.len() < 2 {
             return Err(Problem::new(span, "a curve needs at least two points"));
         }

@@ -2,25 +2,22 @@
 
 use std::sync::Arc;
 
-use glam::{DVec3, DVec4};
+use glam::DVec3;
 
 use crate::field::{Aabb, Bent, Expression, Folded, Graph, Node, Spine};
 use crate::node::bend::Bend;
-use crate::node::curves::{b_spline, bezier, catmull_rom};
+use crate::node::curves::line_along;
 use crate::node::spec::Spec;
 use crate::text::key::Absent::{Nothing, Text, Vector};
 use crate::text::key::{Key, Kind};
-
-/// The most control points of one Bézier curve.
-const MOST_OF_BEZIER: usize = 32;
 
 /// Bent along a curve.
 pub const NODE: Spec = Spec {
     key: Key::new(
         "bend_along",
-        Kind::Rows(2, &[3]),
+        Kind::Places,
         Nothing,
-        "Lays the z axis along a curve of these points, `[[x, y, z], …]`; x and y stand across it and turn about it no more than they must.",
+        "Lays the z axis along a curve of these points, `[[x, y, z], …]`, or of those of a file; x and y stand across it and turn about it no more than they must.",
     )
     .unit("units"),
     parameters: &[
@@ -42,28 +39,8 @@ pub const NODE: Spec = Spec {
     source: "Wang, Jüttler, Zheng and Liu, Computation of rotation minimizing frames, 2008",
     example: "box = [0.5, 0.16, 2]\ntwist = 180\nbend_along = [[-1, -0.8, 0], [-0.7, 0.3, 0.1], [0, 0.8, 0.3], [0.7, 0.3, 0.5], [1, -0.8, 0.6]]",
     bend: Some(|build| {
-        let rows = build.arguments().rows("bend_along").expect("it must be there").all.clone();
-        let points: Vec<DVec4> = rows.iter().map(|row| DVec4::new(row[0], row[1], row[2], 1.0)).collect();
-        let line = match build.arguments().choice("bend_curve").copied().unwrap_or("smooth") {
-            "bezier" if points.len() > MOST_OF_BEZIER => {
-                let problem = format!("a Bézier curve takes at most {MOST_OF_BEZIER} control points");
-                return Err(build.wrong("bend_along", problem).help("bend_curve = \"b_spline\" takes any number"));
-            }
-            "bezier" => bezier(&points),
-            "b_spline" if points.len() < 4 => {
-                let problem = "a B-spline needs at least four control points";
-                return Err(build.wrong("bend_along", problem).help("bend_curve = \"smooth\" goes through two and more"));
-            }
-            "b_spline" => b_spline(&points, false),
-            _ => catmull_rom(&points, false),
-        };
-        let mut line: Vec<DVec3> = line.into_iter().map(DVec4::truncate).collect();
-        let size = line.iter().fold(0.0_f64, |size, point| size.max(point.distance(line[0])));
-        // Points that stand on one another are one.
-        line.dedup_by(|a, b| a.distance(*b) <= 1e-9 * size);
-        if line.len() < 3 {
-            return Err(build.wrong("bend_along", "all points of the curve are the same").help("give it points that differ"));
-        }
+        let curve = build.arguments().choice("bend_curve").copied().unwrap_or("smooth");
+        let line = line_along(build, "bend_along", curve, false)?;
         let inner = build.inner()?;
         if build.graph().is_flat(inner) {
             let problem = format!("`bend_along` bends solids, and `{}` is a shape of the plane", build.name());
