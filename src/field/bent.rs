@@ -107,9 +107,10 @@ impl Bent {
             all: Vec::new(),
             solid: own,
         };
-        let ends = [[-before, 0.0], [length, length + after]];
+        let has_ends = !bent.spine.is_closed();
+        let [first_end, last_end] = [[-before, 0.0], [length, length + after]].map(|end| has_ends.then_some(end));
         let between = (0..bent.spine.pieces()).map(|piece| bent.spine.piece(piece));
-        let ways: Vec<[f64; 2]> = [ends[0]].into_iter().chain(between).chain([ends[1]]).collect();
+        let ways: Vec<[f64; 2]> = first_end.into_iter().chain(between).chain(last_end).collect();
         bent.pieces = (0..ways.len()).map(|at| bent.piece(&ways, at)).collect();
         bent.all = (0..bent.pieces.len() as u32).collect();
         bent.solid = bent.solid_box(first, last, &outline);
@@ -118,7 +119,7 @@ impl Bent {
 
     fn piece(&self, ways: &[[f64; 2]], at: usize) -> Piece {
         let [from, to] = ways[at];
-        let is_end = at == 0 || at + 1 == ways.len();
+        let is_end = !self.spine.is_closed() && (at == 0 || at + 1 == ways.len());
         let step = to - from;
         let middle = self.spine.at((from + to) / 2.0);
         // Feet are found up to a piece farther on.
@@ -227,11 +228,15 @@ impl Bent {
     /// Calls with the images of a position by the pieces of some that are near, one for each turn of the curve, with its
     /// number.
     fn images(&self, position: DVec3, pieces: &[u32], mut each: impl FnMut(usize, Image)) {
-        let mut call = |turn: usize, (index, _, share): (u32, f64, f64)| {
+        let mut turn = 0;
+        let mut call = |(index, _, share): (u32, f64, f64)| {
             each(turn, self.image(position, self.foot(index as usize, position, share)));
+            turn += 1;
         };
         // The nearest piece of the turn that is looked through, and the last piece of it that is near.
-        let (mut turn, mut best, mut last): (usize, Option<(u32, f64, f64)>, u32) = (0, None, 0);
+        let (mut best, mut last): (Option<(u32, f64, f64)>, u32) = (None, 0);
+        // The turn over the seam of a closed curve, as far as it was met at the beginning.
+        let (mut begins, mut seam) = (false, None);
         for &index in pieces {
             let piece = &self.pieces[index as usize];
             let (distance, share) = chord(piece, position);
@@ -243,15 +248,28 @@ impl Bent {
             best = match best {
                 Some(known) if last + 1 == index => Some(if distance < known.1 { found } else { known }),
                 Some(known) => {
-                    call(turn, known);
-                    turn += 1;
+                    if std::mem::take(&mut begins) {
+                        seam = Some(known)
+                    } else {
+                        call(known)
+                    }
                     Some(found)
                 }
-                None => Some(found),
+                None => {
+                    begins = index == 0 && self.spine.is_closed();
+                    Some(found)
+                }
             };
             last = index;
         }
-        best.into_iter().for_each(|known| call(turn, known));
+        if let (Some(first), Some(known)) = (seam, best) {
+            if last as usize + 1 == self.pieces.len() {
+                best = Some(if first.1 < known.1 { first } else { known });
+            } else {
+                call(first);
+            }
+        }
+        best.into_iter().for_each(call);
     }
 
     /// The way of the foot of a position, near a share of a piece's chord.
@@ -439,9 +457,9 @@ impl BentEvaluator<'_> {
                 } else {
                     let Station { slope, curvature, .. } = image.station;
                     let steep = slope.length_squared() - image.off.dot(curvature);
-                    let forward = self.bent.stretch * slope / steep.max(1e-3);
                     let [x, y, z] = [self.some.dx[at], self.some.dy[at], self.some.dz[at]].map(f64::from);
-                    x * first + y * second + z * forward
+                    let along = z * self.bent.stretch + self.bent.spine.twist() * (x * own.y - y * own.x);
+                    x * first + y * second + along / steep.max(1e-3) * slope
                 };
                 set_slope(out, *i, slope);
             }
@@ -468,7 +486,11 @@ impl BentEvaluator<'_> {
 
     /// Whether all pieces near are one turn of the curve.
     fn is_one_turn(&self) -> bool {
-        self.pieces().array_windows().all(|[a, b]| a + 1 == *b)
+        let pieces = self.pieces();
+        let gaps = pieces.array_windows().filter(|[a, b]| a + 1 != *b).count();
+        let last = self.bent.pieces.len() as u32 - 1;
+        let over_seam = self.bent.spine.is_closed() && pieces.first() == Some(&0) && pieces.last() == Some(&last);
+        gaps <= usize::from(over_seam)
     }
 }
 
@@ -606,10 +628,25 @@ mod tests {
         }
     }
 
+    /// A bar along a closed curve that comes near itself, turned once on its way.
+    fn ring() -> Bent {
+        let mut graph = Graph::new();
+        let node = graph.cuboid(DVec3::new(0.5, 0.2, 1e6));
+        let at = |i: usize| {
+            let angle = std::f64::consts::TAU * i as f64 / 400.0;
+            let across = 1.6 + 0.5 * libm::cos(3.0 * angle);
+            DVec3::new(across * libm::cos(2.0 * angle), across * libm::sin(2.0 * angle), 0.5 * libm::sin(3.0 * angle))
+        };
+        let spine = Spine::closed(&(0..400).map(at).collect::<Vec<_>>(), DVec3::Z, std::f64::consts::TAU);
+        let own = Aabb::new(DVec3::new(-0.25, -0.1, 0.0), DVec3::new(0.25, 0.1, 1.0));
+        let stretch = 1.0 / spine.length();
+        let bent = Bent::new(Expression::new(&graph, node), own, spine, 0.0, stretch);
+        bent.unwrap_or_else(|folded| panic!("{folded:?}"))
+    }
+
     #[test]
     fn batches_gradients_and_bounds_agree() {
-        for is_round in [false, true] {
-            let (bent, _) = bent(is_round);
+        for bent in [bent(false).0, bent(true).0, ring()] {
             let world = bent.solid.grown(0.6);
             let (mut evaluator, mut samples) = (bent.evaluator(), Samples::new(2));
             let mut told = 0;

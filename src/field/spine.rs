@@ -2,10 +2,16 @@
 
 use glam::DVec3;
 
-/// A curve by its length: the cubic spline through points that lie close, and straight on beyond its ends.
+/// A curve by its length: the cubic spline through points that lie close, and straight on beyond its ends, or round and round
+/// where it has none.
 #[derive(Clone, Debug)]
 pub struct Spine {
     knots: Vec<Knot>,
+    is_closed: bool,
+    /// By how much the frame turns about a closed curve on its way: radians a unit.
+    twist: f64,
+    /// By how much it has turned when it comes back.
+    turn: f64,
 }
 
 /// A point of the curve.
@@ -49,7 +55,42 @@ impl Spine {
             }
             knots.push(Knot { way: ways[i], at: points[i], slope: slopes[i], across });
         }
-        Self { knots }
+        Self { knots, is_closed: false, twist: 0.0, turn: 0.0 }
+    }
+
+    /// Through points, at least three, and from the last one back to the first. A frame that turns no more than it must comes
+    /// back turned; what is missing to the whole turn, and `turn` in radians beyond that, is spread evenly over the length.
+    pub fn closed(points: &[DVec3], up: DVec3, turn: f64) -> Self {
+        /// Points before the beginning and beyond the end: one counts (2 − √3) times as much as the one before it.
+        const AROUND: usize = 28;
+        let count = points.len();
+        let ring: Vec<DVec3> =
+            (0..count + 1 + 2 * AROUND).map(|i| points[(i + count * AROUND - AROUND) % count]).collect();
+        let Self { knots, .. } = Self::new(&ring, up);
+        let mut knots: Vec<Knot> = knots[AROUND..=AROUND + count].to_vec();
+        let start = knots[0].way;
+        knots.iter_mut().for_each(|knot| knot.way -= start);
+        knots[count].slope = knots[0].slope;
+        let along: Vec<DVec3> = knots.iter().map(|knot| knot.slope.normalize_or(DVec3::Z)).collect();
+        let first = up.cross(along[0]);
+        knots[0].across = if first.length() > 1e-9 { first.normalize() } else { along[0].any_orthonormal_vector() };
+        for i in 1..=count {
+            knots[i].across = carried(knots[i - 1].across, knots[i].at - knots[i - 1].at, along[i - 1], along[i]);
+        }
+        let (begun, come) = (knots[0].across, knots[count].across);
+        let missing = libm::atan2(begun.dot(along[0].cross(come)), begun.dot(come));
+        let twist = (missing + turn) / knots[count].way;
+        Self { knots, is_closed: true, twist, turn }
+    }
+
+    /// Whether it ends where it begins.
+    pub fn is_closed(&self) -> bool {
+        self.is_closed
+    }
+
+    /// By how much the frame turns about the curve on its way: radians a unit.
+    pub fn twist(&self) -> f64 {
+        self.twist
     }
 
     /// The whole length.
@@ -61,8 +102,10 @@ impl Spine {
     pub fn cusp(&self) -> Option<(DVec3, f64)> {
         const SHARP: f64 = 0.5;
         let chord = |pair: &[Knot; 2]| pair[1].at - pair[0].at;
-        let mut turns = self.knots.array_windows::<3>().map(|[a, b, c]| {
-            let (before, after) = (chord(&[*a, *b]), chord(&[*b, *c]));
+        let count = self.knots.len();
+        let seam = self.is_closed.then(|| [self.knots[count - 2], self.knots[0], self.knots[1]]);
+        let mut turns = self.knots.array_windows::<3>().copied().chain(seam).map(|[a, b, c]| {
+            let (before, after) = (chord(&[a, b]), chord(&[b, c]));
             let angle = before.angle_between(after);
             (b.at, angle, before.length().min(after.length()) / angle)
         });
@@ -79,13 +122,23 @@ impl Spine {
         [self.knots[piece].way, self.knots[piece + 1].way]
     }
 
-    /// The curve at a way; beyond the ends straight on.
+    /// The curve at a way; beyond the ends straight on, or on the next round.
     pub fn at(&self, way: f64) -> Station {
+        // A round more is the turn more, so that nothing jumps where the next one begins.
+        let beyond = if self.is_closed { self.turn * (way / self.length()).floor() } else { 0.0 };
+        let way = self.on_round(way);
         let (knot, [at, slope, curvature]) = self.place(way);
         let along = slope.normalize_or(DVec3::Z);
         let across = carried(knot.across, at - knot.at, knot.slope.normalize_or(DVec3::Z), along);
         let first = (across - along * across.dot(along)).normalize_or(along.any_orthonormal_vector());
+        let angle = self.twist * way + beyond;
+        let first = if angle == 0.0 { first } else { first * libm::cos(angle) + along.cross(first) * libm::sin(angle) };
         Station { at, slope, curvature, axes: [first, along.cross(first), along] }
+    }
+
+    /// A way of a closed curve between its beginning and its end.
+    fn on_round(&self, way: f64) -> f64 {
+        if self.is_closed { way.rem_euclid(self.length()) } else { way }
     }
 
     /// The knot before a way, and place, first and second derivative there.
@@ -115,7 +168,7 @@ impl Spine {
         const STEPS: usize = 20;
         let mut way = near;
         for _ in 0..STEPS {
-            let (_, [at, slope, curvature]) = self.place(way);
+            let (_, [at, slope, curvature]) = self.place(self.on_round(way));
             let off = position - at;
             let steep = slope.length_squared() - off.dot(curvature);
             // Beyond the centre of the curve's circle there is no nearest place to step to.
@@ -230,5 +283,45 @@ mod tests {
             let turning = (there.axes[0] - here.axes[0]).dot(here.axes[1]) / step;
             assert!(turning.abs() < 1e-4, "{turning} at {way}");
         }
+    }
+
+    /// A trefoil has no seam: place, slopes and frame go on over it, and the frame turns by as much everywhere.
+    #[test]
+    fn a_closed_curve_has_no_seam() {
+        let count = 900;
+        let at = |i: usize| {
+            let (angle, far) = (std::f64::consts::TAU * i as f64 / count as f64, 0.6);
+            let across = 2.0 + far * libm::cos(3.0 * angle);
+            DVec3::new(across * libm::cos(2.0 * angle), across * libm::sin(2.0 * angle), far * libm::sin(3.0 * angle))
+        };
+        let points: Vec<DVec3> = (0..count).map(at).collect();
+        for turn in [0.0, std::f64::consts::TAU, -2.5] {
+            let spine = Spine::closed(&points, DVec3::Z, turn);
+            let (length, step) = (spine.length(), 1e-5);
+            for i in 0..100 {
+                let way = length * f64::from(i) / 100.0;
+                let [before, after] = [way - step, way + step].map(|way| spine.at(way));
+                let speed = (after.at - before.at) / (2.0 * step);
+                assert!((speed.length() - 1.0).abs() < 1e-4 && speed.dot(before.axes[2]) > 0.999, "{speed} at {way}");
+                assert!((after.slope - before.slope).length() < 1e-4, "at {way}");
+                assert!((after.curvature - before.curvature).length() < 1e-2, "at {way}");
+                let turning = (after.axes[0] - before.axes[0]).dot(before.axes[1]) / (2.0 * step);
+                assert!((turning - spine.twist()).abs() < 1e-4, "{turning} at {way}, {}", spine.twist());
+            }
+            let [begin, end] = [1e-9, length - 1e-9].map(|way| spine.at(way).axes[0]);
+            assert!((begin.dot(end) - libm::cos(turn)).abs() < 1e-6, "{begin}, {end}");
+        }
+        // A ring in a plane needs no twist.
+        let ring: Vec<DVec3> = (0..100)
+            .map(|i| {
+                DVec3::new(
+                    libm::cos(0.0628318530717959 * f64::from(i)),
+                    libm::sin(0.0628318530717959 * f64::from(i)),
+                    0.0,
+                )
+            })
+            .collect();
+        let ring = Spine::closed(&ring, DVec3::Z, 0.0);
+        assert!(ring.twist().abs() < 1e-9 && (ring.length() - std::f64::consts::TAU).abs() < 1e-5, "{ring:?}");
     }
 }

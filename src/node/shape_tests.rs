@@ -127,7 +127,37 @@ fn parameters_that_make_no_shape_are_errors_with_a_way_out() {
         ("box = [2, 2, 3]\nbend_along = [[0, 0, 0], [1, 0, 1], [0, 0, 2]]", "folds where the curve turns sharply"),
         ("circle = 0.2\nbend_along = [[0, 0, 0], [1, 0, 3]]", "bends solids, and"),
         ("sphere = 1\nbend_along = [[0, 0, 0], [0, 0, 0]]", "all points of the curve are the same"),
-        ("sphere = 1\nbend_along = [[0, 0, 0], [0, 0, 9], [0, 1, 9]]\nbend_curve = \"b_spline\"", "at least four"),
+        (
+            "sphere = 1\nbend_along = [[0, 0, 0], [0, 0, 9], [0, 1, 9]]\nbend_curve = \"b_spline\"",
+            "`bend_along`: a B-spline needs at least four points, and has 3",
+        ),
+        (
+            "sphere = 1\nbend_along = [[0, 0, 0]]",
+            "`bend_along`: a smooth curve needs at least two points, and has 1; more",
+        ),
+        ("sphere = 1\nbend_along = [[0, 0, 0], [0, 0, 1, 2]]", "point 2 of `bend_along` has more than x, y and z"),
+        ("sphere = 1\nbend_along = [[0, 0, 0], [0, 0]]", "a place has 3, 4, 6 or 7 numbers, not 2"),
+        ("sphere = 1\nbend_along = 'none.csv'", "there is no file `none.csv`"),
+        ("sphere = 1\nalong = [[0, 0, 0], [0, 0, 1, 2]]", "point 2 of `along` has more than x, y and z"),
+        ("sweep = { circle = 0.1 }", "nothing says where `sweep` goes"),
+        ("sweep = { circle = 0.1 }\npath = { circle = 1 }\nclosed_path = [[0, 0, 0]]", "both say where `sweep` goes"),
+        ("sweep = { circle = 0.1 }\npath = { circle = 1 }\nturn = 90", "`turn` goes with `closed_path`"),
+        (
+            "sweep = { circle = 0.1 }\nclosed_path = [[0, 0, 0], [1, 0, 0], [0, 0, 0]]",
+            "`closed_path`: a closed smooth curve needs at least three points, and has 2",
+        ),
+        (
+            "sweep = { rectangle = [0.2, 0.1] }\nclosed_path = [[1, 0, 0], [0, 1, 0], [-1, 0, 0], [0, -1, 0]]\nturn = 90",
+            "turned by 90 degrees on its way, the shape of `sweep` does not meet itself; 0, or a multiple of 180",
+        ),
+        (
+            "sweep = { regular_polygon = 0.1, sides = 5 }\nclosed_path = [[1, 0, 0], [0, 1, 0], [-1, 0, 0], [0, -1, 0]]\nturn = 90",
+            "0, or a multiple of 72",
+        ),
+        (
+            "sweep = { circle = 0.9 }\nclosed_path = [[1, 0, 0], [0, 1, 0], [-1, 0, 0], [0, -1, 0]]",
+            "folds where the curve turns sharply",
+        ),
         ("b_spline = [[0, 0, 0], [1, 0, 0], [1, 1, 0]]", "needs at least 4"),
         ("metaballs = [[0, 0, 0, -1]]", "the fourth number of a ball"),
         ("convolution = [[0, 0, 0], [0, 0, 0]]", "are the same"),
@@ -403,6 +433,78 @@ fn curves_go_where_their_points_say() {
         (format!("polyline = {points}\nends = \"closed\""), [0.0, 0.0, 0.0], 0.3),
     ] {
         assert!((radius(&keys, at) - wanted).abs() < 2e-3, "{keys}: {}", radius(&keys, at));
+    }
+}
+
+/// The points of a closed curve as a scene lists them.
+fn closed(count: i32, at: impl Fn(f64) -> DVec3) -> String {
+    let angle = |i: i32| std::f64::consts::TAU * f64::from(i) / f64::from(count);
+    let all: Vec<String> = (0..count).map(|i| format!("{:?}", at(angle(i)).to_array())).collect();
+    format!("[{}]", all.join(", "))
+}
+
+#[test]
+fn a_circle_along_a_circle_is_a_torus() {
+    let ring = closed(48, |angle| DVec3::new(libm::cos(angle), libm::sin(angle), 0.0));
+    let torus = field("torus = 1\ntube = 0.25");
+    for turn in [0, 77, 360] {
+        let swept = field(&format!("sweep = {{ circle = 0.25 }}\nclosed_path = {ring}\nturn = {turn}"));
+        let size = swept.bounding_box().expect("it ends").size();
+        // A cell of the section's outline, a sixteenth of its width, may be more on each side, and turned.
+        let more = size - DVec3::new(2.5, 2.5, 0.5);
+        assert!(more.min_element() > -1e-4 && more.max_element() < 0.5 / 16.0 * 2.0 * 1.5, "{size}");
+        let mut samples = Samples::new(8);
+        let mut near = 0;
+        for _ in 0..2000 {
+            let p = samples.within(&Aabb::new(DVec3::splat(-1.3), DVec3::splat(1.3)));
+            let (found, wanted) = (swept.reference(p), torus.reference(p));
+            if wanted.abs() < 0.06 {
+                assert!((found - wanted).abs() < 1e-4, "{found}, {wanted} at {p}");
+                near += 1;
+            }
+            assert!(wanted.abs() < 1e-4 || (found > 0.0) == (wanted > 0.0), "{found}, {wanted} at {p}");
+        }
+        assert!(near > 50, "{near}");
+    }
+}
+
+/// A bar along a trefoil, turned by a quarter on its way: across the place where the list of points begins, nothing jumps.
+#[test]
+fn a_closed_sweep_has_no_seam() {
+    let trefoil = |angle: f64| {
+        let across = 1.0 + 0.4 * libm::cos(3.0 * angle);
+        DVec3::new(across * libm::cos(2.0 * angle), across * libm::sin(2.0 * angle), 0.4 * libm::sin(3.0 * angle))
+    };
+    for curve in ["smooth", "b_spline"] {
+        let swept = field(&format!(
+            "sweep = {{ rectangle = 0.2 }}\npath_curve = '{curve}'\nturn = 90\nclosed_path = {}",
+            closed(40, trefoil)
+        ));
+        let mut samples = Samples::new(5);
+        let mut inside = 0;
+        for _ in 0..20_000 {
+            let p = trefoil(0.0) + samples.within(&Aabb::new(DVec3::splat(-0.2), DVec3::splat(0.2)));
+            let q = p + samples.within(&Aabb::new(DVec3::splat(-2e-4), DVec3::splat(2e-4)));
+            let (first, second) = (swept.reference(p), swept.reference(q));
+            // Far from the bar F is level.
+            assert!(first < -0.03 || (first - second).abs() <= 3.0 * p.distance(q), "{first}, {second} at {p}, {q}");
+            inside += usize::from(first > 0.0);
+        }
+        assert!(inside > 1000, "{inside}");
+    }
+}
+
+#[test]
+fn a_curve_of_a_file_is_that_of_the_list() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("way.csv");
+    std::fs::write(&path, "x,y,z\n-1,0,0\n0,0.4,0.1\n1,0,0\n").unwrap();
+    let bent = |points: &str| field(&format!("box = [0.2, 0.1, 1]\nbend_along = {points}"));
+    let (listed, read) = (bent("[[-1, 0, 0], [0, 0.4, 0.1], [1, 0, 0]]"), bent(&format!("'{}'", path.display())));
+    let mut samples = Samples::new(5);
+    for _ in 0..200 {
+        let p = samples.within(&Aabb::new(DVec3::splat(-1.0), DVec3::splat(1.0)));
+        assert_eq!(listed.reference(p), read.reference(p));
     }
 }
 
