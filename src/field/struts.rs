@@ -120,6 +120,13 @@ impl Parts for Struts {
         self.all[index].at(position)
     }
 
+    /// The ball of any place of the axis is no larger than the larger one.
+    fn core(&self, index: usize) -> Option<(Aabb, f64)> {
+        let strut = &self.all[index];
+        let (from, to) = (strut.from, strut.to());
+        Some((Aabb::new(from.min(to), from.max(to)), strut.radii[0].max(strut.radii[1])))
+    }
+
     fn bounding_box(&self) -> Option<Aabb> {
         if self.period.is_some() {
             return None;
