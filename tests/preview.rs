@@ -310,3 +310,59 @@ fn slices_are_numbers_in_an_exr() {
         assert!(exact.abs() < 0.02 || x < -0.4 || (f64::from(red[i]) - expected).abs() < 1e-2, "{} {expected}", red[i]);
     }
 }
+
+/// A file's other grids are channels of a slice, as cubes, with vectors part by part.
+#[test]
+fn slices_of_files_have_their_other_grids() {
+    let place = Workplace::new();
+    place.write(
+        "ball.toml",
+        "frames = '1-3'\n[shape.a]\nsphere = 1\nmove = ['t', 0, 0]\ncolor = ['x+0.5', 0.25, 0]\nattribute.heat = '10*y'\n\
+         [output]\nvoxel_size = 0.1\ngrids = ['surface', 'density', 'Cd', 'heat', 'vel']\n",
+    );
+    place.hfvdb("bake ball.toml --frames 1 -o ball.vdb").ok();
+    let told = place.hfvdb("preview ball.vdb --slice z=0.03 --size 60 -o ball.exr").ok();
+    assert_eq!(told.stderr, "");
+    let image = read().no_deep_data().largest_resolution_level().all_channels().first_valid_layer().all_attributes();
+    let image = image.from_file(place.path("ball.exr")).expect("an EXR");
+    let channels = &image.layer_data.channel_data.list;
+    let names: Vec<String> = channels.iter().map(|channel| channel.name.to_string()).collect();
+    assert_eq!(names, ["A", "B", "G", "R", "density", "distance", "heat", "vel.x", "vel.y", "vel.z"]);
+    let channel = |name: &str| {
+        let found = channels.iter().find(|channel| channel.name.to_string() == name).unwrap();
+        found.sample_data.values_as_f32().collect::<Vec<f32>>()
+    };
+    let stored = hfvdb::vdb::read(place.path("ball.vdb")).unwrap();
+    let comment = image.layer_data.attributes.comments.as_ref().unwrap().to_string();
+    let numbers: Vec<f64> = comment
+        .split(|c: char| !(c.is_ascii_digit() || "-.".contains(c)))
+        .filter_map(|number| number.parse().ok())
+        .collect();
+    let [_, x, y, _, pixel] = numbers[..] else { panic!("{comment}") };
+    for (name, at) in [("density", None), ("heat", None), ("vel.x", Some(0)), ("vel.z", Some(2))] {
+        let grid = stored.grids.iter().find(|grid| name.starts_with(&grid.name)).unwrap();
+        let values = channel(name);
+        let mut known = 0;
+        for i in 0..60 * 60 {
+            let place = [x + f64::from(i % 60) * pixel, y - f64::from(i / 60) * pixel, 0.03];
+            let voxel = glam::DVec3::from(place.map(|along| (along / 0.1).round())).as_ivec3();
+            let origin = voxel & glam::IVec3::splat(!7);
+            let local = voxel - origin;
+            let offset = (local.x * 64 + local.y * 8 + local.z) as usize;
+            let exact = match &grid.voxels {
+                hfvdb::vdb::Voxels::Floats(blocks) => {
+                    blocks.origins.iter().position(|known| *known == origin).map(|block| blocks.values[block][offset])
+                }
+                hfvdb::vdb::Voxels::Vectors(blocks) => blocks
+                    .origins
+                    .iter()
+                    .position(|known| *known == origin)
+                    .map(|block| blocks.values[block][offset][at.unwrap_or(0)]),
+            };
+            let Some(exact) = exact else { continue };
+            known += 1;
+            assert!((values[i as usize] - exact).abs() < 1e-6, "{name} at {place:?}: {} {exact}", values[i as usize]);
+        }
+        assert!(known > 500, "{known} pixels in blocks");
+    }
+}

@@ -37,4 +37,4 @@ pub use layers::Layers;
 pub use picture::{Lighting, Look, Quality, Scene, render, render_layers};
 pub use sheet::{ContactSheet, SheetFrame};
 pub use slice::{Fill, Plane, Slice};
-pub use slice_values::SliceValues;
+pub use slice_values::{Numbers, SliceValues};

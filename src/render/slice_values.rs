@@ -1,7 +1,5 @@
 //! A slice as numbers: distance, F, colour and attributes at the middle of every pixel, and its EXR.
 
-use std::sync::Arc;
-
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
@@ -12,6 +10,15 @@ use super::volume::Volume;
 use crate::attribute::Scalar;
 use crate::field::{BATCH, Field, Points};
 use crate::grid::Band;
+
+/// Where numbers of a slice come from.
+#[derive(Clone, Copy)]
+pub enum Numbers<'a> {
+    /// A scalar of a scene.
+    Scalar(&'a Scalar),
+    /// What is known at each place.
+    At(&'a (dyn Fn(DVec3) -> f32 + Sync)),
+}
 
 /// One value a pixel, the top row first.
 #[derive(Clone, Debug, PartialEq)]
@@ -38,7 +45,7 @@ impl Slice {
         band: &Band,
         field: Option<&dyn Field>,
         fill: Fill<'_>,
-        scalars: &[(String, Arc<Scalar>)],
+        numbers: &[(String, Numbers<'_>)],
     ) -> SliceValues {
         let size = self.size;
         let volume = Volume::new(band);
@@ -61,10 +68,7 @@ impl Slice {
         SliceValues {
             size,
             f: field.map(|field| f_at(field, &positions)),
-            scalars: scalars
-                .iter()
-                .map(|(name, scalar)| (name.clone(), scalar_at(scalar.as_ref(), &positions)))
-                .collect(),
+            scalars: numbers.iter().map(|(name, numbers)| (name.clone(), numbers.at(&positions))).collect(),
             inside: is_inside.into_iter().map(f32::from).collect(),
             distance,
             colour,
@@ -76,6 +80,15 @@ impl Slice {
                 corner.z,
                 corner.distance(pixel)
             ),
+        }
+    }
+}
+
+impl Numbers<'_> {
+    fn at(&self, positions: &[DVec3]) -> Vec<f32> {
+        match self {
+            Self::Scalar(scalar) => scalar_at(*scalar, positions),
+            Self::At(number) => positions.par_iter().map(|position| number(*position)).collect(),
         }
     }
 }
@@ -162,7 +175,8 @@ mod tests {
         let bounds = Aabb::new(DVec3::NEG_ONE, DVec3::ONE);
         let slice = Slice::new("z=0.6".parse().unwrap(), bounds, 40, 0.5);
         let red = Constant::new([0.5, 0.25, 0.125]);
-        let scalars = [("heat".to_owned(), Arc::new(Constant::new([7.0])) as Arc<Scalar>)];
+        let heat = Constant::new([7.0]);
+        let scalars = [("heat".to_owned(), Numbers::Scalar(&heat)), ("z".to_owned(), Numbers::At(&|at| at.z as f32))];
         let values = slice.values(&band, Some(&field), Fill::Everywhere(&red), &scalars);
         let f = values.f.as_ref().unwrap();
         for i in 0..40 * 40 {
@@ -174,13 +188,13 @@ mod tests {
             assert!(!known || (distance - (1.0 - slice.world(place).length())).abs() < 2e-3, "{distance} {exact}");
             assert_eq!(values.inside[i] == 1.0, distance >= 0.0);
             assert_eq!(values.colour[1][i], if distance >= 0.0 { 0.25 } else { 0.0 });
-            assert_eq!(values.scalars[0].1[i], 7.0);
+            assert_eq!((values.scalars[0].1[i], values.scalars[1].1[i]), (7.0, 0.6));
         }
         let image = read().no_deep_data().largest_resolution_level().all_channels().all_layers();
         let image = image.all_attributes().from_buffered(std::io::Cursor::new(values.encode_exr().unwrap())).unwrap();
         let layer = &image.layer_data[0];
         let names: Vec<String> = layer.channel_data.list.iter().map(|channel| channel.name.to_string()).collect();
-        assert_eq!(names, ["A", "B", "F", "G", "R", "distance", "heat"]);
+        assert_eq!(names, ["A", "B", "F", "G", "R", "distance", "heat", "z"]);
         let comment = layer.attributes.comments.as_ref().unwrap().to_string();
         assert!(comment.starts_with("z = 0.6; the middle of the first pixel is at ("), "{comment}");
     }

@@ -186,7 +186,7 @@ pub fn run(arguments: &Arguments, global: &Global) -> Result<(), Failure> {
         if arguments.shows().is_some() {
             return Err(Failure::usage("--slice-of shows F of a scene; a .vdb file has its distances alone"));
         }
-        return source::of_files(arguments, global, |source, progress| {
+        return source::of_files(arguments, &target, global, |source, progress| {
             show(arguments, &target, source, &interrupt, progress, global)
         });
     }

@@ -5,7 +5,7 @@ use super::{Arguments, Quality};
 use crate::cli::failure::Failure;
 use crate::field::{Aabb, Field};
 use crate::grid::measure;
-use crate::render::{Camera, Fill, Image, Look, PictureError, Scene, Shows, Slice, render, render_layers};
+use crate::render::{Camera, Fill, Image, Look, Numbers, PictureError, Scene, Shows, Slice, render, render_layers};
 
 /// Takes pictures that all show the same part of the world.
 pub struct Painter<'a> {
@@ -52,7 +52,10 @@ impl<'a> Painter<'a> {
             return render_layers(&self.scene(shown), self.size, self.size).encode_exr();
         };
         let field = shown.field.as_deref();
-        let values = |fill: Fill<'_>| slice.values(&shown.band, field, fill, &shown.scalars);
+        let of_scene = shown.scalars.iter().map(|(name, scalar)| (name.clone(), Numbers::Scalar(&**scalar)));
+        let of_file = shown.grids.iter().map(|(name, grid)| (name.clone(), Numbers::At(&**grid)));
+        let numbers: Vec<(String, Numbers<'_>)> = of_scene.chain(of_file).collect();
+        let values = |fill: Fill<'_>| slice.values(&shown.band, field, fill, &numbers);
         shown.inside.with_fill(values).encode_exr()
     }
 

@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use glam::{DVec3, IVec3};
 
-use super::target::Target;
+use super::target::{Kind, Target};
 use super::{Arguments, Quality};
 use crate::attribute::{Colour, LinearRgb, Scalar};
 use crate::bake::{self, Bytes, Interrupt};
@@ -19,6 +19,7 @@ use crate::field::{Aabb, Field};
 use crate::grid::{Band, Channel, block_origin, is_active, measure, node_origin, voxel_offset};
 use crate::render::{Fill, Up};
 use crate::shot::Prepared;
+use crate::terminal;
 use crate::vdb::{self, MetadataValue, SparseBlocks, Voxels};
 
 /// Voxels along the longest side where nobody says otherwise: enough for a picture, in a fraction of a bake's time.
@@ -65,16 +66,21 @@ pub struct Shown {
     pub field: Option<Arc<dyn Field>>,
     /// Its scalars, there too.
     pub scalars: Vec<(String, Arc<Scalar>)>,
+    /// Of a file the numbers of its other grids, of vectors each part by itself.
+    pub grids: Vec<(String, Box<NumbersAt>)>,
     pub fps: f64,
     /// The axis that points up.
     pub up: Up,
 }
 
+/// A grid's numbers at world positions.
+pub type NumbersAt = dyn Fn(DVec3) -> f32 + Send + Sync;
+
 /// The colour of the inside.
 pub enum Inside {
     None,
     Everywhere(Arc<Colour>),
-    Voxels(Box<VoxelColours>),
+    Voxels(Box<VoxelValues<LinearRgb>>),
 }
 
 impl Inside {
@@ -83,7 +89,7 @@ impl Inside {
         match self {
             Self::None => call(Fill::None),
             Self::Everywhere(colour) => call(Fill::Everywhere(&**colour)),
-            Self::Voxels(voxels) => call(Fill::Somewhere(&|position| voxels.colour(position))),
+            Self::Voxels(voxels) => call(Fill::Somewhere(&|position| voxels.at(position))),
         }
     }
 }
@@ -156,12 +162,14 @@ pub fn frame_of(
     };
     let inside = inside.map_or(Inside::None, Inside::Everywhere);
     let (fps, up) = (prepared.model().shot.fps, Up::named(prepared.model().up).unwrap_or_default());
-    Ok(Shown { band: computed.band, colour: computed.colour, inside, field, scalars, fps, up })
+    let grids = Vec::new();
+    Ok(Shown { band: computed.band, colour: computed.colour, inside, field, scalars, grids, fps, up })
 }
 
 /// Calls `show` with files of any maker, read one after the other.
 pub fn of_files(
     arguments: &Arguments,
+    target: &Target,
     global: &Global,
     show: impl FnOnce(&Source<'_>, &Progress) -> Result<(), Failure>,
 ) -> Result<(), Failure> {
@@ -179,7 +187,7 @@ pub fn of_files(
     let bounds = match bounds {
         Some(bounds) => bounds,
         None => {
-            let own = measure::solid_extent(&read(&inputs[0])?.band);
+            let own = measure::solid_extent(&read(&inputs[0])?.0.band);
             own.map_or(Aabb::new(DVec3::NEG_ONE, DVec3::ONE), |(least, greatest)| Aabb::new(least, greatest))
         }
     };
@@ -192,7 +200,20 @@ pub fn of_files(
         let title = if inputs.len() == 1 { inputs[0].clone() } else { format!("{} files", inputs.len()) };
         (title, (1..=inputs.len() as i64).collect(), Some(labels))
     };
-    let compute = |place: usize| read(&inputs[place]);
+    let is_numbers = arguments.slice.is_some() && target.kind == Kind::Exr;
+    let compute = |place: usize| {
+        let (mut shown, others) = read(&inputs[place])?;
+        if is_numbers {
+            let (grids, left_out) = others.numbers();
+            shown.grids = grids;
+            if !left_out.is_empty() {
+                let names = left_out.join(", ");
+                let names = terminal::one_line(&names);
+                global.warn(&format!("{names}: left out; their voxels are no numbers, or stand elsewhere"));
+            }
+        }
+        Ok(shown)
+    };
     show(&Source { name, numbers, labels, columns: None, bounds, compute: &compute }, &progress)
 }
 
@@ -208,8 +229,8 @@ fn name_and_number(path: &str) -> (&str, Option<i64>) {
     (name, whole[name.len()..].parse().ok())
 }
 
-/// The level set of a file, and a colour over the same blocks if there is one.
-fn read(path: &str) -> Result<Shown, Failure> {
+/// The level set of a file, a colour over the same blocks if there is one, and what else there is.
+fn read(path: &str) -> Result<(Shown, Others), Failure> {
     let mut contents = vdb::read(path)?;
     let fps = match contents.metadata.get("hfvdb_fps") {
         Some(MetadataValue::Double(fps)) if fps.is_finite() && *fps > 0.0 => *fps,
@@ -220,65 +241,106 @@ fn read(path: &str) -> Result<Shown, Failure> {
         Some(MetadataValue::Text(up)) => Up::named(up).unwrap_or_default(),
         _ => Up::default(),
     };
-    let level_set = contents.grids.iter().find(|grid| grid.class == vdb::StoredClass::LevelSet);
-    let level_set = level_set.ok_or_else(|| {
+    let Some(place) = contents.grids.iter().position(|grid| grid.class == vdb::StoredClass::LevelSet) else {
         let names: Vec<_> = contents.grids.iter().map(|grid| grid.name.as_str()).collect();
-        Failure::work(format!(
+        return Err(Failure::work(format!(
             "{path}: no level set to show; it holds {}",
             if names.is_empty() { "no grid that can be read".into() } else { names.join(", ") }
-        ))
-    })?;
+        )));
+    };
+    let level_set = contents.grids.remove(place);
     let band = level_set.to_band().map_err(|problem| Failure::work(format!("{path}: {problem}")))?;
     let is_colour = |grid: &vdb::StoredGrid| {
-        matches!(grid.voxels, Voxels::Vectors(_)) && grid.transform == level_set.transform && grid.name != "vel"
+        matches!(grid.voxels, Voxels::Vectors(_))
+            && grid.transform == level_set.transform
+            && !vdb::VELOCITIES.contains(&grid.name.as_str())
     };
-    let found = contents.grids.iter().position(is_colour);
     let origin = level_set.transform.world(DVec3::ZERO).unwrap_or_default();
-    let Some(grid) = found.map(|place| contents.grids.swap_remove(place)) else {
-        return Ok(Shown { band, colour: None, inside: Inside::None, field: None, scalars: Vec::new(), fps, up });
+    let voxel_size = band.lattice.voxel_size.get();
+    let (mut colour, mut inside) = (None, Inside::None);
+    let found = contents.grids.iter().position(is_colour).map(|place| contents.grids.remove(place));
+    if let Some(vdb::StoredGrid { name, voxels: Voxels::Vectors(blocks), .. }) = found {
+        let colours = VoxelValues::new(blocks, origin, voxel_size);
+        // A level set's blocks may be shifted, the colours' are as the file has them.
+        let shift = (origin / voxel_size).round().as_ivec3();
+        let none = [colours.blocks.background; crate::grid::BLOCK_VOXELS];
+        let of_block =
+            |place: &IVec3| colours.places.get(&(*place - shift)).map_or(none, |&at| colours.blocks.values[at]);
+        let of_blocks = band.origins.iter().map(of_block);
+        colour = Some(Channel::of_blocks(name, &band.active, of_blocks, colours.blocks.background));
+        inside = Inside::Voxels(Box::new(colours));
+    }
+    let others = Others {
+        grids: contents.grids,
+        skipped: contents.skipped.into_iter().map(|(name, _)| name).collect(),
+        transform: level_set.transform,
+        origin,
+        voxel_size,
     };
-    let Voxels::Vectors(blocks) = grid.voxels else {
-        return Ok(Shown { band, colour: None, inside: Inside::None, field: None, scalars: Vec::new(), fps, up });
-    };
-    let colours = VoxelColours::new(blocks, origin, band.lattice.voxel_size.get());
-    // A level set's blocks may be shifted, the colours' are as the file has them.
-    let shift = (origin / colours.voxel_size).round().as_ivec3();
-    let none = [colours.blocks.background; crate::grid::BLOCK_VOXELS];
-    let of_block = |place: &IVec3| colours.places.get(&(*place - shift)).map_or(none, |&at| colours.blocks.values[at]);
-    let of_blocks = band.origins.iter().map(of_block);
-    let colour = Channel::of_blocks(grid.name, &band.active, of_blocks, colours.blocks.background);
-    Ok(Shown {
-        band,
-        colour: Some(colour),
-        inside: Inside::Voxels(Box::new(colours)),
-        field: None,
-        scalars: Vec::new(),
-        fps,
-        up,
-    })
+    let shown = Shown { band, colour, inside, field: None, scalars: Vec::new(), grids: Vec::new(), fps, up };
+    Ok((shown, others))
 }
 
-/// Colours that a file has, wherever it has them.
-pub struct VoxelColours {
-    blocks: SparseBlocks<LinearRgb>,
+/// What a file has beside its level set and its colour.
+struct Others {
+    grids: Vec<vdb::StoredGrid>,
+    /// The names of those that are not read.
+    skipped: Vec<String>,
+    transform: vdb::Transform,
+    origin: DVec3,
+    voxel_size: f64,
+}
+
+impl Others {
+    /// The numbers of those whose voxels are the level set's, and the names of the others.
+    fn numbers(self) -> (Vec<(String, Box<NumbersAt>)>, Vec<String>) {
+        let Self { grids, skipped: mut left_out, transform, origin, voxel_size } = self;
+        let mut all: Vec<(String, Box<NumbersAt>)> = Vec::new();
+        for vdb::StoredGrid { name, transform: own, voxels, metadata, .. } in grids {
+            match voxels {
+                _ if own != transform => left_out.push(name),
+                Voxels::Floats(blocks) => {
+                    let values = VoxelValues::new(blocks, origin, voxel_size);
+                    all.push((name, Box::new(move |position| values.or_background(position))));
+                }
+                Voxels::Vectors(blocks) => {
+                    let values = Arc::new(VoxelValues::new(blocks, origin, voxel_size));
+                    let moves = vdb::VELOCITIES.contains(&name.as_str())
+                        || vdb::metadata_text(&metadata, "vector_type").is_some_and(|kind| kind != "invariant");
+                    let parts = if moves { ["x", "y", "z"] } else { ["R", "G", "B"] };
+                    for (axis, part) in parts.into_iter().enumerate() {
+                        let values = Arc::clone(&values);
+                        let number = move |position| values.or_background(position)[axis];
+                        all.push((format!("{name}.{part}"), Box::new(number)));
+                    }
+                }
+            }
+        }
+        (all, left_out)
+    }
+}
+
+/// Values that a file has, wherever it has them.
+pub struct VoxelValues<T> {
+    blocks: SparseBlocks<T>,
     places: HashMap<IVec3, usize>,
     /// The active tiles, by least corner and edge.
-    tiles: HashMap<(IVec3, i32), LinearRgb>,
+    tiles: HashMap<(IVec3, i32), T>,
     /// The world position of voxel (0, 0, 0).
     origin: DVec3,
     voxel_size: f64,
 }
 
-impl VoxelColours {
-    fn new(blocks: SparseBlocks<LinearRgb>, origin: DVec3, voxel_size: f64) -> Self {
+impl<T: Copy> VoxelValues<T> {
+    fn new(blocks: SparseBlocks<T>, origin: DVec3, voxel_size: f64) -> Self {
         let places = blocks.origins.iter().enumerate().map(|(at, origin)| (*origin, at)).collect();
         let active = blocks.tiles.iter().filter(|tile| tile.active);
         let tiles = active.map(|tile| ((tile.origin, tile.edge), tile.value)).collect();
         Self { blocks, places, tiles, origin, voxel_size }
     }
 
-    /// The colour at a world position: that of the voxel around it, where it is active.
-    pub fn colour(&self, position: DVec3) -> Option<LinearRgb> {
+    /// The value at a world position: that of the voxel around it, where it is active.
+    pub fn at(&self, position: DVec3) -> Option<T> {
         let voxel = ((position - self.origin) / self.voxel_size).round().as_ivec3();
         if let Some(&at) = self.places.get(&block_origin(voxel)) {
             let offset = voxel_offset(voxel);
@@ -286,5 +348,10 @@ impl VoxelColours {
         }
         let tile = |edge: i32| self.tiles.get(&(node_origin(voxel, edge), edge));
         [8, 128, 4096].into_iter().find_map(tile).copied()
+    }
+
+    /// The same, and the background where no voxel is active.
+    fn or_background(&self, position: DVec3) -> T {
+        self.at(position).unwrap_or(self.blocks.background)
     }
 }
