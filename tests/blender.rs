@@ -394,3 +394,57 @@ fn usd_layers_are_read() {
     assert_eq!(found["blender"]["grids"], serde_json::json!(["Cd", "surface"]));
     assert_eq!(found["blender"]["sequence"], false);
 }
+
+/// What Pixar's library and Blender find in a file of polygons.
+fn read_polygons(python: &str, place: &Workplace, file: &str) -> serde_json::Value {
+    let script = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/check_polygons.py");
+    let run = place.run(Command::new(python).arg(script).arg(place.path(file))).ok();
+    let found = run.stdout.lines().find_map(|line| line.strip_prefix("found "));
+    support::json(found.unwrap_or_else(|| panic!("{}", run.stderr)))
+}
+
+/// A ball that moves, grows, and is as red as the frame says.
+const MOVING: &str = "frames = '1-9'\nfps = 25\nunit = 'cm'\nup = 'y'\n[shape.a]\nsphere = '0.5 + 0.4*t'\nmove = ['3*t', 0, 0]\n\
+                      color = ['0.2 + 0.5*t', 0.5, 0.1]\nattribute.wear = 't'\n\
+                      [output]\ngrids = ['surface', 'Cd', 'wear', 'vel']\nvoxel_size = 0.05\n";
+
+#[test]
+fn polygons_as_usd_are_read() {
+    let Some(python) = blender() else { return };
+    let place = Workplace::new();
+    place.write("moving.toml", MOVING);
+    place.hfvdb("bake moving.toml -o moving.usda --frames 3-5").ok();
+    let found = read_polygons(&python, &place, "moving.usda");
+    assert_eq!((&found["wrong"], &found["times"]), (&serde_json::json!([]), &serde_json::json!([3, 4, 5])));
+    assert_eq!((&found["up"], &found["metres"], &found["fps"]), (&"Y".into(), &0.01.into(), &25.0.into()));
+    assert_eq!(found["shot"], serde_json::json!([3.0, 5.0]));
+    let primvars = serde_json::json!({ "displayColor": ["color3f[]", "vertex"], "wear": ["float[]", "vertex"] });
+    assert_eq!(found["primvars"], primvars);
+    let linear = |value: f64| ((value + 0.055) / 1.055f64).powf(2.4);
+    for (at, frame) in [3.0f64, 4.0, 5.0].into_iter().enumerate() {
+        let (sample, blender, t) = (&found["samples"][at], &found["blender"][at], (frame - 1.0) / 8.0);
+        let number = |value: &serde_json::Value| value.as_f64().unwrap();
+        assert_eq!((&sample["open_edges"], &sample["extent_fits"]), (&0.into(), &true.into()), "{sample}");
+        let exact = 4.0 / 3.0 * std::f64::consts::PI * (0.5 + 0.4 * t).powi(3);
+        assert!((number(&sample["volume"]) / exact - 1.0).abs() < 0.01, "{sample}");
+        for name in ["displayColor", "wear"] {
+            assert_eq!(sample["sizes"][name], sample["points"]);
+        }
+        let colour = [linear(0.2 + 0.5 * t), linear(0.5), linear(0.1)];
+        for (part, exact) in colour.into_iter().enumerate() {
+            assert!((number(&sample["means"]["displayColor"][part]) - exact).abs() < 1e-4, "{sample}");
+            assert!((number(&blender["colour"][part]) - exact).abs() < 4e-3, "{blender}");
+        }
+        // What it grows by cancels over the ball; 3 units are eight frames of a 25th of a second.
+        for (part, exact) in [3.0 / 8.0 * 25.0, 0.0, 0.0].into_iter().enumerate() {
+            assert!((number(&sample["velocity"][part]) - exact).abs() < 0.02, "{sample}");
+        }
+        assert_eq!((&blender["points"], &blender["faces"]), (&sample["points"], &sample["faces"]));
+        let attributes = blender["attributes"].as_array().unwrap();
+        assert!(attributes.contains(&"wear".into()) && attributes.contains(&"velocity".into()), "{attributes:?}");
+    }
+    place.hfvdb("bake heart -o heart.usda --resolution 24").ok();
+    let found = read_polygons(&python, &place, "heart.usda");
+    assert_eq!((&found["wrong"], &found["times"]), (&serde_json::json!([]), &serde_json::json!([])));
+    assert!(found["blender"][0]["points"] == found["samples"][0]["points"] && found["samples"][0]["open_edges"] == 0);
+}

@@ -13,6 +13,7 @@ use super::record::Record;
 use super::sealed::hexadecimal;
 use super::sequence::Sequence;
 use crate::disk;
+use crate::text::frames::in_ranges;
 
 /// What stands under the name of a frame.
 #[derive(Clone, Debug, PartialEq)]
@@ -43,6 +44,10 @@ pub fn judge(
     let Some((theirs, record)) = known else { return Some(State::Unknown) };
     if theirs != identity {
         return Some(State::Other(theirs.differences(identity)));
+    }
+    if !record.frames.is_empty() {
+        let frames: Vec<i64> = record.frames.iter().map(|frame| frame.frame).collect();
+        return Some(State::Other(format!("it holds frames {}", in_ranges(&frames))));
     }
     if record.frame != frame {
         return Some(State::Other(format!("it is frame {}", record.frame)));

@@ -31,6 +31,7 @@ mod target;
 mod usd_layer;
 mod velocity;
 mod verify;
+mod whole;
 mod wish;
 
 pub use crate::text::{FramePattern, PatternError};
@@ -59,4 +60,5 @@ pub use target::{OutputFolder, TargetError, check_place, make_ready};
 pub use usd_layer::{FrameFile, Layer, LayerOptions, usd_layer};
 pub use velocity::Velocities;
 pub use verify::{Finding, Verdict, sequences, verify};
+pub use whole::{Whole, WholeLock};
 pub use wish::Wish;

@@ -40,6 +40,10 @@ pub struct Record {
     pub compute_seconds: f64,
     /// Seconds to hand it over, encode, check and sync it.
     pub write_seconds: f64,
+    /// Of a file that holds several frames: those of each, with its share of the bytes. What else stands here is that of the
+    /// first, and the seconds are those of all.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub frames: Vec<Self>,
 }
 
 /// A grid of a frame.
@@ -95,6 +99,7 @@ impl Record {
             grids: grids(computed),
             compute_seconds: compute.as_secs_f64(),
             write_seconds: 0.0,
+            frames: Vec::new(),
         }
     }
 }

@@ -40,6 +40,8 @@ pub enum Refusal {
     OtherPattern(PathBuf, String),
     /// The manifest or a record is not what was written, or cannot be read.
     Damaged(SealedError),
+    /// Another process writes the same file of several frames.
+    AtWork(PathBuf),
     /// Another process holds a lock for too long.
     Busy(PathBuf),
     /// The system refused.
@@ -88,6 +90,11 @@ impl fmt::Display for Refusal {
                  without a record is baked again by --resume"
             ),
             Self::Damaged(error) => error.fmt(f),
+            Self::AtWork(path) => write!(
+                f,
+                "{}: another process writes this file now; wait for it, or choose another name",
+                terminal::path(path)
+            ),
             Self::Busy(path) => {
                 write!(
                     f,

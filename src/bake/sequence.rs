@@ -119,12 +119,16 @@ impl Sequence {
 
     /// Whether a name is that of a lock of a frame or a temporary: left behind, where nobody is at work.
     pub fn is_leftover(&self, name: &str) -> bool {
-        self.is_hidden(name, FRAME_LOCK)
-            || temporary_target(name).is_some_and(|target| {
-                self.pattern.frame_of(target).is_some()
-                    || self.is_record(target)
-                    || self.manifest().file_name().is_some_and(|manifest| manifest == target)
-            })
+        self.is_hidden(name, FRAME_LOCK) || self.is_temporary(name)
+    }
+
+    /// Whether a name is that of a file on its way to a name of this sequence.
+    pub fn is_temporary(&self, name: &str) -> bool {
+        temporary_target(name).is_some_and(|target| {
+            self.pattern.frame_of(target).is_some()
+                || self.is_record(target)
+                || self.manifest().file_name().is_some_and(|manifest| manifest == target)
+        })
     }
 
     /// The names in the folder; none where it is not there.

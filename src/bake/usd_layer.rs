@@ -245,7 +245,7 @@ fn write_text(
     let extents =
         looks.iter().map(|look| look.extent.map(|[low, high]| format!("[{}, {}]", Triple(low), Triple(high))));
     sampled(out, 8, "float3[] extent", files, extents, moves)?;
-    let prims = identifiers(fields);
+    let prims = identifiers(fields.iter().map(|field| field.name.as_str()));
     for (name, prim) in relations(fields, &prims) {
         writeln!(out, "        rel field:{name} = </{root}/volume/{prim}>")?;
     }
@@ -302,11 +302,11 @@ fn relations<'a>(fields: &[Field], prims: &'a [String]) -> Vec<(String, &'a str)
     all
 }
 
-/// A name of USD for each field, each another.
-fn identifiers(fields: &[Field]) -> Vec<String> {
+/// A name of USD for each name, each another.
+pub(super) fn identifiers<'a>(names: impl IntoIterator<Item = &'a str>) -> Vec<String> {
     let mut all: Vec<String> = Vec::new();
-    for field in fields {
-        let plain = identifier(&field.name);
+    for name in names {
+        let plain = identifier(name);
         let name = (1..).map(|count| if count == 1 { plain.clone() } else { format!("{plain}_{count}") });
         all.extend(name.into_iter().find(|name| !all.contains(name)));
     }
@@ -314,7 +314,7 @@ fn identifiers(fields: &[Field]) -> Vec<String> {
 }
 
 /// Letters, digits and underlines, no digit first.
-fn identifier(name: &str) -> String {
+pub(super) fn identifier(name: &str) -> String {
     let plain: String = name.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '_' }).collect();
     if plain.is_empty() || plain.starts_with(|first: char| first.is_ascii_digit()) {
         format!("_{plain}")
@@ -376,7 +376,7 @@ mod tests {
         }
         let field = |name: &str| Field { name: name.into(), kind: "float", class: "unknown", role: "None" };
         let fields = [field("a-b"), field("a_b"), field("v"), field("Cd")];
-        let prims = identifiers(&fields);
+        let prims = identifiers(fields.iter().map(|field| field.name.as_str()));
         assert_eq!(prims, ["a_b", "a_b_2", "v", "Cd"]);
         let relations: Vec<String> =
             relations(&fields, &prims).into_iter().map(|(name, to)| format!("{name}>{to}")).collect();

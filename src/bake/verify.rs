@@ -131,7 +131,7 @@ pub fn verify(sequence: &Sequence, interrupt: &Interrupt) -> Result<Option<Verdi
     let most = most(&known, &head.identity);
     let Some(frames) = frames(sequence, &known, most, interrupt) else { return Ok(None) };
     let bytes = frames.iter().map(|(whole, _)| whole).sum();
-    let mut count = frames.len();
+    let mut count = known.frames.values().map(|(_, record)| record.frames.len().max(1)).sum();
     findings.extend(frames.into_iter().filter_map(|(_, finding)| finding));
     findings.extend(known.damaged.iter().map(damaged));
     let asked = head.asked_frames();

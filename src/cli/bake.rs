@@ -16,6 +16,7 @@ Examples:
   hfvdb bake heart -o heart.vdb                               one file
   hfvdb bake cubism -o 'out/cubism.####.vdb'                  the whole shot
   hfvdb bake cubism -o 'out/cubism.####.glb'                  polygons with colours instead: .glb, .ply, .obj
+  hfvdb bake cubism -o out/cubism.usda                        polygons of all frames in one USD file
   hfvdb bake heart -o heart.vdb --for vray                    the grids as V-Ray looks for them
   hfvdb bake cubism -o 'out/cubism.####.vdb' --frames 1-48x4  every fourth frame
   hfvdb bake cubism -o 'out/cubism.####.vdb' --dry-run        what that would write and take

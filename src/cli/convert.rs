@@ -135,7 +135,7 @@ pub fn convert(wanted: Wanted<'_>, global: &Global) -> Result<(), Failure> {
         return Err(Failure::usage(format!("{file} would be written over by what is made of it: choose another name")));
     }
     let becomes = |end: &str| pattern.file(0).extension().is_some_and(|own| own.eq_ignore_ascii_case(end));
-    let to_voxels = becomes("vdb");
+    let moves = ["vdb", "usda"].into_iter().any(becomes);
     let mut beside = Beside::default();
     if files.are_voxels() {
         beside = files.look(grid.as_deref()).map_err(Failure::work)?;
@@ -155,16 +155,16 @@ pub fn convert(wanted: Wanted<'_>, global: &Global) -> Result<(), Failure> {
         }
         if becomes("obj") && !beside.attributes.is_empty() {
             let names = std::mem::take(&mut beside.attributes).join(", ");
-            global.warn(&format!("{names}: left out; .obj has no attributes, write .ply or .glb"));
+            global.warn(&format!("{names}: left out; .obj has no attributes, write .ply, .glb or .usda"));
         }
-        if beside.has_velocity && !to_voxels {
-            global.warn("its velocity is left out: polygons have none");
+        if beside.has_velocity && !moves {
+            global.warn("its velocity is left out: of polygons .usda alone holds one");
         }
     }
     let mut grids = vec!["surface"];
     grids.extend(density.then_some("density"));
     grids.extend((!no_color).then_some("Cd"));
-    grids.extend((beside.has_velocity && to_voxels).then_some("vel"));
+    grids.extend((beside.has_velocity && moves).then_some("vel"));
     grids.extend(beside.attributes.iter().map(String::as_str));
     set.push(format!("output.grids={grids:?}"));
     let overrides = Overrides { set, variant: None };

@@ -10,7 +10,7 @@ use super::failure::Failure;
 use super::options::{Global, Sampling};
 use super::progress::Progress;
 use super::{job, signals};
-use crate::bake::{self, Bytes, Existing, Interrupt, Known, Output, Probe, State, Wish, judge_all, refusal};
+use crate::bake::{self, Bytes, Existing, Interrupt, Known, Output, Probe, State, Whole, Wish, judge_all, refusal};
 use crate::disk::free_bytes;
 use crate::node::Model;
 
@@ -19,19 +19,30 @@ pub fn run(
     model: &Arc<Model>,
     sampling: &Sampling,
     output: &Output,
+    whole: Option<&Whole>,
     wish: &Wish,
     interrupt: &Interrupt,
     global: &Global,
 ) -> Result<(), Failure> {
     let sequence = &output.sequence;
-    bake::check_place(sequence)?;
+    let shown = whole.map_or(sequence, |whole| &whole.sequence);
+    bake::check_place(shown)?;
+    let is_done = match whole {
+        Some(whole) => whole.examine(wish, interrupt)?.is_some(),
+        None => false,
+    };
     let known = Known::for_bake(sequence, output.existing)?;
     if let Some(refusal) = refusal(sequence, &known, wish, false) {
         return Err(refusal.into());
     }
     let states = judge_all(sequence, wish.frames.numbers(), &known, &output.identity, interrupt)
         .ok_or_else(signals::interrupted)?;
-    let plan: Vec<(i64, &str)> = states.iter().map(|(frame, state)| (*frame, fate(state, output.existing))).collect();
+    let fate = |state: &State| match whole {
+        Some(_) if is_done => "kept",
+        Some(whole) if whole.path().exists() => "replaced",
+        _ => fate(state, output.existing),
+    };
+    let plan: Vec<(i64, &str)> = states.iter().map(|(frame, state)| (*frame, fate(state))).collect();
     let to_do: Vec<i64> = plan.iter().filter(|(_, fate)| *fate != "kept").map(|(frame, _)| *frame).collect();
 
     let start = Instant::now();
@@ -55,15 +66,15 @@ pub fn run(
     let count = to_do.len() as f64;
     let seconds = if to_do.is_empty() { 0.0 } else { prepare_seconds + count * probe.frame_seconds() };
     let total = Bytes((count * probe.file.0 as f64) as u64);
-    let free = free_bytes(sequence.folder()).map(Bytes);
+    let free = free_bytes(shown.folder()).map(Bytes);
     if global.json {
-        let path = |frame: i64| sequence.pattern.file(frame);
+        let path = |frame: i64| shown.pattern.file(frame);
         let frames: Vec<_> =
             plan.iter().map(|(frame, fate)| json!({ "frame": frame, "path": path(*frame), "fate": fate })).collect();
         super::print_json(&json!({
             "dry_run": true,
-            "sequence": sequence.display(),
-            "manifest": sequence.manifest(),
+            "sequence": shown.display(),
+            "manifest": shown.manifest(),
             "identity": output.identity,
             "voxel_size": voxel_size,
             "frames": frames,
@@ -82,10 +93,11 @@ pub fn run(
         }))?;
     } else {
         let mut text = String::new();
-        for (frame, fate) in &plan {
-            // Writing to a string cannot fail.
-            let _ = writeln!(text, "{} {fate}", sequence.pattern.file(*frame).display());
-        }
+        let mut lines: Vec<String> =
+            plan.iter().map(|(frame, fate)| format!("{} {fate}\n", shown.pattern.file(*frame).display())).collect();
+        // A file may hold several frames.
+        lines.dedup();
+        text += &lines.concat();
         let how = if coarser > 1.0 {
             format!("frame {frame} with voxels {coarser:.2} times as large, scaled up")
         } else {
@@ -106,10 +118,12 @@ pub fn run(
         );
         super::print(&text)?;
     }
-    if let Some(free) = free.filter(|free| total > *free) {
-        let folder = sequence.folder().display();
+    // Frames that become one file are there twice while it is made.
+    let needed = Bytes(if whole.is_some() { 2 * total.0 } else { total.0 });
+    if let Some(free) = free.filter(|free| needed > *free) {
+        let folder = shown.folder().display();
         global.warn(&format!(
-            "all frames need about {total}, and {free} are free in {folder}: make room, bake to another disk, or use \
+            "all frames need about {needed}, and {free} are free in {folder}: make room, bake to another disk, or use \
              larger voxels or --half Cd"
         ));
     }

@@ -17,6 +17,7 @@ use crate::node::Files;
 Examples:
   hfvdb mesh out/cubism.0048.vdb -o frame.ply                polygons with colours and attributes at their vertices
   hfvdb mesh 'out/cubism.####.vdb' -o 'out/cubism.####.glb'  all frames of a sequence
+  hfvdb mesh 'out/cubism.####.vdb' -o out/cubism.usda        all frames in one USD file
   hfvdb mesh smoke.vdb -o smoke.obj --threshold 0.2          fog, solid from a value on
   hfvdb mesh heart.vdb -o coarse.glb --resolution 64         coarser than the file
 
@@ -45,7 +46,7 @@ pub fn run(arguments: &Arguments, global: &Global) -> Result<(), Failure> {
     let Arguments { files: path, up, voxels, writing, sampling } = arguments;
     let pattern = output::pattern(&writing.output)?;
     if files::is_vdb(&writing.output.to_string_lossy()) {
-        return Err(Failure::usage("mesh writes polygons: .glb, .ply or .obj; `hfvdb convert` writes .vdb"));
+        return Err(Failure::usage("mesh writes polygons: .glb, .usda, .ply or .obj; `hfvdb convert` writes .vdb"));
     }
     if !files::is_vdb(&path.to_string_lossy()) {
         return Err(Failure::usage("mesh takes .vdb files; `hfvdb convert` takes meshes, `hfvdb bake` scenes"));

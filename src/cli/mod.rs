@@ -73,13 +73,13 @@ struct Program {
 
 #[derive(Subcommand)]
 enum Command {
-    /// Bake frames of a scene into .vdb files, or polygons (.glb, .ply, .obj)
+    /// Bake frames of a scene into .vdb files, or polygons (.glb, .usda, .ply, .obj)
     Bake(bake::Arguments),
     /// Morph one mesh into another, without a scene file
     Morph(morph::Arguments),
     /// Turn a mesh or a .vdb file into another: distance, colours, attributes, without a scene file
     Convert(convert::Arguments),
-    /// Turn .vdb files of any maker into polygons with colours and attributes: .glb, .ply, .obj
+    /// Turn .vdb files of any maker into polygons with colours and attributes: .glb, .usda, .ply, .obj
     Mesh(mesh::Arguments),
     /// Write a USD layer of .vdb files: one Volume that plays, for Solaris, usdview and Blender
     Usd(usd::Arguments),

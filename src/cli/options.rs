@@ -102,7 +102,7 @@ pub struct Sampling {
 /// Where the files go and what they hold.
 #[derive(Args, Clone, Debug)]
 pub struct Writing {
-    /// File to write; several frames need a frame token in the name: m.####.vdb, m.%04d.vdb or 'm.$F4.vdb'; .glb, .ply and .obj hold polygons
+    /// File to write; several frames need a frame token in the name: m.####.vdb, m.%04d.vdb or 'm.$F4.vdb'; .glb, .usda, .ply and .obj hold polygons, and m.usda all frames
     #[arg(short, long, value_name = "FILE", value_parser = paths::path())]
     pub output: PathBuf,
 

@@ -62,8 +62,10 @@ pub fn report(
         }
         super::print_json(&document)?;
     } else {
-        let paths: String = done.iter().map(|(record, _)| format!("{}\n", path(record).display())).collect();
-        super::print(&paths)?;
+        let mut paths: Vec<String> = done.iter().map(|(record, _)| format!("{}\n", path(record).display())).collect();
+        // A file may hold several frames.
+        paths.dedup();
+        super::print(&paths.concat())?;
     }
     match failure {
         Some(failure) => Err(failure.with_results()),

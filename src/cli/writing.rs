@@ -11,10 +11,10 @@ use super::options::{Compression, Global, Sampling, Writing};
 use super::progress::Progress;
 use super::report::{Outcome, report};
 use super::{dry_run, events, job, signals};
-use crate::bake::output::{FORMATS, format_of};
+use crate::bake::output::{FORMATS, Format, format_of};
 use crate::bake::{
     self, Baked, Bytes, Claim, Event, FramePattern, Frames, Identity, Interrupt, Output, Record, Sequence, Source,
-    State, Wish, judge_all,
+    State, Whole, Wish, judge_all,
 };
 use crate::node::Model;
 use crate::vdb;
@@ -38,12 +38,19 @@ pub struct Request<'a> {
 pub fn write_frames(request: &Request<'_>, global: &Global) -> Result<(), Failure> {
     let Request { model, pattern, writing, sampling, .. } = request;
     let frames = job::frames(writing.frames.as_ref(), model, global)?;
-    pattern.holds(frames.numbers().len())?;
+    let joins = !pattern.has_token() && frames.numbers().len() > 1 && format(pattern).join().is_some();
+    if !joins {
+        pattern.holds(frames.numbers().len())?;
+    }
     if !pattern.number_is_last() {
         global.warn("the frame's number should stand last before .vdb: Blender reads the last digits there");
     }
     let interrupt = job::interrupt()?;
-    let output = output(request)?;
+    let mut output = output(request)?;
+    let whole = if joins { Some(Whole::new(pattern.clone())?) } else { None };
+    if let Some(whole) = &whole {
+        output.sequence = whole.frames.clone();
+    }
     let wish = Wish {
         identity: output.identity.clone(),
         source: request.source.clone(),
@@ -51,9 +58,20 @@ pub fn write_frames(request: &Request<'_>, global: &Global) -> Result<(), Failur
         existing: output.existing,
     };
     if writing.dry_run {
-        return dry_run::run(model, sampling, &output, &wish, &interrupt, global);
+        return dry_run::run(model, sampling, &output, whole.as_ref(), &wish, &interrupt, global);
     }
     let start = Instant::now();
+    let _outer = whole.as_ref().map(|whole| bake::make_ready(&whole.sequence)).transpose()?;
+    let mut lock = None;
+    if let Some(whole) = &whole {
+        lock = Some(whole.lock()?);
+        if let Some(record) = whole.examine(&wish, &interrupt).map_err(|error| job::failure_of(error, &interrupt))? {
+            let sequence = &whole.sequence;
+            let (kept, baked, seconds) = (record.frames, Baked::default(), start.elapsed());
+            let outcome = Outcome { scene: &model.name, sequence, asked: &frames, kept, baked, seconds };
+            return report(outcome, Ok(()), &interrupt, global);
+        }
+    }
     let _folder = bake::make_ready(&output.sequence)?;
     let claim = Claim::take(&output.sequence, &wish, &interrupt).map_err(|error| job::failure_of(error, &interrupt))?;
     for warning in &claim.warnings {
@@ -90,14 +108,18 @@ pub fn write_frames(request: &Request<'_>, global: &Global) -> Result<(), Failur
     }
     drop(progress);
     let finished = claim.finish();
-    let outcome = Outcome {
-        scene: &model.name,
-        sequence: &output.sequence,
-        asked: &frames,
-        kept,
-        baked,
-        seconds: start.elapsed(),
-    };
+    let mut sequence = &output.sequence;
+    if let (Some(whole), Some(lock)) = (&whole, lock) {
+        let mut records: Vec<Record> = [&kept, &baked.kept, &baked.written].into_iter().flatten().cloned().collect();
+        records.sort_by_key(|record| record.frame);
+        if records.len() == wish.frames.numbers().len() && finished.is_ok() {
+            match whole.join(model, &output, &wish, &records, lock, &interrupt) {
+                Ok(()) => sequence = &whole.sequence,
+                Err(error) => baked.stopped = Some(error),
+            }
+        }
+    }
+    let outcome = Outcome { scene: &model.name, sequence, asked: &frames, kept, baked, seconds: start.elapsed() };
     report(outcome, finished, &interrupt, global)
 }
 
@@ -195,6 +217,10 @@ fn on_event(event: &Event<'_>, shown: bool, count: usize, progress: &Progress, s
     }
 }
 
+fn format(pattern: &FramePattern) -> &'static dyn Format {
+    format_of(&pattern.file(0)).unwrap_or(FORMATS[0])
+}
+
 fn output(request: &Request<'_>) -> Result<Output, Failure> {
     let Request { model, writing, sampling, .. } = request;
     let compression = match (writing.compression, model.output.compression) {
@@ -215,7 +241,7 @@ fn output(request: &Request<'_>) -> Result<Output, Failure> {
     let half_width = sampling.half_width.unwrap_or(model.output.half_width);
     let output = Output {
         sequence: Sequence { pattern: request.pattern.clone() },
-        format: format_of(&request.pattern.file(0)).unwrap_or(FORMATS[0]),
+        format: format(&request.pattern),
         identity: Identity::new(job::hash(model)?, finely, half_width, half, compression),
         compression,
         existing: writing.existing(),

@@ -1,11 +1,16 @@
 //! Large files in pieces: staged under a temporary name, compared with what the disk holds, then committed.
 
+use std::fs::File;
+use std::io::{self, BufWriter, Write};
 use std::os::unix::fs::FileExt;
 use std::path::{Path, PathBuf};
 
 use sha2::{Digest, Sha256};
 
 use super::{Error, Temporary, folder_of};
+
+/// Bytes that are written or read at once where a file is never whole in memory.
+const BUFFER: usize = 1 << 20;
 
 /// A file that was written.
 #[derive(Clone, Copy, Debug)]
@@ -81,6 +86,65 @@ fn send(pieces: &[Vec<u8>], temporary: &mut Temporary, path: &Path) -> Result<u6
     Ok(bytes)
 }
 
+/// As [`stage`], of what `write` sends bit by bit, so that no more than that is in memory.
+///
+/// # Errors
+/// As [`stage`], and those of `write`.
+pub fn stage_stream<E: From<Error>>(
+    path: &Path,
+    overwrite: bool,
+    write: impl FnOnce(&mut dyn Write) -> Result<(), E>,
+) -> Result<Staged, E> {
+    let mut temporary = Temporary::beside(path)?;
+    let mut out =
+        BufWriter::with_capacity(BUFFER, Hashing { file: temporary.file_mut(), hash: Sha256::new(), bytes: 0 });
+    write(&mut out)?;
+    let writing = |error| Error::system(path, "write it", error);
+    out.flush().map_err(writing)?;
+    let Hashing { hash, bytes, .. } = out.into_inner().map_err(|error| writing(error.into_error()))?;
+    let sha256 = hash.finalize().into();
+    let (arrived, there) = hash_of(temporary.file_mut()).map_err(|error| Error::system(path, "read it back", error))?;
+    if (arrived, there) != (bytes, sha256) {
+        let problem = "the disk does not hold what was written".into();
+        return Err(Error::Damaged { path: path.into(), offset: 0, problem }.into());
+    }
+    Ok(Staged { temporary, path: path.into(), overwrite, written: Written { bytes, sha256 } })
+}
+
+/// A file with the SHA-256 of what went into it.
+struct Hashing<'a> {
+    file: &'a mut File,
+    hash: Sha256,
+    bytes: u64,
+}
+
+impl Write for Hashing<'_> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        let taken = self.file.write(bytes)?;
+        self.hash.update(&bytes[..taken]);
+        self.bytes += taken as u64;
+        Ok(taken)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.file.flush()
+    }
+}
+
+/// How long a file is, and its SHA-256.
+fn hash_of(file: &File) -> io::Result<(u64, [u8; 32])> {
+    let (mut hash, mut buffer, mut start) = (Sha256::new(), vec![0; BUFFER], 0);
+    loop {
+        match file.read_at(&mut buffer, start)? {
+            0 => return Ok((start, hash.finalize().into())),
+            count => {
+                hash.update(&buffer[..count]);
+                start += count as u64;
+            }
+        }
+    }
+}
+
 fn sha256(pieces: &[Vec<u8>]) -> [u8; 32] {
     let mut hash = Sha256::new();
     pieces.iter().for_each(|piece| hash.update(piece));
@@ -93,13 +157,13 @@ fn sha256(pieces: &[Vec<u8>]) -> [u8; 32] {
 /// [`Error::Exists`] unless `overwrite`; [`Error::System`] where no file can stand.
 pub fn check_target(path: &Path, overwrite: bool) -> Result<(), Error> {
     if path.file_name().is_none() || path.is_dir() {
-        return Err(Error::system(path, "write it", std::io::ErrorKind::IsADirectory.into()));
+        return Err(Error::system(path, "write it", io::ErrorKind::IsADirectory.into()));
     }
     let folder = folder_of(path);
     match std::fs::metadata(folder) {
         Err(error) => return Err(Error::system(folder, "write into it", error)),
         Ok(metadata) if !metadata.is_dir() => {
-            return Err(Error::system(folder, "write into it", std::io::ErrorKind::NotADirectory.into()));
+            return Err(Error::system(folder, "write into it", io::ErrorKind::NotADirectory.into()));
         }
         Ok(_) => {}
     }

@@ -23,7 +23,8 @@ impl Format for Glb {
     }
 
     fn check(&self, model: &Model, output: &Output) -> Result<(), String> {
-        polygons::check(model, output)
+        polygons::check(model, output)?;
+        polygons::check_still(model)
     }
 
     fn encode(&self, frame: &Frame<'_>) -> Result<Vec<Vec<u8>>, Error> {

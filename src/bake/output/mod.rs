@@ -8,17 +8,19 @@ mod naming;
 mod obj;
 mod ply;
 mod polygons;
+mod usda;
 mod vdb;
 
 use std::fmt;
-use std::path::Path;
+use std::io::Write;
+use std::path::{Path, PathBuf};
 
-use super::{Computed, Error, FramePattern, Output, PatternError};
+use super::{Computed, Error, FramePattern, Interrupt, Output, PatternError};
 use crate::node::Model;
 use crate::shot::Prepared;
 
 /// All formats; the first is the one that messages propose.
-pub static FORMATS: [&dyn Format; 4] = [&vdb::Vdb, &glb::Glb, &ply::Ply, &obj::Obj];
+pub static FORMATS: [&dyn Format; 5] = [&vdb::Vdb, &glb::Glb, &usda::Usda, &ply::Ply, &obj::Obj];
 
 /// A kind of file that holds one frame.
 pub trait Format: fmt::Debug + Sync {
@@ -43,6 +45,28 @@ pub trait Format: fmt::Debug + Sync {
     /// # Errors
     /// [`Error::Encode`].
     fn read_back(&self, pieces: &[Vec<u8>], path: &Path) -> Result<(), Error>;
+
+    /// What makes one file of those of several frames, which then holds them by time; `None` where a file holds one frame.
+    fn join(&self) -> Option<Join> {
+        None
+    }
+}
+
+/// Joins files of frames. No more than a value of one frame is in memory.
+pub type Join = fn(&Joining<'_>, &mut dyn Write) -> Result<(), Error>;
+
+/// Frames on their way into one file.
+pub struct Joining<'a> {
+    /// The scene.
+    pub model: &'a Model,
+    /// What is asked for.
+    pub output: &'a Output,
+    /// The file that it becomes.
+    pub path: &'a Path,
+    /// The frames' files, rising.
+    pub frames: &'a [(i64, PathBuf)],
+    /// Ends it between two values.
+    pub interrupt: &'a Interrupt,
 }
 
 /// A frame on its way into a file.
@@ -77,7 +101,7 @@ mod tests {
 
     use super::*;
     use crate::bake::{
-        Bytes, Existing, Identity, Interrupt, Known, Sampling, Sequence, State, bake, compute_frame, judge_all, verify,
+        Bytes, Existing, Identity, Known, Sampling, Sequence, State, bake, compute_frame, judge_all, verify,
     };
     use crate::node::{Source, load};
     use crate::shot::PrepareOptions;

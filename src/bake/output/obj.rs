@@ -22,6 +22,7 @@ impl Format for Obj {
 
     fn check(&self, model: &Model, output: &Output) -> Result<(), String> {
         polygons::check(model, output)?;
+        polygons::check_still(model)?;
         match model.scalar_names().into_iter().find(|name| model.output.writes(name)) {
             Some(name) => Err(format!(
                 "output.grids: an .obj holds no attributes such as `{name}`; leave it out, or write .ply or .glb"

@@ -7,15 +7,16 @@ mod fit;
 
 use std::sync::Arc;
 
-use glam::{DVec3, IVec3};
+use glam::{DVec3, IVec3, Vec3};
 use rayon::prelude::*;
 
 use super::Frame;
 use crate::attribute::{Attribute, LinearRgb};
 use crate::bake::{Error, Output};
-use crate::field::{Aabb, BATCH, Evaluator, Gradients, Points};
+use crate::field::{Aabb, BATCH, Evaluator, Field, Gradients, Points};
 use crate::grid::measure::{Lookup, Place, Surroundings, local_of};
 use crate::grid::{BLOCK_EDGE, BLOCK_VOXELS, Band, BlockMask, mask};
+use crate::morph::Movement;
 use crate::node::Model;
 use crate::shot::FrameContent;
 
@@ -37,10 +38,10 @@ pub fn check(model: &Model, output: &Output) -> Result<(), String> {
     if let Some(program) = model.output.program {
         return Err(format!("--for {}: it names the grids of .vdb; leave it out for polygons", program.name));
     }
-    if model.output.fills_inside() || model.output.writes("vel") {
+    if model.output.fills_inside() {
         return Err(
-            "output.grids: polygons hold a surface alone, without `density`, `vel` and `inside`; leave them out, or \
-                    write .vdb"
+            "output.grids: polygons hold a surface alone, without `density` and `inside`; leave them out, or write \
+                    .vdb"
                 .into(),
         );
     }
@@ -49,6 +50,14 @@ pub fn check(model: &Model, output: &Output) -> Result<(), String> {
             "output.color_space: polygons have colours of Rec.709, not `{}`; leave it out, or write .vdb",
             primaries.name()
         ));
+    }
+    Ok(())
+}
+
+/// What formats of polygons without motion cannot hold.
+pub fn check_still(model: &Model) -> Result<(), String> {
+    if model.output.writes("vel") {
+        return Err("output.grids: of polygons .usda alone holds `vel`; leave it out, or write .usda or .vdb".into());
     }
     Ok(())
 }
@@ -71,6 +80,8 @@ pub struct Polygons {
     pub colours: Option<Vec<LinearRgb>>,
     /// Further numbers of each vertex, by name.
     pub scalars: Vec<(String, Vec<f32>)>,
+    /// World units a second, of each vertex.
+    pub velocities: Option<Vec<[f32; 3]>>,
 }
 
 /// More vertices than indices of 32 bits reach.
@@ -108,7 +119,28 @@ fn polygons(content: &FrameContent, band: &Band) -> Result<Polygons, TooMany> {
         (name.clone(), sampled(scalar.as_ref(), &positions).into_iter().map(|[value]| value).collect())
     };
     let scalars = content.scalars.iter().map(scalar).collect();
-    Ok(Polygons { positions, triangles, colours, scalars })
+    let velocities = content.movement.as_ref().map(|movement| velocities(field, movement, &positions, band));
+    Ok(Polygons { positions, triangles, colours, scalars, velocities })
+}
+
+/// How fast vertices move.
+fn velocities(field: &dyn Field, movement: &Movement, positions: &[DVec3], band: &Band) -> Vec<[f32; 3]> {
+    let edge = band.lattice.voxel_size.get();
+    let chunks = positions.par_chunks(BATCH).map_init(
+        || (field.evaluator(), movement.meter(edge), Box::new(Gradients::new())),
+        |(evaluator, meter, gradients), positions| {
+            let points = Points::of_positions(positions);
+            let Some(region) = points.bounding_box() else { return Vec::new() };
+            evaluator.enter(&region.grown(0.01 * edge));
+            evaluator.gradients(&points, gradients);
+            evaluator.leave();
+            let outward: Vec<Vec3> = (0..points.len).map(|i| (-gradients.gradient(i)).normalize_or_zero()).collect();
+            let (mut out, mut held) = ([[0.0; 3]; BATCH], [false; BATCH]);
+            meter.velocities(&points, &outward, &mut out, &mut held);
+            out[..points.len].to_vec()
+        },
+    );
+    chunks.collect::<Vec<_>>().concat()
 }
 
 /// An attribute at places.

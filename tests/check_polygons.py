@@ -1,0 +1,81 @@
+"""Reads a USD file of polygons as Pixar's library does and as Blender does, and prints what each found as JSON."""
+import json
+import sys
+
+import bpy
+import numpy as np
+
+bpy.utils.expose_bundled_modules()
+from pxr import Usd, UsdGeom, UsdUtils  # noqa: E402
+
+path = sys.argv[1]
+stage = Usd.Stage.Open(path)
+checker = UsdUtils.ComplianceChecker()
+checker.CheckCompliance(path)
+mesh = UsdGeom.Mesh(next(prim for prim in stage.Traverse() if prim.IsA(UsdGeom.Mesh)))
+primvars = UsdGeom.PrimvarsAPI(mesh)
+times = mesh.GetPointsAttr().GetTimeSamples()
+
+
+def edges(counts, indices):
+    """Edges that are not between two faces that go along them in opposite ways."""
+    corners = np.asarray(indices).reshape(-1, 3)
+    assert all(count == 3 for count in counts)
+    ways = np.concatenate([corners[:, [0, 1]], corners[:, [1, 2]], corners[:, [2, 0]]])
+    there, number = np.unique(ways, axis=0, return_counts=True)
+    back = {tuple(way[::-1]) for way in there}
+    return int((number > 1).sum()) + sum(tuple(way) not in back for way in there)
+
+
+def volume(points, indices):
+    corners = np.asarray(points, float)[np.asarray(indices).reshape(-1, 3)]
+    return float(np.einsum("ij,ij->i", corners[:, 0], np.cross(corners[:, 1], corners[:, 2])).sum() / 6)
+
+
+def sample(time):
+    points, indices = mesh.GetPointsAttr().Get(time), mesh.GetFaceVertexIndicesAttr().Get(time)
+    points = np.asarray(points, float)
+    extent = np.asarray(mesh.GetExtentAttr().Get(time), float)
+    velocities = mesh.GetVelocitiesAttr().Get(time)
+    values = {primvar.GetPrimvarName(): np.asarray(primvar.Get(time), float) for primvar in primvars.GetPrimvarsWithValues()}
+    return {
+        "points": len(points),
+        "faces": len(mesh.GetFaceVertexCountsAttr().Get(time)),
+        "open_edges": edges(mesh.GetFaceVertexCountsAttr().Get(time), indices),
+        "volume": volume(points, indices),
+        "extent_fits": bool(np.allclose([points.min(0), points.max(0)], extent)),
+        "sizes": {name: len(value) for name, value in values.items()},
+        "means": {name: value.mean(0).tolist() for name, value in values.items()},
+        "velocity": None if velocities is None else np.asarray(velocities, float).mean(0).tolist(),
+    }
+
+
+found = {
+    "wrong": checker.GetErrors() + checker.GetFailedChecks(),
+    "up": UsdGeom.GetStageUpAxis(stage),
+    "metres": UsdGeom.GetStageMetersPerUnit(stage),
+    "fps": stage.GetTimeCodesPerSecond(),
+    "shot": [stage.GetStartTimeCode(), stage.GetEndTimeCode()],
+    "times": [int(time) for time in times],
+    "primvars": {primvar.GetPrimvarName(): [str(primvar.GetTypeName()), primvar.GetInterpolation()]
+                 for primvar in primvars.GetPrimvarsWithValues()},
+    "samples": [sample(time) for time in times or [Usd.TimeCode.Default()]],
+}
+bpy.ops.wm.read_factory_settings(use_empty=True)
+bpy.ops.wm.usd_import(filepath=path)
+item = next(item for item in bpy.data.objects if item.type == "MESH")
+found["blender"] = []
+for time in [int(time) for time in times] or [1]:
+    bpy.context.scene.frame_set(time)
+    data = item.evaluated_get(bpy.context.evaluated_depsgraph_get()).data
+    colours = data.color_attributes.get("displayColor")
+    values = np.zeros(4 * len(colours.data) if colours else 0, np.float32)
+    if colours:
+        colours.data.foreach_get("color", values)
+    found["blender"].append({
+        "points": len(data.vertices),
+        "faces": len(data.polygons),
+        "colour": values.reshape(-1, 4)[:, :3].mean(0).tolist() if colours else None,
+        "attributes": sorted(data.attributes.keys()),
+    })
+print("found " + json.dumps(found))
