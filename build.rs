@@ -4,7 +4,7 @@ use std::env;
 use std::path::{Path, PathBuf};
 
 /// The C++ sources, and the headers among them.
-const SOURCES: [&str; 4] = ["cpp/build.cpp", "cpp/encode.cpp", "cpp/morph.cpp", "cpp/read.cpp"];
+const SOURCES: [&str; 5] = ["cpp/build.cpp", "cpp/encode.cpp", "cpp/morph.cpp", "cpp/nano.cpp", "cpp/read.cpp"];
 const HEADERS: [&str; 2] = ["cpp/border.h", "cpp/grids.h"];
 const BRIDGE: &str = "src/vdb/bridge.rs";
 /// Where a system's headers stand when `OPENVDB_ROOT` names no other place.
@@ -25,6 +25,15 @@ fn main() {
         .collect();
     if ![root.as_path(), Path::new("/usr")].iter().any(|root| root.join("include/boost/uuid/uuid.hpp").exists()) {
         fail("OpenVDB's headers need Boost's, which are missing: install the Debian package libboost-dev");
+    }
+
+    let nano = [root.as_path(), Path::new("/usr")].map(|root| root.join("include/nanovdb/util/OpenToNanoVDB.h"));
+    nano.iter().for_each(|header| println!("cargo::rerun-if-changed={}", header.display()));
+    if !(version.starts_with("10.") && nano.iter().any(|header| header.exists())) {
+        println!(
+            "cargo::warning=no NanoVDB of OpenVDB 10 here, so .nvdb will not be written: install the Debian package \
+             libnanovdb-dev"
+        );
     }
 
     let mut build = cxx_build::bridge(BRIDGE);
@@ -55,7 +64,10 @@ fn main() {
         .warnings(true)
         .extra_warnings(true)
         .compile("hfvdb-border");
-    println!("cargo::rustc-link-lib=openvdb");
+    // Blosc and zlib compress the grids of NanoVDB, which is headers alone.
+    for library in ["openvdb", "blosc", "z"] {
+        println!("cargo::rustc-link-lib={library}");
+    }
 }
 
 /// Whether this is for `cargo clippy`, which links nothing, so that it needs no C++ compiled.

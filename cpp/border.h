@@ -90,6 +90,34 @@ private:
 
 std::unique_ptr<Writer> new_writer(Codec codec);
 
+// A grid as NanoVDB has it; what it holds is in nano.cpp.
+class Nano {
+public:
+    struct Parts;
+    explicit Nano(std::unique_ptr<Parts> parts);
+    ~Nano();
+    const Parts& parts() const { return *mParts; }
+
+private:
+    std::unique_ptr<Parts> mParts;
+};
+
+// A file of such grids.
+class NanoFile {
+public:
+    struct Parts;
+    explicit NanoFile(std::unique_ptr<Parts> parts);
+    ~NanoFile();
+    std::unique_ptr<std::string> add(const Nano& nano);
+    std::unique_ptr<std::string> head() const;
+
+private:
+    std::unique_ptr<Parts> mParts;
+};
+
+std::unique_ptr<Nano> to_nano(const Grid& grid, bool half);
+std::unique_ptr<NanoFile> new_nano_file(Codec codec);
+
 struct Counts;
 struct Target;
 

@@ -18,7 +18,7 @@ readonly type_packages=(mypy==2.4.1 types-houdini==21.0.512.3 types-usd==24.5.2)
 
 build_packages=(
     g++ make pkg-config
-    libopenvdb-dev libboost-dev libtbb-dev libblosc-dev libimath-dev zlib1g-dev
+    libopenvdb-dev libnanovdb-dev libboost-dev libtbb-dev libblosc-dev libimath-dev zlib1g-dev
 )
 test_packages=(
     # The outside judges: OpenVDB's own tools and its Python module.

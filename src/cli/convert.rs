@@ -135,7 +135,7 @@ pub fn convert(wanted: Wanted<'_>, global: &Global) -> Result<(), Failure> {
         return Err(Failure::usage(format!("{file} would be written over by what is made of it: choose another name")));
     }
     let becomes = |end: &str| pattern.file(0).extension().is_some_and(|own| own.eq_ignore_ascii_case(end));
-    let moves = ["vdb", "usda"].into_iter().any(becomes);
+    let moves = ["vdb", "nvdb", "usda"].into_iter().any(becomes);
     let mut beside = Beside::default();
     if files.are_voxels() {
         beside = files.look(grid.as_deref()).map_err(Failure::work)?;

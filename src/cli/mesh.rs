@@ -45,8 +45,10 @@ pub struct Arguments {
 pub fn run(arguments: &Arguments, global: &Global) -> Result<(), Failure> {
     let Arguments { files: path, up, voxels, writing, sampling } = arguments;
     let pattern = output::pattern(&writing.output)?;
-    if files::is_vdb(&writing.output.to_string_lossy()) {
-        return Err(Failure::usage("mesh writes polygons: .glb, .usda, .ply or .obj; `hfvdb convert` writes .vdb"));
+    let is_of_voxels = |end: &std::ffi::OsStr| ["vdb", "nvdb"].iter().any(|voxels| end.eq_ignore_ascii_case(voxels));
+    if writing.output.extension().is_some_and(is_of_voxels) {
+        let problem = "mesh writes polygons: .glb, .usda, .ply or .obj; `hfvdb convert` writes .vdb and .nvdb";
+        return Err(Failure::usage(problem));
     }
     if !files::is_vdb(&path.to_string_lossy()) {
         return Err(Failure::usage("mesh takes .vdb files; `hfvdb convert` takes meshes, `hfvdb bake` scenes"));

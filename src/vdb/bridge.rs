@@ -147,6 +147,17 @@ pub(super) mod ffi {
         /// What stands before the first leaf of a grid that starts at that byte of the file.
         fn grid_head(self: &Writer, nodes: &Nodes, leaves: &LeafSizes, position: i64) -> Result<UniquePtr<CxxString>>;
 
+        /// A grid of 32-bit numbers or vectors as NanoVDB has it; `half` for codes of 16 bits, of numbers alone.
+        type Nano;
+        fn to_nano(grid: &Grid, half: bool) -> Result<UniquePtr<Nano>>;
+        /// A file of such grids.
+        type NanoFile;
+        fn new_nano_file(codec: Codec) -> Result<UniquePtr<NanoFile>>;
+        /// The bytes of one more grid.
+        fn add(self: Pin<&mut NanoFile>, nano: &Nano) -> Result<UniquePtr<CxxString>>;
+        /// What stands before the grids that were added.
+        fn head(self: &NanoFile) -> Result<UniquePtr<CxxString>>;
+
         /// One grid of a file that lies in memory and was walked; `descriptor` is where its descriptor stands.
         fn decode(bytes: &[u8], descriptor: usize) -> Result<SharedPtr<Grid>>;
         /// How much `copy_floats` or `copy_vectors` gives.

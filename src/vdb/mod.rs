@@ -5,7 +5,7 @@
 //!
 //! * [`write()`] makes one file of a [`Frame`]: encoded on all threads, written under a temporary name, checked, synced
 //!   to the disk and renamed, so that a file with a final name is always whole.
-//! * [`encode()`] gives the bytes alone, and [`read_back`] walks them.
+//! * [`encode()`] gives the bytes alone, and [`read_back`] walks them; [`encode_nano`] those of NanoVDB.
 //! * [`walk::walk`] parses a whole file in safe Rust and checks every length in it; it stands before every reading.
 //! * [`LevelSet`] runs OpenVDB's own morph of one level set into another.
 //! * [`inspect()`] says what is in a file, [`lint()`] what is wrong with it, [`read()`] gives its blocks.
@@ -27,6 +27,7 @@ mod inspect;
 mod level_set;
 mod lint;
 mod metadata;
+mod nano;
 mod programs;
 mod read;
 pub mod walk;
@@ -41,6 +42,7 @@ pub use inspect::{FileInfo, GridInfo, Range, inspect, level_set_box};
 pub use level_set::LevelSet;
 pub use lint::{Lint, lint};
 pub use metadata::{INTEROP_ID, Metadata, MetadataValue, metadata_text};
+pub use nano::{encode_nano, read_back_nano};
 pub use programs::{Client, NAMES as PROGRAM_NAMES, Program, Three};
 pub use read::{Contents, Opened, SparseBlocks, StoredClass, StoredGrid, Tile, Voxels, read};
 pub use walk::{Transform, read_back};

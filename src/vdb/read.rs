@@ -181,6 +181,11 @@ impl Opened {
         }))
     }
 
+    /// The layout's grid of that number, which has no other's tree, in OpenVDB's hands.
+    pub(super) fn in_library(&self, number: usize) -> Result<cxx::SharedPtr<ffi::Grid>, cxx::Exception> {
+        ffi::decode(&self.bytes, self.layout.grids[number].descriptor)
+    }
+
     /// A grid's voxels; `None` for a type that is not read.
     pub(super) fn voxels(&self, grid: &GridLayout) -> Result<Option<Voxels>, Error> {
         let flip = StoredClass::of(&grid.metadata) == StoredClass::LevelSet;

@@ -5,6 +5,7 @@
 
 mod glb;
 mod naming;
+mod nvdb;
 mod obj;
 mod ply;
 mod polygons;
@@ -20,7 +21,7 @@ use crate::node::Model;
 use crate::shot::Prepared;
 
 /// All formats; the first is the one that messages propose.
-pub static FORMATS: [&dyn Format; 5] = [&vdb::Vdb, &glb::Glb, &usda::Usda, &ply::Ply, &obj::Obj];
+pub static FORMATS: [&dyn Format; 6] = [&vdb::Vdb, &nvdb::Nvdb, &glb::Glb, &usda::Usda, &ply::Ply, &obj::Obj];
 
 /// A kind of file that holds one frame.
 pub trait Format: fmt::Debug + Sync {

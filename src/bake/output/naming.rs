@@ -31,6 +31,16 @@ pub fn check(model: &Model) -> Result<(), String> {
     Ok(())
 }
 
+/// Whether a grid of the scene is one of vectors, and stays one.
+pub fn stays_vectors(model: &Model, own: &str) -> bool {
+    let three = |program: &Program| match own {
+        "vel" => program.velocity,
+        _ => Some(program.colour),
+    };
+    (own == "vel" || own == model.output.colour_name)
+        && !model.output.program.is_some_and(|program| matches!(three(program), Some(Three::Numbers(_))))
+}
+
 /// The names for a grid.
 fn names<'a>(program: &Program, own: &'a str, colour: &str) -> Vec<&'a str> {
     let three = |three| match three {

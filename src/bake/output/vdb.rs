@@ -27,26 +27,31 @@ impl Format for Vdb {
     }
 
     fn encode(&self, frame: &Frame<'_>) -> Result<Vec<Vec<u8>>, Error> {
-        let output = &frame.prepared.model().output;
-        let colours = output.other_primaries();
-        let colours = colours.map_or(Colours::Same, |primaries| Colours::in_primaries(frame.computed, primaries));
-        let mut grids = grids(frame, &colours);
-        if let Some(primaries) = output.primaries {
-            for grid in grids.iter_mut().filter(|grid| grid.name == output.colour_name) {
-                grid.metadata.insert(INTEROP_ID.into(), primaries.name().into());
-            }
-        }
-        let splits = output.program.map_or_else(Vec::new, |program| naming::splits(&grids, program));
-        if let Some(program) = output.program {
-            grids = naming::named(grids, program, &output.colour_name, &splits);
-        }
-        let grids = vdb::Frame { grids, metadata: metadata(frame) };
-        vdb::encode(&grids, frame.output.compression).map_err(|error| Error::Encode(error.to_string()))
+        let encode = |grids: &vdb::Frame<'_>| vdb::encode(grids, frame.output.compression);
+        with_grids(frame, encode).map_err(|error| Error::Encode(error.to_string()))
     }
 
     fn read_back(&self, pieces: &[Vec<u8>], path: &Path) -> Result<(), Error> {
         vdb::read_back(pieces, path).map_err(|error| Error::Encode(error.to_string()))
     }
+}
+
+/// Does something with a frame's grids as they go into a file.
+pub(super) fn with_grids<R>(frame: &Frame<'_>, act: impl FnOnce(&vdb::Frame<'_>) -> R) -> R {
+    let output = &frame.prepared.model().output;
+    let colours = output.other_primaries();
+    let colours = colours.map_or(Colours::Same, |primaries| Colours::in_primaries(frame.computed, primaries));
+    let mut grids = grids(frame, &colours);
+    if let Some(primaries) = output.primaries {
+        for grid in grids.iter_mut().filter(|grid| grid.name == output.colour_name) {
+            grid.metadata.insert(INTEROP_ID.into(), primaries.name().into());
+        }
+    }
+    let splits = output.program.map_or_else(Vec::new, |program| naming::splits(&grids, program));
+    if let Some(program) = output.program {
+        grids = naming::named(grids, program, &output.colour_name, &splits);
+    }
+    act(&vdb::Frame { grids, metadata: metadata(frame) })
 }
 
 /// A frame's colours in the primaries of its file.
