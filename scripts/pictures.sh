@@ -32,6 +32,7 @@ picture octopus --pictures 8 --output "$images/octopus.png"
 picture bat-to-robot --pictures 8 --output "$images/bat-to-robot.png"
 picture wood-morph --pictures 8 --output "$images/wood-morph.png"
 picture conformal-ell --size 480 --output "$images/conformal-ell.png"
+picture graded --size 480 --view front --output "$images/graded.png"
 picture crawl --pictures 6 --output "$images/crawl.png"
 picture in-turn --pictures 8 --columns 4 --output "$images/in-turn.png"
 picture covid --size 480 --output "$images/covid.png"
@@ -40,10 +41,13 @@ for scene in bat treble-clef snowflake robot heart-slabs marble aitch; do
 done
 hfvdb bake heart-slabs --variant sphere --quiet --output "$folder/sphere-slabs.vdb"
 hfvdb bake marble --variant torus --quiet --output "$folder/marble-torus.vdb"
-hfvdb bake aitch --variant axis --quiet --output "$folder/aitch-axis.vdb"
+for variant in axis diffusion interior; do
+    hfvdb bake aitch --variant "$variant" --quiet --output "$folder/aitch-$variant.vdb"
+done
 picture "$folder"/{bat,treble-clef,snowflake,robot}.vdb --columns 4 --size 240 --output "$images/flat.png"
 picture "$folder"/{heart-slabs,sphere-slabs,marble,marble-torus,aitch,aitch-axis}.vdb --columns 3 --size 240 \
     --output "$images/grain.png"
+picture "$folder"/aitch-{diffusion,interior}.vdb --view front --size 300 --output "$images/wood-inside.png"
 for alpha in 0.05 0.3 3; do
     for beta in 0.15 0.5 0.85; do
         hfvdb bake red-blue --set "alpha=$alpha" --set "beta=$beta" --frames 7 --resolution 128 --quiet \

@@ -259,10 +259,10 @@ fn a_batch_is_its_points() {
 /// Measuring these takes from seconds to minutes; whoever waits for the end of it has not heard.
 #[test]
 fn measuring_a_shape_stops_when_it_is_told() {
-    let solid = "ellipsoid = [1, 0.7, 0.5]";
+    let solid = "heart = 1";
     let displaced = format!("[shape.a]\n{solid}\ndisplace = 'bump'\nattribute.bump = 0.05\n");
     let walled = format!("[shape.a]\n{solid}\nshell = 0.05\n");
-    let moving = displaced.replace(solid, "ellipsoid = [1, 0.7, 'mix(0.5, 0.6, t)']");
+    let moving = displaced.replace(solid, "heart = 'mix(1, 1.2, t)'");
     let moving = format!("frames = '1-9'\n{moving}");
     for text in [displaced, walled, moving] {
         let cancel = Arc::<AtomicBool>::default();
@@ -275,4 +275,38 @@ fn measuring_a_shape_stops_when_it_is_told() {
         assert!(matches!(result, Err(Error::Cancelled)), "{text}: {:?}", result.err());
         stopper.join().expect("it only waits");
     }
+}
+
+/// Sheets of one gyroid that go over into thicker ones are as thick as the mean by ω, where that is also by the depth.
+#[test]
+fn a_shape_is_filled_by_what_an_attribute_mixes() {
+    let gyroid = |thickness: f64| format!("{{ gyroid = 0.6, thickness = {thickness} }}");
+    let shape = |fill: &str| prepared(&format!("[shape.a]\nsphere = 1\n{fill}\n"));
+    let mixed = |omega: &str| {
+        let (thin, thick) = (gyroid(0.05), gyroid(0.15));
+        shape(&format!("fill = {thin}\nfill_to = {thick}\nfill_by = 'omega'\nattribute.omega = {omega}"))
+    };
+    let at = |i: i32| {
+        let i = f64::from(i);
+        DVec3::new(libm::sin(1.3 * i), libm::sin(2.1 * i + 1.0), libm::sin(3.7 * i + 2.0)) * 0.45
+    };
+    for (omega, thickness) in [(0.0, 0.05), (0.5, 0.1), (1.0, 0.15)] {
+        let (mixed, plain) = (mixed(&omega.to_string()), shape(&format!("fill = {}", gyroid(thickness))));
+        assert_eq!(mixed.extent, plain.extent);
+        let (mixed, plain) = (mixed.frame(1).unwrap().field, plain.frame(1).unwrap().field);
+        for at in (0..500).map(at) {
+            assert!((mixed.reference(at) - plain.reference(at)).abs() < 1e-6, "{omega} {at}");
+        }
+    }
+    let (graded, outer, inner) = (mixed("'1 - length(x, y, z)'"), mixed("0"), mixed("1"));
+    let [graded, outer, inner] = [graded, outer, inner].map(|scene| scene.frame(1).unwrap().field);
+    for at in (0..500).map(at) {
+        let omega = 1.0 - at.length();
+        let wanted = (1.0 - omega) * outer.reference(at) + omega * inner.reference(at);
+        assert!((graded.reference(at) - wanted).abs() < 1e-4, "{at}");
+    }
+    let said = |keys: &str| refused(&format!("[shape.a]\nsphere = 1\nfill = {}\n{keys}\n", gyroid(0.1)));
+    let (alone, without) = (said("fill_to = { gyroid = 1 }"), said("fill_by = 'omega'\nattribute.omega = 1"));
+    assert!(alone.contains("`fill_to` goes with `fill_by`") && alone.contains(":4:"), "{alone}");
+    assert!(without.contains("`fill_by` goes with `fill_to`") && without.contains(":4:"), "{without}");
 }

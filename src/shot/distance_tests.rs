@@ -46,8 +46,8 @@ fn distance_to_balls(p: DVec3) -> f64 {
     feet.fold(crease, f64::min)
 }
 
-const FLAT_SHAPE: &str = "[shape.e]\nellipsoid = [1, 0.5, 0.25]\n";
-const ROUND_SHAPE: &str = "[shape.e]\nellipsoid = [1, 0.8, 0.6]\n";
+const FLAT_SHAPE: &str = "[shape.e]\nformula = '1 - length(x, y/0.5, z/0.25)'\nbounds = 3\n";
+const ROUND_SHAPE: &str = "[shape.e]\nformula = '1 - length(x, y/0.8, z/0.6)'\nbounds = 3\n";
 const BALLS: &str = "[shape.u]\nunion = ['a', 'b']\n[shape.a]\nsphere = 1\n[shape.b]\nsphere = 1\nmove = [0.5, 0, 0]\n";
 
 #[test]
@@ -194,7 +194,7 @@ fn stopped_once_ready(text: &str) -> Prepared {
 
 #[test]
 fn what_does_not_change_is_measured_once() {
-    let (ellipsoid, union) = ("ellipsoid = [1, 0.7, 0.5]", "union = ['a', 'b']");
+    let (ellipsoid, union) = ("formula = '1 - length(x, y/0.7, z/0.5)'\nbounds = 3", "union = ['a', 'b']");
     for (maker, keyed) in [
         (ellipsoid, "offset = { 1 = 0, 9 = 0.2 }"),
         (union, "offset = { 1 = -0.1, 9 = 0.2 }"),
@@ -202,7 +202,7 @@ fn what_does_not_change_is_measured_once() {
     ] {
         let text = format!(
             "frames = '1-9'\n[output]\nshape = 's'\n[shape.s]\n{maker}\n{keyed}\n\
-             [shape.a]\nmesh = 'cube.obj'\n[shape.b]\nellipsoid = [1, 0.7, 0.5]\nmove = [0.3, 0.2, 0]\n"
+             [shape.a]\nmesh = 'cube.obj'\n[shape.b]\nheart = 1\nmove = [0.3, 0.2, 0]\n"
         );
         let scene = stopped_once_ready(&text);
         for frame in [1, 4, 9] {
@@ -211,10 +211,10 @@ fn what_does_not_change_is_measured_once() {
     }
     // What stands still in its own space is measured there.
     let moving = "frames = '1-9'\n[shape.all]\nblend = ['e', 'ball']\n[shape.ball]\nsphere = 0.5\n[shape.e]\n\
-                  ellipsoid = [1, 0.7, 0.5]\nmove = ['t', 0, 0]\nrotate = [0, 0, '90*t']\n";
+                  formula = '1 - length(x, y/0.7, z/0.5)'\nbounds = 3\nmove = ['t', 0, 0]\nrotate = [0, 0, '90*t']\n";
     let scene = stopped_once_ready(moving);
     assert!(scene.frame(5).is_ok());
-    let changing = moving.replace("0.7", "'0.7 + 0.1*t'");
+    let changing = moving.replace("0.7", "(0.7 + 0.1*t)");
     assert!(matches!(stopped_once_ready(&changing).frame(5), Err(Error::Cancelled)));
 }
 
@@ -240,7 +240,7 @@ fn a_keyed_wall_is_as_thick_as_it_says_in_every_frame() {
 fn a_blend_reaches_as_far_as_its_radius() {
     // The second is so far that it adds next to nothing to F.
     let scene = prepared(
-        "[shape.all]\nblend = ['e', 'far']\nblend_radius = 0.1\n[shape.e]\nellipsoid = [1, 0.5, 0.25]\n[shape.far]\nsphere = 0.1\nmove = [0, 0, 2]\n",
+        "[shape.all]\nblend = ['e', 'far']\nblend_radius = 0.1\n[shape.e]\nformula = '1 - length(x, y/0.5, z/0.25)'\nbounds = 3\n[shape.far]\nsphere = 0.1\nmove = [0, 0, 2]\n",
     );
     let field = scene.frame(1).unwrap().field;
     for at in
@@ -255,8 +255,8 @@ fn a_blend_reaches_as_far_as_its_radius() {
 #[test]
 fn a_seam_is_as_wide_as_it_says() {
     let scene = prepared(
-        "[shape.all]\nunion = ['e', 'ball']\nseam = 0.2\n[shape.e]\nellipsoid = [1, 0.5, 0.25]\nattribute.part = 0\n\
-         [shape.ball]\nellipsoid = [0.4, 0.8, 0.4]\nattribute.part = 1\nmove = [1, 0, 0]\n",
+        "[shape.all]\nunion = ['e', 'ball']\nseam = 0.2\n[shape.e]\nformula = '1 - length(x, y/0.5, z/0.25)'\nbounds = 3\nattribute.part = 0\n\
+         [shape.ball]\nformula = '1 - length(x/0.4, y/0.8, z/0.4)'\nbounds = 3\nattribute.part = 1\nmove = [1, 0, 0]\n",
     );
     let frame = scene.frame(1).unwrap();
     let part = |x: f64| scalar(&frame, "part", [x, 0.0, 0.0]);
@@ -266,7 +266,7 @@ fn a_seam_is_as_wide_as_it_says() {
 }
 
 const BANDS: &str = "[shape.s]\ndifference = ['a', 'b']\nattribute.ring = { bands = [[0, 1], [0.1, 2]] }\n\
-                     [shape.a]\nellipsoid = [1, 0.9, 0.8]\n[shape.b]\nsphere = 0.5\n";
+                     [shape.a]\nformula = '1 - length(x, y/0.9, z/0.8)'\nbounds = 3\n[shape.b]\nsphere = 0.5\n";
 
 /// Depths are measured once a point off the surface asks for one: of what nothing cuts, none does.
 #[test]
@@ -290,7 +290,7 @@ fn bands_lie_at_their_depths() {
         assert_eq!(scalar(&frame, "ring", [at, 0.0, 0.0]), wanted, "{at}");
     }
     // Inside what is cut from distances nothing is measured.
-    let scene = stopped_once_ready(&BANDS.replace("ellipsoid = [1, 0.9, 0.8]", "box = 2"));
+    let scene = stopped_once_ready(&BANDS.replace("formula = '1 - length(x, y/0.9, z/0.8)'\nbounds = 3", "box = 2"));
     let frame = scene.frame(1).unwrap();
     for (at, wanted) in [(0.59, 1.0), (0.61, 2.0), (0.89, 2.0), (0.91, 1.0)] {
         assert_eq!(scalar(&frame, "ring", [at, 0.0, 0.0]), wanted, "{at}");

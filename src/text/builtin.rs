@@ -94,7 +94,7 @@ const SCENES: &[BuiltIn] = &[
     BuiltIn {
         name: "aitch",
         text: include_str!("../../scenes/aitch.toml"),
-        line: "a wooden H, rings by distance; variant axis",
+        line: "a wooden H, rings by distance; variants axis, diffusion, interior",
     },
     BuiltIn {
         name: "covid",
@@ -110,6 +110,11 @@ const SCENES: &[BuiltIn] = &[
         name: "in-turn",
         text: include_str!("../../scenes/in-turn.toml"),
         line: "a lamp becomes a mushroom, part by part",
+    },
+    BuiltIn {
+        name: "graded",
+        text: include_str!("../../scenes/graded.toml"),
+        line: "an arm of gyroid, cut open, from thin to thick sheets along the inside",
     },
     BuiltIn { name: "crawl", text: include_str!("../../scenes/crawl.toml"), line: "a change that crawls along a vine" },
     BuiltIn {

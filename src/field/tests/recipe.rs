@@ -150,10 +150,9 @@ impl Recipe {
                 Self::Blended(_, a, b, within) => {
                     a.any(is) || b.any(is) || within.as_ref().is_some_and(|within| within.any(is))
                 }
-                Self::Offset(solid, _)
-                | Self::Shell(solid, _)
-                | Self::Placed(solid, _)
-                | Self::Mirrored(solid, ..) => solid.any(is),
+                Self::Offset(solid, _) | Self::Shell(solid, _) | Self::Placed(solid, _) | Self::Mirrored(solid, ..) => {
+                    solid.any(is)
+                }
                 _ => false,
             }
     }
