@@ -219,6 +219,7 @@ impl Arguments {
             Argument::Vector(vector) => Some(vector[0].span),
             Argument::Pair(pair) => Some(pair[0].span),
             Argument::Rows(rows) => Some(rows.span),
+            Argument::Scalar(name) => Some(name.span),
             _ => None,
         }
     }

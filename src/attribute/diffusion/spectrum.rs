@@ -164,8 +164,7 @@ struct Block {
 
 impl Block {
     fn random(length: usize, count: usize) -> Self {
-        let mut block = Self { vectors: vec![vec![0.0; length]; 0], values: Vec::new(), random: 1 };
-        block.vectors.push((0..length).map(|_| 1.0).collect());
+        let mut block = Self { vectors: vec![vec![1.0; length]], values: Vec::new(), random: 1 };
         block.widen(count);
         block
     }
