@@ -24,6 +24,8 @@ pub enum State {
     Missing,
     /// A file that nothing is known of.
     Unknown,
+    /// One file of several frames, these.
+    Several(String),
     /// A frame of another scene, or with other options: in words.
     Other(String),
     /// A file that is not what was written: in words.
@@ -47,7 +49,7 @@ pub fn judge(
     }
     if !record.frames.is_empty() {
         let frames: Vec<i64> = record.frames.iter().map(|frame| frame.frame).collect();
-        return Some(State::Other(format!("it holds frames {}", in_ranges(&frames))));
+        return Some(State::Several(in_ranges(&frames)));
     }
     if record.frame != frame {
         return Some(State::Other(format!("it is frame {}", record.frame)));

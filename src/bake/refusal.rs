@@ -36,6 +36,8 @@ pub enum Refusal {
         /// Whether another process bakes it now.
         at_work: bool,
     },
+    /// The file holds frames that were not asked for.
+    OtherFrames(PathBuf, String),
     /// The manifest is that of another pattern.
     OtherPattern(PathBuf, String),
     /// The manifest or a record is not what was written, or cannot be read.
@@ -78,6 +80,11 @@ impl fmt::Display for Refusal {
                 f,
                 "{sequence} holds frames of this scene that were baked otherwise: {differences}; {}",
                 while_baked(*at_work)
+            ),
+            Self::OtherFrames(path, held) => write!(
+                f,
+                "{} holds frames {held}, and not all of them were asked for; ask for all, {WAY_OUT}",
+                terminal::path(path)
             ),
             Self::OtherPattern(path, pattern) => write!(
                 f,

@@ -17,6 +17,7 @@ use super::wish::Wish;
 use super::{Error, FramePattern, Interrupt, PatternError};
 use crate::disk::{self, FileLock};
 use crate::node::Model;
+use crate::text::frames::in_ranges;
 
 /// What the name of the hidden folder ends in.
 const FOLDER: &str = ".hfvdb-frames";
@@ -75,8 +76,12 @@ impl Whole {
                 at_work: false,
             });
         }
-        let held = record.frames.iter().map(|frame| frame.frame);
-        if theirs != wish.identity || !held.eq(wish.frames.numbers().iter().copied()) {
+        let held: Vec<i64> = record.frames.iter().map(|frame| frame.frame).collect();
+        let asked = wish.frames.numbers();
+        if theirs == wish.identity && held.iter().any(|frame| !asked.contains(frame)) {
+            return Err(Refusal::OtherFrames(self.path(), in_ranges(&held)));
+        }
+        if theirs != wish.identity || held != asked {
             return Ok(None);
         }
         match compare(&self.path(), &record, interrupt) {

@@ -143,6 +143,9 @@ fn to_do(
                 kept.push(*record);
                 continue;
             }
+            State::Several(held) => {
+                return Err(bake::Refusal::OtherFrames(output.sequence.pattern.file(frame), held).into());
+            }
             State::Missing => "missing".into(),
             State::Unknown => "of unknown making".into(),
             State::Other(how) => format!("baked otherwise ({how})"),

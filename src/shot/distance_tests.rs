@@ -187,7 +187,7 @@ fn what_is_endless_and_no_distance_asks_for_bounds() {
 fn stopped_once_ready(text: &str) -> Prepared {
     let cancel = Arc::<AtomicBool>::default();
     let scene =
-        prepared_at(Sampling::Resolution(32), Arc::clone(&cancel), text).unwrap_or_else(|error| panic!("{error}"));
+        prepared_at(Sampling::Resolution(16), Arc::clone(&cancel), text).unwrap_or_else(|error| panic!("{error}"));
     cancel.store(true, Ordering::Relaxed);
     scene
 }

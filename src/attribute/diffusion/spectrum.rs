@@ -41,7 +41,9 @@ impl Spectrum {
             let wanted = block.wanted(time);
             let most = VECTORS[1].min(vertices);
             if wanted.is_some() || block.vectors.len() >= most {
-                let modes = wanted.unwrap_or_else(|| block.whole_groups(block.vectors.len() - SPARE));
+                let known = block.vectors.len().saturating_sub(SPARE).max(2);
+                let modes = wanted
+                    .unwrap_or_else(|| (2..known).rev().find(|count| !block.parts_a_group(*count)).unwrap_or(known));
                 return Some(block.spectrum(&matrix, modes, time));
             }
             block.widen((2 * block.vectors.len()).min(most));
@@ -250,15 +252,13 @@ impl Block {
         let most = -libm::log(LEAST) / time * self.values[1];
         let known = self.vectors.len() - SPARE;
         let count = self.values.iter().position(|value| *value > most * (1.0 + SAME))?;
-        (count < known).then(|| self.whole_groups(count))
+        // The lowest group is there however long heat spreads.
+        (count.max(2)..known).find(|count| !self.parts_a_group(*count))
     }
 
-    /// So many modes, fewer where that parts a group of one eigenvalue.
-    fn whole_groups(&self, mut count: usize) -> usize {
-        while count > 2 && self.values[count] - self.values[count - 1] < SAME * self.values[count] {
-            count -= 1;
-        }
-        count
+    /// Whether the first so many modes hold a part of the modes of one eigenvalue.
+    fn parts_a_group(&self, count: usize) -> bool {
+        self.values[count] - self.values[count - 1] < SAME * self.values[count]
     }
 
     fn spectrum(&self, matrix: &Matrix, modes: usize, time: f64) -> Spectrum {
