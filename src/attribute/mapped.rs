@@ -23,13 +23,15 @@ pub trait SpaceMap: Send {
 pub struct MappedSampler<'a, M, const N: usize> {
     inner: Box<dyn Sampler<N> + 'a>,
     map: M,
-    there: Points,
+    there: Box<Points>,
 }
 
 impl<'a, M: SpaceMap, const N: usize> MappedSampler<'a, M, N> {
     /// The sampler of the other space's attribute, and the map to there.
+    // Within whoever makes it, the batch would take its place on the stack once for each of many maps in one another.
+    #[inline(never)]
     pub fn new(inner: Box<dyn Sampler<N> + 'a>, map: M) -> Self {
-        Self { inner, map, there: Points::new(DVec3::ZERO) }
+        Self { inner, map, there: Box::new(Points::new(DVec3::ZERO)) }
     }
 }
 
