@@ -28,7 +28,7 @@ use crate::node::reading::Reading;
 use crate::node::spec::{Build, Carries, Imported, Spec};
 use crate::node::variation::Variation;
 use crate::text::diagnostic::Diagnostic;
-use crate::text::frames::sampled_frames;
+use crate::text::frames::{plain, sampled_frames};
 use crate::text::key::Key;
 use crate::text::moment::Moment;
 use crate::text::number::Number;
@@ -132,7 +132,7 @@ impl Solids {
     }
 
     /// A warning for each of the shapes that its `bounds` cut.
-    pub fn cut_by_bounds(&mut self, shapes: &[ShapeId]) -> Result<Vec<Diagnostic>, Problem> {
+    pub fn cut_by_bounds(&mut self, shapes: &[ShapeId]) -> Result<Vec<(ShapeId, Diagnostic)>, Problem> {
         let model = self.model();
         let mut warnings = Vec::new();
         for &id in shapes {
@@ -151,14 +151,19 @@ impl Solids {
             let cut: Vec<&str> =
                 sides.into_iter().zip(found.reaches_bounds).filter(|(_, cut)| *cut).map(|(side, _)| side).collect();
             if !cut.is_empty() {
-                let problem = format!("`bounds` cut `{}` off at {}", shape.name, cut.join(", "));
-                warnings.push(
-                    Diagnostic::warning(bounds.span, problem)
-                        .help("widen them, or write `bounds = { box = …, cut = true }` where that is meant"),
-                );
+                let problem = format!("`bounds` cut `{}` off at {}{}", shape.name, cut.join(", "), self.at_frame());
+                let warning = Diagnostic::warning(bounds.span, problem);
+                let help = "widen them, or write `bounds = { box = …, cut = true }` where that is meant";
+                warnings.push((id, warning.help(help)));
             }
         }
         Ok(warnings)
+    }
+
+    /// The frame in words, after what is said of it; nothing at the shot's first.
+    fn at_frame(&self) -> String {
+        let first = self.model.shot.range.first as f64;
+        if self.moment.frame == first { String::new() } else { format!(" in frame {}", plain(self.moment.frame)) }
     }
 
     /// Builds now what does not change, so that [`Solids::at`] keeps it. What cannot be built is said when a frame

@@ -117,6 +117,9 @@ fn set_operations_and_modifiers() {
     let warnings = cut.warnings.to_string();
     assert!(warnings.starts_with("warning: `bounds` cut `a` off at +x\n --> scene.toml:3:10\n"), "{warnings}");
     assert!(warnings.contains("cut = true"), "{warnings}");
+    // Later frames too, with their number.
+    let later = prepared("frames = '1-10'\n[shape.a]\nsphere = '1 + t'\nbounds = 2.5\n").warnings.to_string();
+    assert!(later.contains("`bounds` cut `a` off at -x, +x, -y, +y, -z, +z in frame"), "{later}");
     let meant = "bounds = { box = [[-2, -2, -2], [0.5, 2, 2]], cut = true }\n";
     let meant = prepared(&format!("[shape.a]\nformula = '1 - x^2 - y^2 - z^2'\n{meant}"));
     assert!(meant.warnings.is_empty(), "{}", meant.warnings);

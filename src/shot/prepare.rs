@@ -152,7 +152,17 @@ fn build(model: &Arc<Model>, options: &PrepareOptions<'_>, precision: Precision)
     if let Some(cache) = &options.cache {
         solids.keep(cache);
     }
-    let warnings = solids.cut_by_bounds(&parts)?;
+    let mut cut = solids.cut_by_bounds(&parts)?;
+    // What changes is looked at in the middle and at the end too, the ends of most changes.
+    let range = model.shot.range;
+    for frame in [(range.first + range.last) as f64 / 2.0, range.last as f64].map(f64::round) {
+        let told = |id: &ShapeId| cut.iter().any(|(other, _)| other == id);
+        let changing: Vec<ShapeId> = parts.iter().copied().filter(|id| variation.own(*id) && !told(id)).collect();
+        // What is wrong in a later frame is told when that is made.
+        let found = solids.at(model.moment(frame), &variation).cut_by_bounds(&changing);
+        cut.extend(found.unwrap_or_default());
+    }
+    let warnings = cut.into_iter().map(|(_, warning)| warning).collect();
     Ok(Built { parts, assets, variation, solids, warnings })
 }
 
