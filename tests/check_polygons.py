@@ -1,18 +1,14 @@
 """Reads a USD file of polygons as Pixar's library does and as Blender does, and prints what each found as JSON."""
-import json
 import sys
 
 import bpy
 import numpy as np
 
-bpy.utils.expose_bundled_modules()
-from pxr import Usd, UsdGeom, UsdUtils  # noqa: E402
+from usd_stage import in_blender, opened, tell
+from pxr import Usd, UsdGeom  # noqa: E402
 
 path = sys.argv[1]
-stage = Usd.Stage.Open(path)
-checker = UsdUtils.ComplianceChecker()
-checker.CheckCompliance(path)
-mesh = UsdGeom.Mesh(next(prim for prim in stage.Traverse() if prim.IsA(UsdGeom.Mesh)))
+stage, mesh, found = opened(path, UsdGeom.Mesh)
 primvars = UsdGeom.PrimvarsAPI(mesh)
 times = mesh.GetPointsAttr().GetTimeSamples()
 
@@ -50,20 +46,13 @@ def sample(time):
     }
 
 
-found = {
-    "wrong": checker.GetErrors() + checker.GetFailedChecks(),
-    "up": UsdGeom.GetStageUpAxis(stage),
-    "metres": UsdGeom.GetStageMetersPerUnit(stage),
-    "fps": stage.GetTimeCodesPerSecond(),
-    "shot": [stage.GetStartTimeCode(), stage.GetEndTimeCode()],
+found |= {
     "times": [int(time) for time in times],
     "primvars": {primvar.GetPrimvarName(): [str(primvar.GetTypeName()), primvar.GetInterpolation()]
                  for primvar in primvars.GetPrimvarsWithValues()},
     "samples": [sample(time) for time in times or [Usd.TimeCode.Default()]],
 }
-bpy.ops.wm.read_factory_settings(use_empty=True)
-bpy.ops.wm.usd_import(filepath=path)
-item = next(item for item in bpy.data.objects if item.type == "MESH")
+item = in_blender(path, "MESH")[0]
 found["blender"] = []
 for time in [int(time) for time in times] or [1]:
     bpy.context.scene.frame_set(time)
@@ -78,4 +67,4 @@ for time in [int(time) for time in times] or [1]:
         "colour": values.reshape(-1, 4)[:, :3].mean(0).tolist() if colours else None,
         "attributes": sorted(data.attributes.keys()),
     })
-print("found " + json.dumps(found))
+tell(found)

@@ -22,8 +22,9 @@ use rayon::prelude::*;
 
 use self::spectrum::Spectrum;
 use self::surface::Grid;
+use super::positional::{Positional, PositionalSampler};
 use super::{Attribute, Sampler};
-use crate::field::{Aabb, BATCH, Field, Interval, Points};
+use crate::field::{Aabb, Field, Interval};
 use crate::mesh::{Holes, MeshDistance, TriangleMesh};
 
 /// Why there are no diffusion distances.
@@ -89,15 +90,9 @@ impl Diffusion {
     /// A source outside, a boundary of several pieces, or none.
     pub fn new(spreading: &Spreading<'_>) -> Result<Self, DiffusionError> {
         let Spreading { solid, aabb, sources, time, cancel } = spreading;
-        let mut evaluator = solid.evaluator();
-        for source in *sources {
-            let mut point = Points::new(*source);
-            point.push(glam::Vec3::ZERO);
-            let mut value = [0.0; BATCH];
-            evaluator.values(&point, &mut value);
-            if value[0].is_nan() || value[0] < 0.0 {
-                return Err(DiffusionError::Outside(*source));
-            }
+        let is_inside = |source: &&DVec3| solid.reference(**source) >= 0.0;
+        if let Some(source) = sources.iter().find(|source| !is_inside(source)) {
+            return Err(DiffusionError::Outside(*source));
         }
         let stopped = || if cancel.load(Ordering::Relaxed) { Err(DiffusionError::Cancelled) } else { Ok(()) };
         stopped()?;
@@ -118,31 +113,27 @@ impl Diffusion {
         let numbers: Vec<&[f64]> = order.iter().map(|vertex| spectrum.of_vertex(*vertex as usize)).collect();
         let triangles = closest.mesh().triangles();
         let count = spectrum.modes();
-        let of_foot = |position: DVec3, out: &mut Vec<f64>| {
-            let foot = closest.nearest(position);
-            let [a, b, c] = triangles[foot.triangle as usize].map(|vertex| numbers[vertex as usize]);
-            let [second, third] = foot.weights;
-            out.clear();
-            out.extend((0..count).map(|k| (1.0 - second - third) * a[k] + second * b[k] + third * c[k]));
-        };
         let of_place = |position: DVec3, is_inside: bool, weights: &mut Vec<f64>, out: &mut Vec<f64>| {
-            let near = closest.nearest(position).distance_squared.sqrt() < AT_BOUNDARY * grid.step;
-            if near || !is_inside {
-                return of_foot(position, out);
+            let foot = closest.nearest(position);
+            out.clear();
+            if !is_inside || foot.distance_squared.sqrt() < AT_BOUNDARY * grid.step {
+                let [a, b, c] = triangles[foot.triangle as usize].map(|vertex| numbers[vertex as usize]);
+                let [second, third] = foot.weights;
+                out.extend((0..count).map(|k| (1.0 - second - third) * a[k] + second * b[k] + third * c[k]));
+                return;
             }
             mean_value::weights(position, positions, triangles, weights);
-            out.clear();
             out.resize(count, 0.0);
             for (weight, numbers) in weights.iter().zip(&numbers) {
                 out.iter_mut().zip(*numbers).for_each(|(sum, number)| *sum += weight * number);
             }
         };
-        let mut starts: Vec<Vec<f64>> = Vec::new();
-        for source in *sources {
+        let start = |source: &DVec3| {
             let mut start = Vec::new();
             of_place(*source, true, &mut Vec::new(), &mut start);
-            starts.push(start);
-        }
+            start
+        };
+        let starts: Vec<Vec<f64>> = sources.iter().map(start).collect();
         let square = |numbers: &[f64]| {
             let to = |start: &Vec<f64>| start.iter().zip(numbers).map(|(a, b)| (a - b) * (a - b)).sum::<f64>();
             starts.iter().map(to).fold(f64::INFINITY, f64::min)
@@ -161,7 +152,9 @@ impl Diffusion {
         stopped()?;
         Ok(Self { origin: grid.origin, step: grid.step, size: grid.size, squares })
     }
+}
 
+impl Positional for Diffusion {
     /// The distance at a position: the square is cubic between nodes (Catmull and Rom), so the distance has no creases.
     fn at(&self, position: DVec3) -> f32 {
         let place = (position - self.origin) / self.step;
@@ -185,6 +178,10 @@ impl Diffusion {
         }
         sum.clamp(0.0, 1.0).sqrt() as f32
     }
+
+    fn range(&self) -> Interval {
+        Interval::new(0.0, 1.0)
+    }
 }
 
 /// The weights of four nodes for a place between the middle two.
@@ -200,25 +197,7 @@ fn catmull_rom(u: f64) -> [f64; 4] {
 
 impl Attribute<1> for Diffusion {
     fn sampler(&self) -> Box<dyn Sampler<1> + '_> {
-        Box::new(DiffusionSampler(self))
-    }
-}
-
-struct DiffusionSampler<'a>(&'a Diffusion);
-
-impl Sampler<1> for DiffusionSampler<'_> {
-    fn enter(&mut self, _region: &Aabb) {}
-
-    fn leave(&mut self) {}
-
-    fn sample(&mut self, points: &Points, out: &mut [[f32; 1]; BATCH]) {
-        for (i, out) in out.iter_mut().enumerate().take(points.len) {
-            *out = [self.0.at(points.position(i))];
-        }
-    }
-
-    fn bounds(&mut self, _region: &Aabb) -> [Interval; 1] {
-        [Interval::new(0.0, 1.0)]
+        Box::new(PositionalSampler(self))
     }
 }
 

@@ -19,6 +19,7 @@ mod mesh_colour;
 mod mesh_number;
 mod mix;
 mod parts;
+mod positional;
 mod primaries;
 mod ramp;
 mod scalar_field;

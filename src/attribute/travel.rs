@@ -12,6 +12,7 @@ use std::sync::atomic::AtomicBool;
 use glam::DVec3;
 use rayon::prelude::*;
 
+use super::positional::{Positional, PositionalSampler};
 use super::{Attribute, Sampler, around};
 use crate::distance::band;
 use crate::distance::method::blocks::Blocks;
@@ -162,7 +163,9 @@ impl Travel {
         let [range] = around(times.iter().map(|time| [*time]));
         Ok(Self { lattice, blocks, times, range })
     }
+}
 
+impl Positional for Travel {
     /// The time at a position.
     fn at(&self, position: DVec3) -> f32 {
         let (first, last) = self.blocks.ends();
@@ -176,6 +179,10 @@ impl Travel {
         let along_z = |node: usize| mix(share.z, self.times[node], self.times[next(node, 2)]);
         let along_y = |node: usize| mix(share.y, along_z(node), along_z(next(node, 1)));
         mix(share.x, along_y(node), along_y(next(node, 0)))
+    }
+
+    fn range(&self) -> Interval {
+        self.range
     }
 }
 
@@ -254,25 +261,7 @@ fn beyond(nodes: &Nodes<'_>, times: &[f64], watch: &Watch<'_>) -> Result<Vec<f32
 
 impl Attribute<1> for Travel {
     fn sampler(&self) -> Box<dyn Sampler<1> + '_> {
-        Box::new(TravelSampler(self))
-    }
-}
-
-struct TravelSampler<'a>(&'a Travel);
-
-impl Sampler<1> for TravelSampler<'_> {
-    fn enter(&mut self, _region: &Aabb) {}
-
-    fn leave(&mut self) {}
-
-    fn sample(&mut self, points: &Points, out: &mut [[f32; 1]; BATCH]) {
-        for (i, out) in out.iter_mut().enumerate().take(points.len) {
-            *out = [self.0.at(points.position(i))];
-        }
-    }
-
-    fn bounds(&mut self, _region: &Aabb) -> [Interval; 1] {
-        [self.0.range]
+        Box::new(PositionalSampler(self))
     }
 }
 

@@ -48,6 +48,7 @@ pub use error::{Element, MeshError, Problem};
 pub use evaluator::MeshEvaluator;
 pub use hull::hull;
 pub use material::{Material, MaterialNumber, NumberOf, Picture, PicturePlace};
+pub(crate) use pieces::Groups;
 pub use read::{
     About, Conventions, Encoding, Imported, Place, Remark, Turn, companions, has_companions, is_gltf, is_mesh, read,
     read_obj, read_ply,

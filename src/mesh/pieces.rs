@@ -130,7 +130,7 @@ fn lies_in(mesh: &TriangleMesh, piece: &Piece, winding: &Winding) -> bool {
 }
 
 /// Numbers joined into groups.
-pub(super) struct Groups(Vec<u32>);
+pub(crate) struct Groups(Vec<u32>);
 
 impl Groups {
     pub fn new(count: usize) -> Self {

@@ -4,6 +4,7 @@
 use glam::{DVec3, IVec3};
 
 use crate::field::{Aabb, BATCH, Field, Gradients, Points};
+use crate::mesh::Groups;
 
 /// Vertices aimed at: more cost time, the square of it inside; fewer miss a hundredth of the distances.
 const VERTICES: f64 = 2000.0;
@@ -48,9 +49,8 @@ impl Grid {
         let mut out = [0.0; BATCH];
         let all: Vec<usize> = (0..grid.nodes()).collect();
         for batch in all.chunks(BATCH) {
-            let mut points = Points::new(grid.position(batch[0]));
-            batch.iter().for_each(|node| points.push((grid.position(*node) - points.origin).as_vec3()));
-            evaluator.values(&points, &mut out);
+            let positions: Vec<DVec3> = batch.iter().map(|node| grid.position(*node)).collect();
+            evaluator.values(&Points::of_positions(&positions), &mut out);
             grid.values.extend(&out[..batch.len()]);
         }
         grid
@@ -165,9 +165,7 @@ impl Grid {
         let mut out: Box<Gradients> = Box::default();
         for _ in 0..STEPS {
             for batch in positions.chunks_mut(BATCH) {
-                let mut points = Points::new(batch[0]);
-                batch.iter().for_each(|position| points.push((*position - points.origin).as_vec3()));
-                evaluator.gradients(&points, &mut out);
+                evaluator.gradients(&Points::of_positions(batch), &mut out);
                 for (i, position) in batch.iter_mut().enumerate() {
                     let slope = out.gradient(i).as_dvec3();
                     let by = -slope * f64::from(out.value[i]) / slope.length_squared();
@@ -187,21 +185,12 @@ fn corners() -> impl Iterator<Item = IVec3> {
 impl Surface {
     /// A vertex of one piece and of another, where there is more than one.
     pub fn two_pieces(&self) -> Option<[DVec3; 2]> {
-        let mut group: Vec<u32> = (0..self.positions.len() as u32).collect();
-        fn of(group: &mut [u32], mut vertex: u32) -> u32 {
-            while group[vertex as usize] != vertex {
-                group[vertex as usize] = group[group[vertex as usize] as usize];
-                vertex = group[vertex as usize];
-            }
-            vertex
-        }
+        let mut groups = Groups::new(self.positions.len());
         for [a, b, c] in &self.triangles {
-            for (one, other) in [(*a, *b), (*b, *c)] {
-                let (one, other) = (of(&mut group, one), of(&mut group, other));
-                group[one.max(other) as usize] = one.min(other);
-            }
+            groups.join(*a, *b);
+            groups.join(*b, *c);
         }
-        let other = (0..group.len() as u32).find(|vertex| of(&mut group, *vertex) != 0)?;
+        let other = (0..self.positions.len() as u32).find(|vertex| groups.of(*vertex) != 0)?;
         Some([self.positions[0], self.positions[other as usize]])
     }
 

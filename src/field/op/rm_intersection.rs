@@ -25,12 +25,6 @@ impl Operation<2> for RmIntersection {
 
     #[inline(always)]
     fn visit(self, visitor: impl Visitor<2>) {
-        match self.order {
-            1 => visitor.visit(Self { order: 1 }),
-            2 => visitor.visit(Self { order: 2 }),
-            3 => visitor.visit(Self { order: 3 }),
-            4 => visitor.visit(Self { order: 4 }),
-            _ => visitor.visit(self),
-        }
+        rm_union::with_order(self.order, |order| visitor.visit(Self { order }));
     }
 }

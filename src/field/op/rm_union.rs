@@ -64,16 +64,21 @@ impl Operation<2> for RmUnion {
         Facts::union(a, b, Slope::Unknown, 0.0)
     }
 
-    /// With the order known, the loop over its bits is gone and lanes become vectors.
     #[inline(always)]
     fn visit(self, visitor: impl Visitor<2>) {
-        match self.order {
-            1 => visitor.visit(Self { order: 1 }),
-            2 => visitor.visit(Self { order: 2 }),
-            3 => visitor.visit(Self { order: 3 }),
-            4 => visitor.visit(Self { order: 4 }),
-            _ => visitor.visit(self),
-        }
+        with_order(self.order, |order| visitor.visit(Self { order }));
+    }
+}
+
+/// Does something of an order. With that known, the loop over its bits is gone and lanes become vectors.
+#[inline(always)]
+pub(super) fn with_order(order: u32, act: impl FnOnce(u32)) {
+    match order {
+        1 => act(1),
+        2 => act(2),
+        3 => act(3),
+        4 => act(4),
+        _ => act(order),
     }
 }
 
