@@ -18,7 +18,7 @@ use super::error::{Error, Side};
 use super::inertia::{Axes, Inertia};
 use super::motion::{Motion, Similarity};
 use super::object::MorphObject;
-use super::settings::{Carry, Mode, Settings};
+use super::settings::{Carry, Settings};
 use super::turn::{between, fit, is_half_turn, onto, turn, vector_near};
 
 /// Steps over the span at which the turn between objects that turn is followed. Fewer: they turn by more than half in a
@@ -70,7 +70,7 @@ enum Turning {
 impl Way {
     /// `None` where nothing is carried.
     pub(super) fn new(from: &MorphObject, to: &MorphObject, settings: &Settings) -> Result<Option<Self>, Error> {
-        if matches!(settings.mode, Mode::Union | Mode::Still) {
+        if !settings.mode.carries() {
             return Ok(None);
         }
         let objects = [from, to];

@@ -162,7 +162,7 @@ impl CoarseGrid {
 
 /// Both objects' distances at the cells' middles, in units of D, and the cosine between their gradients: all that
 /// the section of a morph depends on.
-pub(super) struct Measured {
+pub struct Measured {
     pub first: Vec<f32>,
     pub second: Vec<f32>,
     pub cosine: Vec<f32>,

@@ -28,8 +28,8 @@ fn tried(delay: Option<&str>) -> Result<Morph, Error> {
         colour: Arc::new(Constant::new(colour)),
         motion: Motion::default(),
     };
-    let flow = Flow { delay: delay.map(|text| Delay(formula(text))), ..Flow::default() };
-    let settings = Settings { mode: Mode::Flow(flow), colour_space: ColourSpace::Rgb, ..Settings::default() };
+    let mode = Arc::new(Volume { delay: delay.map(|text| Delay(formula(text))), ..Volume::default() });
+    let settings = Settings { mode, colour_space: ColourSpace::Rgb, ..Settings::default() };
     Morph::new(object(Exact::cube(-0.4, 0.5), RED), object(Exact::torus(0.8, 0.3), BLUE), settings)
 }
 

@@ -13,20 +13,17 @@ use super::course::{Course, LEAST_TIME, Timed};
 use super::delay::DelayGrid;
 use super::delayed::DelayedStb;
 use super::error::{Error, Side};
+use super::mode::{self, Between, Pace, Placed};
 use super::motion::{Moved, Similarity};
 use super::object::MorphObject;
 use super::pace::{Curve, Even, even};
-use super::plain;
 use super::recent::Recent;
 use super::section::{Kernel, Section};
-use super::settings::{Ease, Flow, Mode, Pace, Settings};
+use super::settings::{Ease, Settings};
 use super::stb::Stb;
 use super::stti::{MorphAttribute, Transfer};
 use super::surfels::Surfels;
-use super::volume::{
-    Enclosing, Volume, difference, linear_fractions, object_cells, object_fractions, place_fractions, total,
-    union_fractions,
-};
+use super::volume::{Enclosing, Volume, difference, object_cells, object_fractions, place_fractions, total};
 use crate::attribute::{Attribute, Colour, LinearRgb, Mix, Mixer, Turn};
 use crate::distance::Distance;
 use crate::field::{Aabb, BATCH, Field, Interval, Points};
@@ -61,14 +58,8 @@ pub struct Plan {
 pub enum Stage {
     /// The object at the start, as it is.
     From,
-    /// A section of the blend.
-    Between(Section),
-    /// The blend of places that wait; t of those that do not.
-    Delayed(f64),
-    /// (1 − t)·f₁ + t·f₂ at this t.
-    Linear(f64),
-    /// Both objects, at this t.
-    Union(f64),
+    /// What is between them at this t of STB.
+    Between(f64),
     /// The object at the end, as it is.
     To,
 }
@@ -78,8 +69,7 @@ impl Stage {
     pub fn t(&self) -> f64 {
         match self {
             Self::From => 0.0,
-            Self::Between(section) => section.t,
-            Self::Delayed(t) | Self::Linear(t) | Self::Union(t) => *t,
+            Self::Between(t) => *t,
             Self::To => 1.0,
         }
     }
@@ -188,42 +178,39 @@ impl Morph {
 
     /// What the morph shows at scene time τ.
     pub fn stage(&self, time: f64) -> Stage {
-        let t = self.time_at(time);
-        if t <= 0.0 {
-            return Stage::From;
-        }
-        if t >= 1.0 {
-            return Stage::To;
-        }
-        match &self.settings.mode {
-            Mode::Paper(paper) => Stage::Between(paper.at(time).section(t)),
-            Mode::Linear(_) => Stage::Linear(t),
-            Mode::Union => Stage::Union(t),
-            Mode::Still => Stage::From,
-            Mode::Flow(_) if self.delay.is_some() => Stage::Delayed(t),
-            Mode::Flow(flow) => {
-                let a0 = self.solved(time).enclosing.a0;
-                Stage::Between(Section { a0, ..flow.section(t, time) })
-            }
+        match self.time_at(time) {
+            t if t <= 0.0 => Stage::From,
+            t if t >= 1.0 => Stage::To,
+            t => Stage::Between(t),
         }
     }
 
     /// The frame's field in world units, at scene time τ. At the ends it is the object's own.
     pub fn field(&self, time: f64) -> Arc<dyn Field> {
-        let placed = |object: &MorphObject| Moved::new(object.distance.clone(), object.motion.at(time));
-        let own = |object: &MorphObject| Arc::new(Moved::new(object.surface.clone(), object.motion.at(time)));
-        match self.stage(time) {
-            Stage::From => own(&self.from),
-            Stage::To => own(&self.to),
-            Stage::Delayed(_) => {
-                let (first, second) = (Arc::new(placed(&self.from)), Arc::new(placed(&self.to)));
-                self.delayed_field(time, first, second).unwrap_or_else(|| own(&self.from))
-            }
-            Stage::Linear(t) => plain::linear(Arc::new(placed(&self.from)), Arc::new(placed(&self.to)), t),
-            Stage::Union(_) => plain::union(own(&self.from), own(&self.to)),
-            Stage::Between(section) => {
-                Arc::new(Stb::new(Arc::new(placed(&self.from)), Arc::new(placed(&self.to)), self.plan.unit, &section))
-            }
+        let own = |object: &MorphObject| -> Arc<dyn Field> {
+            Arc::new(Moved::new(object.surface.clone(), object.motion.at(time)))
+        };
+        let distance = |object: &MorphObject| -> Arc<dyn Distance> {
+            Arc::new(Moved::new(object.distance.clone(), object.motion.at(time)))
+        };
+        let stb = |section: &Section| -> Arc<dyn Field> {
+            Arc::new(Stb::new(distance(&self.from), distance(&self.to), self.plan.unit, section))
+        };
+        let t = match self.stage(time) {
+            Stage::From => return own(&self.from),
+            Stage::To => return own(&self.to),
+            Stage::Between(t) => t,
+        };
+        if let Some(field) = self.delayed_field(time, || [distance(&self.from), distance(&self.to)]) {
+            return field;
+        }
+        match self.settings.mode.between(t, time) {
+            Between::Section(section) => stb(&section),
+            Between::Enclosing(section) => stb(&Section { a0: self.solved(time).enclosing.a0, ..section }),
+            Between::Formula(formula) => formula.field(&Placed {
+                distances: [distance(&self.from), distance(&self.to)],
+                surfaces: [own(&self.from), own(&self.to)],
+            }),
         }
     }
 
@@ -281,15 +268,11 @@ impl Morph {
 
     /// STB's t at scene time τ, in \[0, 1\].
     pub(super) fn time_at(&self, time: f64) -> f64 {
-        if matches!(self.settings.mode, Mode::Still) { 0.0 } else { self.plan.pace.at(self.settings.eased(time)) }
+        if self.settings.mode.stays() { 0.0 } else { self.plan.pace.at(self.settings.eased(time)) }
     }
 
     fn paced(&self) -> bool {
-        match &self.settings.mode {
-            Mode::Flow(flow) => flow.pace == Pace::Even,
-            Mode::Linear(pace) => *pace == Pace::Even,
-            Mode::Paper(_) | Mode::Union | Mode::Still => false,
-        }
+        self.settings.mode.pace() == Pace::Even
     }
 
     /// The blend's amount at t and scene time τ, and what it encloses; at the ends, 0 and the object.
@@ -299,18 +282,15 @@ impl Morph {
         if t <= 0.0 {
             return plain(object_fractions(grid, &measured.first, unit));
         }
-        if t >= 1.0 && !matches!(self.settings.mode, Mode::Still) {
+        if t >= 1.0 && !self.settings.mode.stays() {
             return plain(object_fractions(grid, &measured.second, unit));
         }
-        match &self.settings.mode {
-            Mode::Linear(_) => plain(linear_fractions(grid, measured, unit, t)),
-            Mode::Union => plain(union_fractions(grid, measured, unit)),
-            Mode::Still => plain(object_fractions(grid, &measured.first, unit)),
-            Mode::Paper(paper) => Volume::new(grid, measured, unit, paper.at(time).section(t)).as_it_is(),
-            Mode::Flow(flow) => {
-                let volume = Volume::new(grid, measured, unit, flow.section(t, time));
-                volume.enclosing(self.target(measured, time, t))
+        match self.settings.mode.between(t, time) {
+            Between::Section(section) => Volume::new(grid, measured, unit, section).as_it_is(),
+            Between::Enclosing(section) => {
+                Volume::new(grid, measured, unit, section).enclosing(self.target(measured, time, t))
             }
+            Between::Formula(formula) => plain(formula.fractions(grid, measured, unit)),
         }
     }
 
@@ -327,29 +307,29 @@ impl Morph {
     pub(super) fn target(&self, measured: &Measured, time: f64, t: f64) -> f64 {
         let own = |distances: &[f32]| object_cells(&self.plan.grid, distances, self.plan.unit);
         let (first, second) = (own(&measured.first), own(&measured.second));
-        let factor = match &self.settings.mode {
-            Mode::Flow(flow) => flow.volume.at(time),
-            _ => 1.0,
-        };
+        let factor = self.settings.mode.volume().map_or(1.0, |mode| mode.volume.at(time));
         ((1.0 - t) * first + t * second) * factor
     }
 
     /// What the blend encloses on the way where places wait.
     fn delayed(&self, measured: &Arc<Measured>, time: f64, t: f64) -> Option<Enclosing> {
-        let (Some(delay), Mode::Flow(flow), true) = (&self.delay, &self.settings.mode, t > 0.0 && t < 1.0) else {
+        let (delay, mode) = (self.delay.as_ref()?, self.settings.mode.volume()?);
+        if t <= 0.0 || t >= 1.0 {
             return None;
-        };
+        }
         let (grid, eased) = (&self.plan.grid, self.settings.eased(time));
-        let course = self.course(flow, delay, time, || Arc::clone(measured));
+        let course = self.course(mode, delay, time, || Arc::clone(measured));
         let common = self.common.motion.at(time);
         let place = |cell: usize| course.place(delay.progress(common.to_world(grid.centre(cell)), eased));
         let fractions = place_fractions(grid, measured, self.plan.unit, place);
         Some(Enclosing { a0: course.a0(eased), fractions })
     }
 
-    fn delayed_field(&self, time: f64, first: Arc<dyn Distance>, second: Arc<dyn Distance>) -> Option<Arc<dyn Field>> {
-        let (Some(delay), Mode::Flow(flow)) = (&self.delay, &self.settings.mode) else { return None };
-        let course = self.course(flow, delay, time, || self.measured_at(time));
+    /// The field of places that wait; `None` where none does.
+    fn delayed_field(&self, time: f64, pair: impl FnOnce() -> [Arc<dyn Distance>; 2]) -> Option<Arc<dyn Field>> {
+        let (delay, mode) = (self.delay.as_ref()?, self.settings.mode.volume()?);
+        let [first, second] = pair();
+        let course = self.course(mode, delay, time, || self.measured_at(time));
         let (unit, eased, delay) = (self.plan.unit, self.settings.eased(time), Arc::clone(delay));
         Some(Arc::new(DelayedStb { first, second, unit, eased, delay, course }))
     }
@@ -358,12 +338,12 @@ impl Morph {
     /// asked only where they are not known.
     fn course(
         &self,
-        flow: &Flow,
+        mode: &mode::volume::Volume,
         delay: &DelayGrid,
         time: f64,
         measured: impl FnOnce() -> Arc<Measured>,
     ) -> Arc<Course> {
-        let always = self.still.is_some() && flow.is_still();
+        let always = self.still.is_some() && mode.is_still();
         self.courses.at(if always { 0.0 } else { time }, || {
             let measured = measured();
             let eased = self.settings.eased(time);
@@ -372,7 +352,7 @@ impl Morph {
             let t = |progress: f64| self.plan.pace.at(progress).clamp(LEAST_TIME, 1.0 - LEAST_TIME);
             let timed = |progress: f64| {
                 let time_there = t(progress);
-                Timed { time: time_there, reach: Kernel::<f64>::new(&flow.section(time_there, time)).reach() }
+                Timed { time: time_there, reach: Kernel::<f64>::new(&mode.section(time_there, time)).reach() }
             };
             let a0: Vec<f64> =
                 nodes.par_iter().map(|progress| self.enclosing(&measured, time, t(*progress)).a0).collect();
@@ -382,7 +362,7 @@ impl Morph {
 
     /// Takes the delay, which stands in the world, onto the coarse grid, or onto one over all that it moves through.
     fn measure_delay(&mut self) -> Result<(), Error> {
-        let Mode::Flow(Flow { delay: Some(delay), .. }) = &self.settings.mode else { return Ok(()) };
+        let Some(delay) = self.settings.mode.volume().and_then(|mode| mode.delay.as_ref()) else { return Ok(()) };
         let grid = if self.common.motion.is_still() {
             self.plan.grid.clone()
         } else {

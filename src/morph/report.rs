@@ -7,7 +7,6 @@ use serde::{Deserialize, Serialize};
 
 use super::motion::{Moved, Similarity};
 use super::plan::{Morph, Solved};
-use super::settings::Mode;
 use super::surfels::Surfels;
 use super::volume::{Enclosing, difference, object_fractions, total};
 use crate::distance::Distance;
@@ -132,7 +131,7 @@ impl Morph {
         let solved = self.solved(time);
         let Enclosing { a0, fractions } = &solved.enclosing;
         let cell = self.plan().grid.cell_volume();
-        let aims = self.delay.is_none() && matches!(self.settings.mode, Mode::Flow(_));
+        let aims = self.delay.is_none() && self.settings.mode.volume().is_some();
         let target = aims.then(|| solved.target * cell);
         let volume = total(fractions) * cell;
         let pieces = self.plan().grid.pieces(fractions);

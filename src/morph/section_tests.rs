@@ -31,10 +31,10 @@ fn sections() -> Vec<Section> {
     let round = Some(Round { a0: -0.2, reach: 0.5, a3: 0.7, depth: 0.3 });
     let mut sections = Vec::new();
     for t in [0.0, 0.01, 0.5, 0.9, 1.0] {
-        sections.push(Section { a0: 2.0 * 0.25 * t * (1.0 - t), ..Flow::default().section(t, 0.0) });
-        sections.push(Section { a0: 30.0, ..Flow { bridge: 1.5.into(), ..Flow::default() }.section(t, 0.0) });
-        sections.push(Paper::default().section(t));
-        sections.push(Paper { a: [-0.4, 0.5, 2.0, 1.0], slab: [-0.5, 1.2], round, time_scale: 0.7 }.section(t));
+        sections.push(Section { a0: 2.0 * 0.25 * t * (1.0 - t), ..Volume::default().section(t, 0.0) });
+        sections.push(Section { a0: 30.0, ..Volume { bridge: 1.5.into(), ..Volume::default() }.section(t, 0.0) });
+        sections.push(Numbers::default().section(t));
+        sections.push(Numbers { a: [-0.4, 0.5, 2.0, 1.0], slab: [-0.5, 1.2], round, time_scale: 0.7 }.section(t));
     }
     sections
 }

@@ -5,6 +5,7 @@ use std::sync::{Arc, LazyLock};
 use glam::DVec3;
 
 use super::exact::Exact;
+use super::mode::Between;
 use super::*;
 use crate::attribute::{ColourSpace, Constant, LinearRgb};
 use crate::distance::Distance;
@@ -25,12 +26,23 @@ fn morph_with(from: Arc<Exact>, to: Arc<Exact>, settings: Settings) -> Morph {
     Morph::new(still(from, YELLOW), still(to, PINK), settings).expect("a morph")
 }
 
-fn flow(flow: Flow) -> Settings {
-    Settings { mode: Mode::Flow(flow), ..Settings::default() }
+fn flow(mode: Volume) -> Settings {
+    Settings { mode: Arc::new(mode), ..Settings::default() }
 }
 
-fn paper(paper: Paper) -> Settings {
-    Settings { mode: Mode::Paper(paper.into()), ..Settings::default() }
+fn paper(numbers: Numbers) -> Settings {
+    Settings { mode: Arc::new(Paper(numbers.into())), ..Settings::default() }
+}
+
+/// What a morph shows at a time: its stage, and the section with its a₀.
+fn shown(morph: &Morph, time: f64) -> (Stage, Option<Section>) {
+    let stage = morph.stage(time);
+    let section = match morph.settings.mode.between(stage.t(), time) {
+        Between::Section(section) => Some(section),
+        Between::Enclosing(section) => Some(Section { a0: morph.solved(time).enclosing.a0, ..section }),
+        Between::Formula(_) => None,
+    };
+    (stage, section)
 }
 
 pub(super) fn frames(count: usize) -> Vec<f64> {
@@ -172,7 +184,7 @@ fn frames_near_the_ends_are_near_the_objects() {
 fn an_object_morphed_into_itself_does_not_move() {
     for bridge in [0.05, 1.5] {
         let cube = Exact::cube(0.1, 0.5);
-        let morph = morph_with(cube.clone(), cube.clone(), flow(Flow { bridge: bridge.into(), ..Flow::default() }));
+        let morph = morph_with(cube.clone(), cube.clone(), flow(Volume { bridge: bridge.into(), ..Volume::default() }));
         let points = random_points(3, 0.9);
         for time in [0.1, 0.5, 0.77] {
             let field = morph.field(time);
@@ -216,7 +228,7 @@ fn bounds_hold_all_samples() {
     let turned = Similarity::new(1.3, DVec3::new(30.0, -40.0, 75.0), DVec3::new(0.2, 0.1, -0.1)).expect("sound");
     let from = object(Exact::ball(-0.4, 0.4), YELLOW, Motion::still(turned));
     let by_ball = Morph::new(from, still(Exact::ball(0.5, 0.3), PINK), Settings::default()).expect("a morph");
-    let by_hand = Paper { a: [-0.3, 1.0, 1.0, 1.0], ..Paper::default() };
+    let by_hand = Numbers { a: [-0.3, 1.0, 1.0, 1.0], ..Numbers::default() };
     let by_hand = morph_with(Exact::cube(-0.4, 0.5), Exact::ball(0.5, 0.4), paper(by_hand));
     for (morph, time) in [(&by_ball, 0.5), (&by_ball, 0.1), (usual(), 0.4), (&by_hand, 0.3)] {
         let field = morph.field(time);
@@ -430,7 +442,7 @@ fn an_ease_by_keys_rests_and_goes_back() {
     let (eased, plain) = (morph_with(from.clone(), to.clone(), eased), morph_with(from, to, Settings::default()));
     for time in [0.0, 0.1, 0.2, 0.31, 0.4, 0.5, 0.6, 0.8, 1.0] {
         // Nothing moves, so the same progress is the same frame.
-        assert_eq!(eased.stage(time), plain.stage(progress(time)), "{time}");
+        assert_eq!(shown(&eased, time), shown(&plain, progress(time)), "{time}");
     }
     let report = eased.report(&frames(41));
     assert!(report.frames[9..=16].iter().all(|frame| frame.change == 0.0 || frame.time <= 0.2));
@@ -443,20 +455,20 @@ fn an_ease_by_keys_rests_and_goes_back() {
 fn parameters_over_time() {
     let pair = || (Exact::cube(-0.9, 0.5), Exact::ball(0.9, 0.5));
     let with = |settings: Settings| morph_with(pair().0, pair().1, settings);
-    let timed = |bridge: OverTime<f64>| flow(Flow { bridge, pace: Pace::Time, ..Flow::default() });
+    let timed = |bridge: OverTime<f64>| flow(Volume { bridge, pace: Pace::Time, ..Volume::default() });
     let moving = with(timed(OverTime::moving(|time| 0.1 + time)));
     for time in [0.25, 0.5, 0.8] {
-        assert_eq!(moving.stage(time), with(timed((0.1 + time).into())).stage(time));
+        assert_eq!(shown(&moving, time), shown(&with(timed((0.1 + time).into())), time));
     }
-    let at = |time: f64| Paper {
+    let at = |time: f64| Numbers {
         a: [0.3 * time, 1.0 + time, 2.0, 0.3],
         slab: [-1.0 - time, 2.0],
         time_scale: 0.25 + 0.1 * time,
         round: Some(Round { a0: -0.1 * time, reach: 1.0, a3: 1.0, depth: 1.0 }),
     };
-    let moving = with(Settings { mode: Mode::Paper(OverTime::moving(at)), ..Settings::default() });
+    let moving = with(Settings { mode: Arc::new(Paper(OverTime::moving(at))), ..Settings::default() });
     for time in [0.25, 0.5, 0.75] {
-        assert_eq!(moving.stage(time), Stage::Between(at(time).section(time)));
+        assert_eq!(shown(&moving, time), (Stage::Between(time), Some(at(time).section(time))));
     }
     let transfer = |alpha: OverTime<f64>, beta: OverTime<f64>| {
         let morph = with(Settings { alpha, beta, ..timed(0.5.into()) });
@@ -475,7 +487,7 @@ fn a_volume_of_ones_own() {
     for (ease, pace) in [(Ease::Linear, Pace::Even), (Ease::Smooth, Pace::Even), (Ease::Smooth, Pace::Time)] {
         let (from, to) = (Exact::cube(0.0, 0.5), Exact::ball(0.2, 0.6));
         let volume = OverTime::moving(|time| 1.0 + 0.3 * (1.0 - (4.0 * time - 2.0).abs()).max(0.0));
-        let mode = Mode::Flow(Flow { volume, pace, ..Flow::default() });
+        let mode = Arc::new(Volume { volume, pace, ..Volume::default() });
         let morph =
             morph_with(from, to, Settings { mode, over: [0.25, 0.75], ease: ease.clone(), ..Settings::default() });
         let report = morph.report(&(0..=40).map(|step| 0.25 + f64::from(step) / 80.0).collect::<Vec<_>>());
@@ -490,7 +502,7 @@ fn a_volume_of_ones_own() {
 
 #[test]
 fn the_papers_mode_is_empty_next_to_its_ends() {
-    let morph = morph_with(Exact::cube(0.0, 0.8), Exact::ball(0.0, 0.6), paper(Paper::default()));
+    let morph = morph_with(Exact::cube(0.0, 0.8), Exact::ball(0.0, 0.6), paper(Numbers::default()));
     let report = morph.report(&[0.0, 0.02, 0.5, 0.98, 1.0]);
     let volumes: Vec<f64> = report.frames.iter().map(|frame| frame.volume).collect();
     assert!((volumes[0] - 4.096).abs() < 1e-3 && volumes[1] == 0.0 && volumes[3] == 0.0, "{volumes:?}");
@@ -501,7 +513,13 @@ fn the_papers_mode_is_empty_next_to_its_ends() {
 #[test]
 fn the_plain_modes_are_their_formulas() {
     let (from, to) = (Exact::cube(-0.3, 0.5), Exact::ball(0.4, 0.6));
-    for (mode, t_of) in [(Mode::Linear(Pace::Time), 0.3), (Mode::Linear(Pace::Even), f64::NAN), (Mode::Union, 0.3)] {
+    let modes: [(Arc<dyn Mode>, f64); 3] = [
+        (Arc::new(Linear { pace: Pace::Time }), 0.3),
+        (Arc::new(Linear { pace: Pace::Even }), f64::NAN),
+        (Arc::new(Union), 0.3),
+    ];
+    for (mode, t_of) in modes {
+        let is_union = !mode.carries();
         let morph = morph_with(from.clone(), to.clone(), Settings { mode: mode.clone(), ..Settings::default() });
         let (field, t) = (morph.field(0.3), morph.stage(0.3).t());
         assert!(t_of.is_nan() || t == t_of, "{t}");
@@ -510,7 +528,7 @@ fn the_plain_modes_are_their_formulas() {
         field.evaluator().values(&points, &mut values);
         for i in 0..BATCH {
             let (one, two) = (from.reference(points.position(i)), to.reference(points.position(i)));
-            let wanted = if matches!(mode, Mode::Union) { one.max(two) } else { (1.0 - t) * one + t * two };
+            let wanted = if is_union { one.max(two) } else { (1.0 - t) * one + t * two };
             assert!(
                 (f64::from(values[i]) - wanted).abs() < 1e-6
                     && (field.reference(points.position(i)) - wanted).abs() < 1e-9
@@ -522,7 +540,7 @@ fn the_plain_modes_are_their_formulas() {
         let report = morph.report(&[0.0, 0.3, 1.0]);
         assert!((report.frames[1].volume / volume - 1.0).abs() < 0.005, "{} for {volume}", report.frames[1].volume);
         assert!((report.frames[0].volume - 1.0).abs() < 1e-3 && report.frames[1].target.is_none());
-        if let Mode::Linear(Pace::Even) = mode {
+        if mode.pace() == Pace::Even {
             let report = morph.report(&frames(48));
             assert!(report.largest_over_median < 2.0, "{}", report.largest_over_median);
         }
@@ -533,7 +551,7 @@ fn the_plain_modes_are_their_formulas() {
 #[test]
 fn a_still_shape_takes_colours_alone() {
     let (from, to) = (Exact::ball(-0.3, 0.5), Exact::ball(1.2, 0.4));
-    let settings = Settings { mode: Mode::Still, colour_over: [0.0, 0.5], octopus: true, ..Settings::default() };
+    let settings = Settings { mode: Arc::new(Still), colour_over: [0.0, 0.5], octopus: true, ..Settings::default() };
     let morph = morph_with(from.clone(), to, settings);
     let cell = DVec3::splat(morph.plan().grid.edge());
     assert!(morph.extent().min.cmpge(DVec3::new(-0.8, -0.5, -0.5) - cell).all());
@@ -591,7 +609,7 @@ fn the_surfaces_farthest_way() {
     }
     // Two that lie apart, one shrinking as the other grows: two pieces on the way.
     let bridge = OverTime::still(0.05);
-    let apart = morph_with(Exact::ball(-1.0, 0.5), Exact::ball(1.0, 0.5), flow(Flow { bridge, ..Flow::default() }));
+    let apart = morph_with(Exact::ball(-1.0, 0.5), Exact::ball(1.0, 0.5), flow(Volume { bridge, ..Volume::default() }));
     let pieces: Vec<usize> = apart.report(&[0.0, 0.5, 1.0]).frames.iter().map(|frame| frame.pieces).collect();
     assert_eq!(pieces, [1, 2, 1]);
 }
@@ -602,7 +620,7 @@ fn the_same_bits_on_one_thread_and_two() {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
         pool.install(|| {
             let morph = morph_with(Exact::cube(-0.5, 0.5), Exact::torus(0.8, 0.3), Settings::default());
-            (morph.plan().clone(), morph.stage(0.37), morph.report(&frames(5)))
+            (morph.plan().clone(), shown(&morph, 0.37), morph.report(&frames(5)))
         })
     };
     let (one, two) = (plan(1), plan(2));
@@ -616,13 +634,13 @@ fn a_plan_outlives_its_morph() {
     let plan = serde_json::from_str(&text).expect("read");
     let again = Morph::with_plan(from, to, Settings::default(), plan).expect("a morph");
     assert_eq!(usual().plan(), again.plan());
-    assert_eq!(usual().stage(0.61), again.stage(0.61));
+    assert_eq!(shown(usual(), 0.61), shown(&again, 0.61));
 }
 
 #[test]
 fn settings_out_of_range_are_refused_by_name() {
     let refused = |settings: Settings| settings.check().expect_err("refused").to_string();
-    assert!(refused(flow(Flow { bridge: 0.0.into(), ..Flow::default() })).contains("bridge is 0"));
+    assert!(refused(flow(Volume { bridge: 0.0.into(), ..Volume::default() })).contains("bridge is 0"));
     assert!(
         refused(Settings { beta: 1.5.into(), ..Settings::default() })
             .contains("beta is 1.5; it must lie between 0 and 1")
@@ -630,8 +648,8 @@ fn settings_out_of_range_are_refused_by_name() {
     assert!(refused(Settings { alpha: f64::NAN.into(), ..Settings::default() }).contains("alpha"));
     assert!(refused(Settings { over: [1.0, 0.5], ..Settings::default() }).contains("must end after it starts"));
     let volume = OverTime::moving(|time| 1.0 + time);
-    assert!(refused(flow(Flow { volume, ..Flow::default() })).contains("it must be 1"));
-    assert!(refused(paper(Paper { a: [1.0, 0.0, 1.0, 1.0], ..Paper::default() })).contains("a1 is 0"));
+    assert!(refused(flow(Volume { volume, ..Volume::default() })).contains("it must be 1"));
+    assert!(refused(paper(Numbers { a: [1.0, 0.0, 1.0, 1.0], ..Numbers::default() })).contains("a1 is 0"));
 }
 
 #[test]

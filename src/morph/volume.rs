@@ -80,24 +80,6 @@ pub(super) fn object_fractions(grid: &CoarseGrid, distances: &[f32], unit: f64) 
     distances.iter().map(|distance| fraction(distance * per_edge)).collect()
 }
 
-/// The fraction inside of each cell where F is (1 − t)·f₁ + t·f₂.
-pub(super) fn linear_fractions(grid: &CoarseGrid, measured: &Measured, unit: f64, t: f64) -> Vec<f32> {
-    let (per_edge, one, two) = ((unit / grid.edge()) as f32, (1.0 - t) as f32, t as f32);
-    let cells = measured.first.iter().zip(&measured.second).zip(&measured.cosine);
-    let inside = |((first, second), cosine): ((&f32, &f32), &f32)| {
-        let square = one * one + two * two + 2.0 * one * two * cosine;
-        fraction((one * first + two * second) / square.max(NO_SLOPE).sqrt() * per_edge)
-    };
-    cells.map(inside).collect()
-}
-
-/// The fraction inside of each cell where F is max(f₁, f₂).
-pub(super) fn union_fractions(grid: &CoarseGrid, measured: &Measured, unit: f64) -> Vec<f32> {
-    let per_edge = (unit / grid.edge()) as f32;
-    let cells = measured.first.iter().zip(&measured.second);
-    cells.map(|(first, second)| fraction(first.max(*second) * per_edge)).collect()
-}
-
 /// The fraction inside of each cell, where each has a blend of its own.
 pub(super) fn place_fractions(
     grid: &CoarseGrid,
@@ -135,7 +117,7 @@ pub(super) fn object_cells(grid: &CoarseGrid, distances: &[f32], unit: f64) -> f
 }
 
 /// The fraction of a cell behind a plane through it, from its middle's distance in cells.
-fn fraction(distance: f32) -> f32 {
+pub(super) fn fraction(distance: f32) -> f32 {
     (0.5 + distance).clamp(0.0, 1.0)
 }
 

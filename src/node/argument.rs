@@ -7,6 +7,7 @@ use crate::attribute::LinearRgb;
 use crate::field::{Aabb, CopyPlace};
 use crate::node::applied::Applied;
 use crate::node::id::{CellsId, ShapeId};
+use crate::node::model::MorphDelay;
 use crate::text::files::FileReference;
 
 use crate::text::number::Number;
@@ -71,6 +72,10 @@ pub enum Argument {
     NumberBands(Vec<(f64, [f32; 1])>),
     /// Numbers or formulas of space: three of a colour, or one.
     Components(Vec<Component>),
+    /// How a morph's objects are rounded against the planes that cut them in time: a₀, reach, a₃ and depth.
+    Round(Box<[Number; 4]>),
+    /// How long places of a morph wait.
+    Delay(Box<MorphDelay>),
     /// An operation of the scene's own with its numbers.
     Applied(Applied),
 }
@@ -165,6 +170,10 @@ impl Arguments {
         vector: Vector => [Number; 3],
         /// Two numbers.
         pair: Pair => [Number; 2],
+        /// The numbers of a morph's `round`.
+        round: Round => [Number; 4],
+        /// How long places wait.
+        delay: Delay => MorphDelay,
         /// Lists of numbers.
         rows: Rows => Rows,
         /// A number that stands still.
@@ -250,6 +259,7 @@ impl Arguments {
             Argument::Number(number) => std::slice::from_ref(number),
             Argument::Vector(vector) => &vector[..],
             Argument::Pair(pair) => &pair[..],
+            Argument::Round(round) => &round[..],
             Argument::Applied(applied) => &applied.numbers,
             _ => &[],
         });

@@ -2,7 +2,8 @@
 
 use std::fmt::Write;
 
-use super::list::{COLOURS, MAKERS, MODIFIERS, PLACERS, ROOMS, SCALARS};
+use super::list::{COLOURS, MAKERS, MODES, MODIFIERS, PLACERS, ROOMS, SCALARS};
+use super::morph_mode::ModeSpec;
 use super::source::Source;
 use super::spec::Spec;
 use crate::text::key::{Absent, Key, Limit};
@@ -63,6 +64,7 @@ pub fn catalogue() -> Vec<Entry> {
                 "MODIFIERS" => of_shape(MODIFIERS),
                 "PLACERS" => of_shape(PLACERS),
                 "COLOURS" => COLOURS.iter().find(|row| is_it(&row.key)).map(|row| of_source(group, row, "c")),
+                "MODES" => MODES.iter().find(|row| is_it(&row.key)).map(|row| of_mode(group, row)),
                 _ => SCALARS.iter().find(|row| is_it(&row.key)).map(|row| of_source(group, row, "a")),
             });
         }
@@ -87,6 +89,17 @@ fn of_source<const N: usize>(group: &'static str, source: &'static Source<N>, sy
         example: source.example,
         parameters: source.parameters.iter().map(parameter).collect(),
         ..of_key(group, &source.key)
+    }
+}
+
+fn of_mode(group: &'static str, mode: &'static ModeSpec) -> Entry {
+    Entry {
+        takes: String::new(),
+        formula: formula("F", mode.formula),
+        source: mode.source,
+        example: mode.example,
+        parameters: mode.parameters.iter().map(parameter).collect(),
+        ..of_key(group, &mode.key)
     }
 }
 
@@ -181,6 +194,9 @@ fn chapter(table: &str) -> &'static str {
         "COLOURS" => {
             "## Where a colour comes from\n\nKeys of `color = { … }`, of which a colour as a table has exactly one; see [colours](scene.md#colours-as-tables).\n"
         }
+        "MODES" => {
+            "## How a morph's shape changes\n\nThe values of `mode` of [`[morph]`](scene.md#morph), each with the keys that it alone has.\n"
+        }
         _ => {
             "## Where a number comes from\n\nKeys of `attribute.NAME = { … }`, of which a number as a table has exactly one; see [attributes](scene.md#attribute-numbers-that-go-with-the-surface).\n"
         }
@@ -221,7 +237,8 @@ fn section(out: &mut String, entry: &Entry) {
     let left_out = if entry.default.is_empty() { String::new() } else { format!(" When left out: {}.", entry.default) };
     let also: Vec<String> = entry.also.iter().map(|name| format!("`{name}`")).collect();
     let also = if also.is_empty() { String::new() } else { format!(" Also called {}.", also.join(", ")) };
-    let _ = write!(out, "#### `{}`\n\n{} Takes: {}.{left_out}{also}\n", entry.name, entry.text, entry.takes);
+    let takes = if entry.takes.is_empty() { String::new() } else { format!(" Takes: {}.", entry.takes) };
+    let _ = write!(out, "#### `{}`\n\n{}{takes}{left_out}{also}\n", entry.name, entry.text);
     match (entry.formula.as_str(), entry.source) {
         ("", "") => {}
         (formula, "") => _ = write!(out, "\n{formula}\n"),
@@ -234,6 +251,7 @@ fn section(out: &mut String, entry: &Entry) {
             let _ = write!(out, "\n```toml\n{}\n```\n\n![{}]({picture})\n", entry.example, entry.name);
         }
         None if entry.example.is_empty() => {}
+        None if entry.example.contains('\n') => _ = write!(out, "\n```toml\n{}\n```\n", entry.example),
         None => _ = write!(out, "\n`{}`\n", entry.example),
     }
     if !entry.parameters.is_empty() {
@@ -262,7 +280,7 @@ mod tests {
     fn nothing_is_left_out() {
         let all = catalogue();
         let shapes = MAKERS.len() + MODIFIERS.len() + PLACERS.len();
-        assert_eq!(all.len(), shapes + COLOURS.len() + SCALARS.len());
+        assert_eq!(all.len(), shapes + COLOURS.len() + SCALARS.len() + MODES.len());
         let mut groups: Vec<&str> = ROOMS.iter().map(|(_, group, _)| anchor(group).leak() as &str).collect();
         groups.sort_unstable();
         groups.dedup();

@@ -8,7 +8,7 @@ use crate::disk;
 use crate::mesh;
 use crate::node::argument::Arguments;
 use crate::node::id::{ShapeId, Stage};
-use crate::node::model::{Model, Morph, MorphMode, Shape};
+use crate::node::model::{Model, Morph, Shape};
 use crate::text::files::{FilePlace, FileReference};
 use crate::text::sequence::FileSequence;
 use crate::text::value::Table;
@@ -79,7 +79,7 @@ impl Model {
         ];
         let link = format!("{:?} {:?} {:?}", morph.from, morph.to, morph.over);
         let of_link = |hash: [u8; 32]| Sha256::new().chain_update(hash).chain_update(&link).finalize().into();
-        if matches!(&morph.mode, MorphMode::Volume { delay: Some(_), .. }) {
+        if morph.mode.delay().is_some() {
             return self.hash().map(of_link);
         }
         let mut document = self.document.clone();

@@ -3,7 +3,7 @@
 
 mod morph;
 
-pub use morph::{BY_MODE, DELAY, FILL, MORPH, ROUND};
+pub use morph::{DELAY, FILL, MORPH, ROUND, morph_keys};
 
 use crate::distance::method::{NAMES, USUAL};
 use crate::text::key::{Absent, Key, Kind, Limit};

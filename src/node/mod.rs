@@ -35,9 +35,11 @@ pub(crate) mod load;
 pub(crate) mod measured;
 pub(crate) mod minimal;
 pub(crate) mod model;
+pub(crate) mod morph_mode;
 pub(crate) mod morphed;
 pub(crate) mod operation;
 mod origin;
+pub(crate) mod over_time;
 pub(crate) mod own_box;
 pub(crate) mod paint;
 pub(crate) mod painted;
@@ -106,7 +108,7 @@ macro_rules! nodes {
         )*)*
         /// The tables.
         pub(crate) mod list {
-            use super::{source::Source, spec::Spec};
+            use super::{morph_mode::ModeSpec, source::Source, spec::Spec};
             $($(#[$doc])* pub static $table: &[$row] = &[$($(super::$room::$file::NODE,)*)*];)*
 
             /// The rooms: each one's table, its title, and the names of its nodes.
@@ -396,5 +398,16 @@ nodes! {
             conformal
             material
             vdb;
+    }
+
+    /// How a morph's shape changes: the first where a scene says nothing.
+    MODES: ModeSpec = {
+        mode "Modes of a morph":
+            volume
+            paper
+            linear
+            union
+            still
+            openvdb;
     }
 }

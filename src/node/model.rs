@@ -9,6 +9,7 @@ use crate::distance::method::USUAL;
 use crate::distance::without::Keep;
 
 use crate::node::argument::{Argument, Arguments, Bounds};
+use crate::node::morph_mode::ModeSpec;
 use crate::node::parameter::Parameter;
 use crate::node::source::Given;
 use crate::node::spec::{Carries, Spec};
@@ -372,26 +373,18 @@ pub struct Correspondence {
 
 /// How a morph's shape is found.
 #[derive(Clone, Debug)]
-pub enum MorphMode {
-    /// a₀ from the volume, which runs evenly.
-    Volume {
-        /// How much separate shapes flow through one body.
-        bridge: Number,
-        /// The factor on the volume of the straight way.
-        volume: Number,
-        /// Which places start later.
-        delay: Option<Box<MorphDelay>>,
-    },
-    /// (1 − t)·f₁ + t·f₂ of the two distances.
-    Linear,
-    /// Both objects at once on the way.
-    Union,
-    /// The first object all along.
-    Still,
-    /// The STB paper's numbers as given.
-    Paper(Box<MorphPaper>),
-    /// OpenVDB's morph of two level sets.
-    OpenVdb,
+pub struct MorphMode {
+    /// The mode.
+    pub spec: &'static ModeSpec,
+    /// The values of its own keys.
+    pub arguments: Arguments,
+}
+
+impl MorphMode {
+    /// The places that wait.
+    pub fn delay(&self) -> Option<&MorphDelay> {
+        self.arguments.delay("delay")
+    }
 }
 
 /// How long places wait, as a share of the morph's progress.
@@ -417,32 +410,6 @@ pub enum DelaySource {
         /// The delay where that is 1.
         most: f64,
     },
-}
-
-/// The STB paper's numbers.
-#[derive(Clone, Debug)]
-pub struct MorphPaper {
-    /// a₀ to a₃.
-    pub a: [Number; 4],
-    /// The time scale s.
-    pub s: Number,
-    /// The slab of time: its beginning and its end.
-    pub slab: [Number; 2],
-    /// How both objects are rounded against the planes that cut them in time.
-    pub round: Option<MorphRound>,
-}
-
-/// The numbers of [`crate::morph::Round`].
-#[derive(Clone, Debug)]
-pub struct MorphRound {
-    /// How much is added at the cut.
-    pub a0: Number,
-    /// How far it reaches.
-    pub reach: Number,
-    /// How far the bound reaches.
-    pub a3: Number,
-    /// How far behind the cut the bound stands.
-    pub depth: Number,
 }
 
 /// How fast a morph's shape changes on the way.

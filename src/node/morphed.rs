@@ -7,7 +7,7 @@ use crate::distance::method::{Request, named};
 use crate::distance::nearest::Watch;
 use crate::distance::octree;
 use crate::field::{Aabb, Field};
-use crate::morph::{self, Carry, Flow, Mode, Morph, MorphAttribute, MorphObject, Motion, Settings, Transfer};
+use crate::morph::{self, Carry, Morph, MorphAttribute, MorphObject, Motion, Settings, Transfer, Volume};
 use crate::node::attributes::{Asked, TheColour};
 use crate::node::cache::Cache;
 use crate::node::extent::solid_box;
@@ -61,7 +61,7 @@ impl Solids {
         };
         let constant = |key: &str| *arguments.constant(key).expect("it has a default");
         let settings = Settings {
-            mode: Mode::Flow(Flow { bridge: constant("bridge").into(), ..Flow::default() }),
+            mode: Arc::new(Volume { bridge: constant("bridge").into(), ..Volume::default() }),
             carry,
             alpha: constant("alpha").into(),
             beta: constant("beta").into(),

@@ -169,6 +169,8 @@ through them. In a morph a shape's own `displace` comes before the morph, and `[
 
 ";
 
+const MODES: &str = "\nModes, each with keys of its own beside these: ";
+
 const FILL: &str = "\
 Of each frame what lies in the mixture of two structures stays: min(F, (1 − ω)·a + ω·b). Weights of 0 and 1 are the
 structures themselves; ω may go beyond. F of the structures need not be a distance; alike in steepness they mix evenly.";
@@ -262,6 +264,8 @@ pub fn reference() -> String {
     section(&mut out, "A key as a table", KEY, keyframes::KEY);
     section(&mut out, "`[param]`: a parameter as a table", "", keys::PARAMETER);
     section(&mut out, "`[morph]`", "", keys::MORPH);
+    out.push_str(MODES);
+    names(&mut out, "MODES");
     section(&mut out, "`delay` of `[morph]` as a table", "", keys::DELAY);
     section(&mut out, "`fill` of `[morph]`", FILL, keys::FILL);
     section(&mut out, "`round` of `[morph]`", ROUND, keys::ROUND);

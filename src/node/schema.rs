@@ -21,7 +21,7 @@ pub fn schema() -> Value {
         ("param", named(json!({}))),
         ("palette", named(json!({ "type": "array", "items": reference("color") }))),
         ("color", named(reference("color"))),
-        ("morph", closed(properties(keys::MORPH.iter()))),
+        ("morph", closed(properties(keys::morph_keys()))),
         ("output", closed(properties(keys::OUTPUT.iter()))),
         ("variant", named(json!({ "type": "object" }))),
     ] {
@@ -162,7 +162,7 @@ fn of_kind(kind: Kind) -> Value {
         }
         Kind::Numbers => list(1, json!({ "type": "number" })),
         Kind::Box => json!({ "type": ["number", "array", "object"] }),
-        Kind::Copies | Kind::Fill | Kind::Table => json!({ "type": "object" }),
+        Kind::Copies | Kind::Fill | Kind::Round | Kind::Table => json!({ "type": "object" }),
     }
 }
 

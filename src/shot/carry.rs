@@ -5,7 +5,7 @@ use glam::DVec3;
 use crate::field::Aabb;
 use crate::morph::{self, Motion, Side, Untold};
 
-use crate::node::model::{Anchor, Model, Morph, MorphCarry, MorphMode};
+use crate::node::model::{Anchor, Model, Morph, MorphCarry};
 use crate::text::diagnostic::{Diagnostic, clip};
 use crate::text::problem::Problem;
 
@@ -16,9 +16,7 @@ const STEPS: usize = 160;
 /// times at which the shape starts and ends to change.
 pub(crate) fn carry(morph: &Morph, solids: [(Aabb, &Motion); 2], over: [f64; 2]) -> morph::Carry {
     match &morph.carry {
-        MorphCarry::Left if matches!(morph.mode, MorphMode::Volume { .. }) && !meet(solids, over) => {
-            morph::Carry::Centroid
-        }
+        MorphCarry::Left if morph.mode.spec.carries_apart && !meet(solids, over) => morph::Carry::Centroid,
         MorphCarry::Left | MorphCarry::None => morph::Carry::None,
         MorphCarry::Centroid => morph::Carry::Centroid,
         MorphCarry::Inertia => morph::Carry::Inertia,

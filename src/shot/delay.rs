@@ -8,7 +8,7 @@ use crate::morph;
 
 use crate::node::attributes::{TheColour, TheScalar};
 use crate::node::id::Stage;
-use crate::node::model::{Component, DelaySource, Model, Morph, MorphDelay, MorphMode};
+use crate::node::model::{Component, DelaySource, Model, Morph, MorphDelay};
 use crate::node::solid::Solids;
 use crate::text::problem::Problem;
 
@@ -19,8 +19,7 @@ pub(crate) fn delay(
     morph: &Morph,
     voxel: f64,
 ) -> Result<Option<morph::Delay>, Problem> {
-    let MorphMode::Volume { delay: Some(delay), .. } = &morph.mode else { return Ok(None) };
-    let MorphDelay { source, span } = delay.as_ref();
+    let Some(MorphDelay { source, span }) = morph.mode.delay() else { return Ok(None) };
     let scalar: Arc<Scalar> = match source {
         DelaySource::Space(component) => {
             if matches!(component, Component::Formula(formula) if model.formula_varies(formula)) {

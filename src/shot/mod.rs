@@ -33,6 +33,8 @@ mod level_set_tests;
 #[cfg(test)]
 mod method_tests;
 #[cfg(test)]
+mod mode_tests;
+#[cfg(test)]
 mod morphed_tests;
 #[cfg(test)]
 mod partition_tests;

@@ -23,7 +23,7 @@ use crate::node::cache::{Cache, Claim};
 use crate::node::extent::{FindBox, box_of, no_box, solid_box};
 use crate::node::id::Stage;
 use crate::node::measured::smallest_cell;
-use crate::node::model::{Model, Morph, MorphMode, Shape, ShapeId};
+use crate::node::model::{Model, Morph, Shape, ShapeId};
 use crate::node::morphed::planned_or_kept;
 use crate::node::painted::Paint;
 use crate::node::solid::Solids;
@@ -107,7 +107,7 @@ pub(crate) fn pair(
 ) -> Result<Pair, Stop> {
     let from = side(model, solids, variation, morph.from, find)?;
     let to = side(model, solids, variation, morph.to, find)?;
-    if let MorphMode::OpenVdb = morph.mode {
+    if morph.mode.spec.by_level_sets {
         stand_still(model, [&from, &to])?;
     }
     let over_shot = |side: &Object| {
@@ -282,11 +282,8 @@ pub(crate) fn plan(
     measuring: &mut Measuring<'_>,
 ) -> Result<Planned, Stop> {
     let before = measuring.done.len();
-    let mut settings = settings(model, morph)?;
+    let mut settings = settings(model, morph, delay(model, solids, morph, measuring.voxel)?)?;
     settings.carry = carry(morph, [&pair.from, &pair.to].map(|side| (side.solid, &side.motion)), settings.over);
-    if let morph::Mode::Flow(flow) = &mut settings.mode {
-        flow.delay = delay(model, solids, morph, measuring.voxel)?;
-    }
     let kept = plan_key(model, morph, &pair, measuring);
     let mut planned = ready(model, solids, [&pair.from, &pair.to], measuring, |from, to| {
         planned_or_kept(from, to, settings, kept).map_err(|error| no_plan(model, morph, &error))
@@ -317,10 +314,7 @@ fn no_plan(model: &Model, morph: &Morph, error: &morph::Error) -> Problem {
     let span = match error {
         morph::Error::Unbounded(Side::From) => model.shape(morph.from).span,
         morph::Error::Unbounded(Side::To) => model.shape(morph.to).span,
-        morph::Error::Setting { name: "delay", .. } => match &morph.mode {
-            MorphMode::Volume { delay: Some(delay), .. } => delay.span,
-            _ => morph.span,
-        },
+        morph::Error::Setting { name: "delay", .. } => morph.mode.delay().map_or(morph.span, |delay| delay.span),
         _ => morph.span,
     };
     let frame = match error {
@@ -549,22 +543,13 @@ pub(crate) fn extent_over_shot(model: &Model, morphs: &[Morph], planned: &[Plann
 /// One warning that names the frames that hold nothing. Where a₀ follows from the volume there are none; those of
 /// OpenVDB are not known before.
 pub(crate) fn empty_frames(model: &Model, morphs: &[Morph], planned: &[Planned]) -> Option<Diagnostic> {
-    let help = match &morphs[0].mode {
-        MorphMode::Volume { .. } | MorphMode::Union | MorphMode::Still => return None,
-        MorphMode::OpenVdb if planned[0].morph.objects_meet() => return None,
-        MorphMode::OpenVdb => {
-            let problem = "the objects do not overlap, and so OpenVDB's morph ends with nothing";
-            let help = "move them together, or use `mode = \"volume\"`";
-            return Some(Diagnostic::warning(morphs[0].span, problem).help(help));
-        }
-        MorphMode::Linear => {
-            "linear blending needs objects that overlap: `carry = \"centroid\"` brings them together, or use \
-             `mode = \"volume\"`"
-        }
-        MorphMode::Paper(_) => {
-            "a wider `slab` such as [-1, 2], a smaller s and a3, greater a1 and a2, or `mode = \"volume\"`"
-        }
-    };
+    let mode = morphs[0].mode.spec;
+    if mode.by_level_sets && !planned[0].morph.objects_meet() {
+        let problem = "the objects do not overlap, and so OpenVDB's morph ends with nothing";
+        let help = "move them together, or use `mode = \"volume\"`";
+        return Some(Diagnostic::warning(morphs[0].span, problem).help(help));
+    }
+    let help = mode.where_empty?;
     let range = model.shot.range;
     let frames: Vec<i64> = sampled_frames(range).into_iter().map(|frame| frame.round() as i64).collect();
     let mut empty: Vec<(i64, f64)> = Vec::new();

@@ -17,7 +17,7 @@ use crate::node::cache::Cache;
 use crate::node::extent::{FindBox, box_about, box_of, no_box};
 use crate::node::id::Stage;
 use crate::node::measured::MOST_CELLS;
-use crate::node::model::{Content, Model, Morph, MorphMode, ShapeId};
+use crate::node::model::{Content, Model, Morph, ShapeId};
 use crate::node::paint::surely_has;
 use crate::node::solid::Solids;
 use crate::node::variation::Variation;
@@ -218,7 +218,7 @@ fn prepare(model: &Arc<Model>, options: &PrepareOptions<'_>, precision: Precisio
         prepared.lattice = self::lattice(model, options, prepared.extent)?;
     }
     if let (Content::Morph(morphs), Ready::Morph(planned)) = (&model.content, &prepared.content)
-        && let MorphMode::OpenVdb = morphs[0].mode
+        && morphs[0].mode.spec.by_level_sets
         && precision == Precision::Full
     {
         let Prepared { lattice, half_width, .. } = prepared;

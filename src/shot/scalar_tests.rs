@@ -13,7 +13,7 @@ use super::*;
 use crate::node::*;
 use crate::text::*;
 
-fn loaded(text: &str) -> Result<Model, Diagnostics> {
+pub(crate) fn loaded(text: &str) -> Result<Model, Diagnostics> {
     let folder = PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/scenes"));
     load(&Source::Text { name: "scene.toml".into(), text: text.into(), folder }, &Overrides::default())
 }

@@ -105,6 +105,8 @@ pub enum Kind {
     Steps,
     /// An axis.
     Box,
+    /// The table of a morph's `round`.
+    Round,
     /// A table of its own, described elsewhere.
     Table,
 }
@@ -163,7 +165,7 @@ impl Kind {
             Self::Direction => "`\"x\"`, `\"y\"`, `\"z\"`, or three numbers".into(),
             Self::Steps => "list of tables".into(),
             Self::Box => "box".into(),
-            Self::Table => "table".into(),
+            Self::Round | Self::Table => "table".into(),
         }
     }
 }

@@ -1,9 +1,10 @@
-//! The keys of `[morph]`.
+//! The keys of `[morph]` but for those of one mode alone, and of the tables in it.
 
 use super::Absent::{Nothing, Number, Required, Text, Words};
 use super::{COLOUR_SPACES, Key, Kind, Limit};
+use crate::node::list::MODES;
 
-/// The morph.
+/// What all modes share.
 pub const MORPH: &[Key] = &[
     Key::new("from", Kind::Shape, Words("must be there, or `through`"), "What it is at the first frame."),
     Key::new("to", Kind::Shape, Words("must be there, or `through`"), "What it is at the last frame."),
@@ -21,24 +22,10 @@ pub const MORPH: &[Key] = &[
     ),
     Key::new(
         "mode",
-        Kind::Choice(&["volume", "paper", "linear", "union", "still", "openvdb"]),
+        Kind::Choice(&MODE_NAMES),
         Text("volume"),
-        "How the shape changes. `volume`: space-time blending, the volume runs evenly from the one's to the other's. `paper`: the same with a0 … a3 and s as given. `linear`: (1 − t)·f₁ + t·f₂ of the two distances; objects that lie apart vanish on the way. `union`: both objects at once on the way, by max, so it jumps at both ends: what space-time blending smooths out. `still`: the shape stays the first one, colours and attributes alone go over, first where the last one is near; with `octopus` they creep on. `openvdb`: OpenVDB's own level-set morphing, to compare with: each frame made from the one before it, so one by itself takes all before it; in even steps of as much time as the last place takes to come to rest. It flows only where the two overlap, rounds edges, and its last frame is what it comes to, not the last object. Its objects stand still, and it gives no `vel`.",
+        "How the shape changes: one of the [modes](nodes.md#modes-of-a-morph), each with keys of its own beside these.",
     ),
-    Key::new(
-        "bridge",
-        Kind::Number,
-        Number(0.5),
-        "How much separate shapes flow through one body: 0.05 is the shortest way.",
-    )
-    .limit(Limit::Within(0.05, 100.0)),
-    Key::new(
-        "volume",
-        Kind::Number,
-        Number(1.0),
-        "How many times the volume of the straight way between the two; 1 at the first and at the last frame of `over`.",
-    )
-    .limit(Limit::Within(0.001, 100.0)),
     Key::new(
         "pace",
         Kind::Choice(&["even", "t"]),
@@ -103,12 +90,6 @@ pub const MORPH: &[Key] = &[
     )
     .limit(Limit::Within(0.0, 1.0)),
     Key::new(
-        "delay",
-        Kind::Delay,
-        Nothing,
-        "Places that start later: the share of the morph, 0 to 0.95, that each waits before shape and colours begin to change; all end together (parts with times of their own are morphs as shapes, `morph = [\"a\", \"b\"]` with `mix`). A formula of x, y, z in the world, or what a shape has there. As smooth as a lattice of some 50 cells across both objects.",
-    ),
-    Key::new(
         "octopus",
         Kind::Flag,
         Text("false"),
@@ -135,23 +116,6 @@ pub const MORPH: &[Key] = &[
     ),
     Key::new("min_piece", Kind::Constant, Number(0.0), "Pieces of less volume, in cubic units, are left out; the largest always stays.")
         .limit(Limit::NotNegative),
-    Key::new("a0", Kind::Number, Number(1.0), "`mode = \"paper\"`: how much is added between them; 0 is their plain union."),
-    Key::new("a1", Kind::Number, Number(1.0), "`mode = \"paper\"`: how far the first reaches.")
-        .limit(Limit::Positive),
-    Key::new("a2", Kind::Number, Number(1.0), "`mode = \"paper\"`: how far the second reaches.")
-        .limit(Limit::Positive),
-    Key::new("a3", Kind::Number, Number(1.0), "`mode = \"paper\"`: how far the slab of time reaches.")
-        .limit(Limit::Positive),
-    Key::new("s", Kind::Number, Number(1.0), "`mode = \"paper\"`: the scale of time against space.")
-        .limit(Limit::Positive)
-        .also(&["time_scale"]),
-    Key::new("slab", Kind::Span, Words("`[0, 1]`"), "`mode = \"paper\"`: the slab of time that bounds the blend."),
-    Key::new(
-        "round",
-        Kind::Table,
-        Nothing,
-        "`mode = \"paper\"`: rounds both objects against the planes that cut them in time (eq. 6).",
-    ),
 ];
 
 /// The table of `fill`.
@@ -193,13 +157,18 @@ pub const DELAY: &[Key] = &[
     Key::new("most", Kind::Constant, Number(0.5), "The delay where that is 1.").limit(Limit::Within(0.0, 0.95)),
 ];
 
-/// Keys of `[morph]` that not all modes use, with the modes that do.
-pub const BY_MODE: &[(&[&str], &[&str])] = &[
-    (&["a0", "a1", "a2", "a3", "s", "slab", "round"], &["paper"]),
-    (&["bridge", "volume", "delay"], &["volume"]),
-    (&["pace"], &["volume", "linear"]),
-    (&["carry", "anchors"], &["volume", "paper", "linear"]),
-    (&["ease"], &["volume", "paper", "linear"]),
-    (&["over"], &["volume", "paper", "linear", "union", "openvdb"]),
-    (&["through", "at"], &["volume", "paper", "linear", "union"]),
-];
+/// The names of the modes.
+const MODE_NAMES: [&str; MODES.len()] = {
+    let mut names = [""; MODES.len()];
+    let mut row = 0;
+    while row < names.len() {
+        names[row] = MODES[row].key.name;
+        row += 1;
+    }
+    names
+};
+
+/// All keys of `[morph]`: those of each mode come last.
+pub fn morph_keys() -> impl Iterator<Item = &'static Key> {
+    MORPH.iter().chain(MODES.iter().flat_map(|mode| mode.parameters))
+}

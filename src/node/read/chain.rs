@@ -41,7 +41,7 @@ impl<'r, 'a> Building<'r, 'a> {
 
     fn end(&mut self, fields: &Fields<'r, 'a>, name: &str) -> Option<ShapeId> {
         if fields.entry(name).is_none() {
-            let text = keys::MORPH.iter().find(|key| key.name == name).map_or("", |key| key.text);
+            let text = keys::morph_keys().find(|key| key.name == name).map_or("", |key| key.text);
             let problem = format!("`morph` has no `{name}`");
             self.reader.say(Diagnostic::error(fields.span, problem).help(text));
         }

@@ -8,14 +8,16 @@ use crate::distance::without::Keep;
 use super::Building;
 use super::chain::Link;
 use super::links::Node;
-use crate::node::keys::{self};
+use crate::node::argument::{Argument, Arguments};
+use crate::node::keys;
+use crate::node::list::MODES;
 use crate::node::model::{
-    Component, Content, DelaySource, Morph, MorphCarry, MorphDelay, MorphEase, MorphMode, MorphPaper, MorphRound,
-    Output, ShapeId,
+    Component, Content, DelaySource, Morph, MorphCarry, MorphDelay, MorphEase, MorphMode, Output, ShapeId,
 };
+use crate::node::morph_mode::{ModeSpec, SHARED};
 use crate::text::diagnostic::{Diagnostic, clip, listed};
 use crate::text::frames::{FrameRange, Shot};
-use crate::text::key::Limit;
+use crate::text::key::{Kind, Limit};
 use crate::text::number::{Number, NumberValue};
 use crate::text::reader::{Fields, NO_OWNER};
 use crate::text::source::Span;
@@ -26,7 +28,7 @@ impl<'r, 'a> Building<'r, 'a> {
     /// `None` where there is none, or where an error was said.
     pub(super) fn morph(&mut self, shot: &Shot) -> Option<Vec<Morph>> {
         let entry = self.root.get("morph")?;
-        let keys = keys::MORPH.iter().collect();
+        let keys = keys::morph_keys().collect();
         let fields = Fields::of_value(self.reader, "morph", NO_OWNER, entry.key_span, &entry.value, keys)?;
         let cut = fields.value("cut").and_then(|value| self.shape_reference("morph.cut", value));
         let mode = self.morph_mode(&fields);
@@ -78,41 +80,44 @@ impl<'r, 'a> Building<'r, 'a> {
     }
 
     fn morph_mode(&mut self, fields: &Fields<'r, 'a>) -> MorphMode {
-        let mode = fields.choice("mode").unwrap_or("volume");
-        self.keys_of_mode(fields, mode);
-        match mode {
-            "linear" => return MorphMode::Linear,
-            "union" => return MorphMode::Union,
-            "still" => return MorphMode::Still,
-            "openvdb" => return MorphMode::OpenVdb,
-            "volume" => {
-                let (bridge, volume) = (fields.required_number("bridge"), fields.required_number("volume"));
-                let delay = fields.value("delay").and_then(|value| self.delay(value)).map(Box::new);
-                return MorphMode::Volume { bridge, volume, delay };
-            }
-            _ => {}
+        let name = fields.choice("mode");
+        let spec = MODES.iter().find(|mode| Some(mode.key.name) == name).unwrap_or(&MODES[0]);
+        self.keys_of_mode(fields, spec);
+        let mut arguments = Arguments::default();
+        for key in spec.parameters {
+            let argument = match key.kind {
+                Kind::Number => fields.number(key.name).map(Argument::Number),
+                Kind::Span => self.two_rising(fields, key.name).map(|ends| Argument::Pair(Box::new(ends))),
+                Kind::Delay => {
+                    fields.value(key.name).and_then(|value| self.delay(value)).map(Box::new).map(Argument::Delay)
+                }
+                Kind::Round => {
+                    fields.value(key.name).and_then(|value| self.round(value)).map(Box::new).map(Argument::Round)
+                }
+                kind => unreachable!("`{}` of a mode is {kind:?}", key.name),
+            };
+            arguments.0.extend(argument.map(|argument| (key.name, argument)));
         }
-        MorphMode::Paper(Box::new(MorphPaper {
-            a: ["a0", "a1", "a2", "a3"].map(|name| fields.required_number(name)),
-            s: fields.required_number("s"),
-            slab: self.slab(fields),
-            round: fields.value("round").and_then(|value| self.round(value)),
-        }))
+        MorphMode { spec, arguments }
     }
 
     /// Says which keys the mode does not use.
-    fn keys_of_mode(&self, fields: &Fields<'r, 'a>, mode: &str) {
-        let others = keys::BY_MODE.iter().filter(|(_, modes)| !modes.contains(&mode));
-        for (name, modes) in others.flat_map(|(names, modes)| names.iter().map(move |name| (*name, *modes))) {
+    fn keys_of_mode(&self, fields: &Fields<'r, 'a>, mode: &ModeSpec) {
+        let takes = |mode: &ModeSpec, name: &str| {
+            mode.shared.contains(&name) || mode.parameters.iter().any(|key| key.name == name)
+        };
+        let own = MODES.iter().flat_map(|mode| mode.parameters).map(|key| key.name);
+        for name in own.chain(SHARED).filter(|name| !takes(mode, name)) {
             let Some(entry) = fields.entry(name) else { continue };
-            self.reader.say(match modes {
+            let modes: Vec<&str> = MODES.iter().filter(|mode| takes(mode, name)).map(|mode| mode.key.name).collect();
+            self.reader.say(match modes[..] {
                 [only] => {
                     let problem = format!("`{}` is for `mode = \"{only}\"` only", entry.key);
                     Diagnostic::error(entry.key_span, problem)
                 }
                 _ => {
-                    let problem = format!("`{}` is not for `mode = \"{mode}\"`", entry.key);
-                    Diagnostic::error(entry.key_span, problem).help(format!("it goes with {}", all_of(modes)))
+                    let problem = format!("`{}` is not for `mode = \"{}\"`", entry.key, mode.key.name);
+                    Diagnostic::error(entry.key_span, problem).help(format!("it goes with {}", all_of(&modes)))
                 }
             });
         }
@@ -134,22 +139,21 @@ impl<'r, 'a> Building<'r, 'a> {
         }
     }
 
-    /// `[0, 1]`, each end a number of its own.
-    fn slab(&self, fields: &Fields<'r, 'a>) -> [Number; 2] {
-        let ends = |[lo, hi]: [f64; 2]| [lo, hi].map(|end| Number::constant(end, "morph.slab", fields.span));
-        let Some(value) = fields.value("slab") else { return ends([0.0, 1.0]) };
+    /// Two numbers, the second greater where both stand still.
+    fn two_rising(&self, fields: &Fields<'r, 'a>, name: &str) -> Option<[Number; 2]> {
+        let (path, value) = (fields.full(name), fields.value(name)?);
         let Some([lo, hi]) = value.list() else {
-            self.reader.wrong_kind("morph.slab", "two numbers, [least, greatest]", value);
-            return ends([0.0, 1.0]);
+            self.reader.wrong_kind(&path, "two numbers, [least, greatest]", value);
+            return None;
         };
-        let slab = [lo, hi].map(|end| self.reader.number("morph.slab", Limit::Any, end));
-        if let [NumberValue::Constant(lo), NumberValue::Constant(hi)] = [&slab[0].value, &slab[1].value]
+        let ends = [lo, hi].map(|end| self.reader.number(&path, Limit::Any, end));
+        if let [NumberValue::Constant(lo), NumberValue::Constant(hi)] = [&ends[0].value, &ends[1].value]
             && lo >= hi
         {
-            let problem = "`morph.slab` takes two numbers, [least, greatest]";
+            let problem = format!("`{path}` takes two numbers, [least, greatest]");
             self.reader.say(Diagnostic::error(value.span, problem));
         }
-        slab
+        Some(ends)
     }
 
     /// A number, a formula of space, or what a shape has.
@@ -189,11 +193,10 @@ impl<'r, 'a> Building<'r, 'a> {
         Some(MorphDelay { source: DelaySource::Space(component), span })
     }
 
-    fn round(&self, value: &'r Value) -> Option<MorphRound> {
+    fn round(&self, value: &'r Value) -> Option<[Number; 4]> {
         let keys = keys::ROUND.iter().collect();
         let fields = Fields::of_value(self.reader, "morph.round", NO_OWNER, value.span, value, keys)?;
-        let number = |name| fields.required_number(name);
-        Some(MorphRound { a0: number("a0"), reach: number("reach"), a3: number("a3"), depth: number("depth") })
+        Some(["a0", "reach", "a3", "depth"].map(|name| fields.required_number(name)))
     }
 
     pub(super) fn within_shot(&self, fields: &Fields<'r, 'a>, name: &str, shot: &Shot) -> Option<FrameRange> {
@@ -264,7 +267,8 @@ impl<'r, 'a> Building<'r, 'a> {
 
     /// What OpenVDB makes has no motion to tell between its frames.
     pub(super) fn check_velocity(&self, morph: Option<&[Morph]>, output: &Output) {
-        if let Some([Morph { mode: MorphMode::OpenVdb, span, .. }, ..]) = morph
+        if let Some([Morph { mode, span, .. }, ..]) = morph
+            && mode.spec.by_level_sets
             && output.writes("vel")
         {
             let problem = "`output.grids` has `vel`, which `mode = \"openvdb\"` does not give";

@@ -1,0 +1,62 @@
+//! A scene's numbers as a morph takes them: by scene time, tried at every frame.
+
+use std::sync::Arc;
+
+use crate::morph::OverTime;
+use crate::node::model::{Model, Morph};
+use crate::text::frames::FrameRange;
+use crate::text::number::Number;
+use crate::text::problem::Problem;
+
+/// How far formulas may miss the ends of a curve by rounding.
+pub(crate) const ROUNDING: f64 = 1e-9;
+/// The most frames at which a number that changes is tried; of more, so many evenly.
+const MOST_TRIED: usize = 10_000;
+
+/// Scene times of some frames. Not held: a span may begin before the shot, or end after it.
+pub(crate) fn span_of(model: &Model, range: FrameRange) -> [f64; 2] {
+    let FrameRange { first, last } = model.shot.range;
+    [range.first, range.last].map(|frame| (frame - first) as f64 / (last - first).max(1) as f64)
+}
+
+/// A number over scene time. It is tried at every frame of the shot now, so that errors come with their place; what
+/// lies between frames is held to them.
+pub(crate) fn over_time(model: &Arc<Model>, number: &Number) -> Result<OverTime<f64>, Problem> {
+    let range = model.shot.range;
+    if !model.varies(number) {
+        return Ok(number.at(&model.moment(range.first as f64))?.into());
+    }
+    let (last, count) = (range.count() - 1, range.count().min(MOST_TRIED));
+    let frame = |i: usize| (range.first + (last as f64 * (i as f64 / (count - 1).max(1) as f64)).round() as i64) as f64;
+    let tried: Vec<f64> = (0..count).map(|i| number.at(&model.moment(frame(i)))).collect::<Result<_, _>>()?;
+    let (model, number) = (Arc::clone(model), number.clone());
+    Ok(OverTime::moving(move |time| {
+        let time = time.clamp(0.0, 1.0);
+        let nearest = (time * (tried.len() - 1) as f64).round() as usize;
+        number.at(&model.moment(model.shot.frame_at(time))).unwrap_or(tried[nearest])
+    }))
+}
+
+/// Refuses a number that is not as it must be at the first and at the last frame of `over`, where the shot shows them.
+pub(crate) fn ends_at(
+    model: &Model,
+    morph: &Morph,
+    number: &Number,
+    ends: [f64; 2],
+    help: &str,
+) -> Result<(), Problem> {
+    let FrameRange { first, last } = model.shot.range;
+    for (frame, end) in [morph.over.first, morph.over.last].into_iter().zip(ends) {
+        if !(first..=last).contains(&frame) {
+            continue;
+        }
+        let at = number.at(&model.moment(frame as f64))?;
+        if (at - end).abs() > ROUNDING {
+            let problem = format!("`{}` is {at} at frame {frame}, and must be {end} there", number.name);
+            return Err(
+                Problem::new(number.span, problem).help(format!("a morph begins and ends as its objects: keys {help}"))
+            );
+        }
+    }
+    Ok(())
+}
