@@ -205,6 +205,9 @@ fn files_are_the_same_each_time_and_small_where_asked() {
     place.hfvdb("bake box.toml --frames 1 -o c.nvdb --half Cd --for vray").ok();
     place.hfvdb("convert box.vdb -o d.nvdb").fails(1, &["box.vdb"]);
     place.hfvdb("mesh blosc/a.####.nvdb -o d.nvdb").fails(2, &["mesh writes polygons"]);
+    for command in ["info", "check", "preview -o d.png", "convert -o d.vdb", "mesh -o d.ply", "usd -o d.usda"] {
+        place.hfvdb(&format!("{command} c.nvdb")).fails(2, &["c.nvdb", "does not read it"]);
+    }
     place.hfvdb("bake box.toml --frames 1 -o e.vdb").ok();
     place.hfvdb("convert e.vdb -o e.nvdb --compression none").ok();
     let names: Vec<String> =

@@ -46,7 +46,7 @@ pub struct Arguments {
     #[arg(long = "for", value_name = "PROGRAMS", value_delimiter = ',')]
     clients: Vec<Client>,
 
-    /// Only say whether a scene is right, without voxels, memory and size of files
+    /// Only say whether a scene is right, without voxels, memory and size of files, of which -v tells more
     #[arg(long, conflicts_with = "verbose")]
     no_estimate: bool,
 
@@ -58,6 +58,7 @@ pub struct Arguments {
 
 /// Runs the command.
 pub fn run(arguments: &Arguments, global: &Global) -> Result<(), Failure> {
+    files::none_is_nanovdb(&arguments.inputs)?;
     let is_files = |input: &String| {
         // A folder may have the name of a built-in scene: with a slash behind it is the folder.
         files::is_vdb(input) || (Path::new(input).is_dir() && !text::builtin_names().any(|name| name == input))

@@ -7,8 +7,8 @@ use clap::Args;
 
 use super::failure::Failure;
 use super::options::{Global, Sampling, Writing};
-use super::paths;
 use super::writing::{Request, write_frames};
+use super::{files, paths};
 use crate::bake::{FramePattern, Source, output};
 use crate::node::{Beside, Files};
 use crate::terminal;
@@ -74,6 +74,7 @@ pub struct VoxelArguments {
 
 /// Runs the command.
 pub fn run(arguments: &Arguments, global: &Global) -> Result<(), Failure> {
+    files::none_is_nanovdb(std::slice::from_ref(&arguments.file))?;
     let pattern = output::pattern(&arguments.writing.output)?;
     let files = Files::new(&arguments.file).map_err(Failure::work)?;
     let mut set = Vec::new();

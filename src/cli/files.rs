@@ -4,10 +4,19 @@ use std::path::Path;
 
 use super::failure::Failure;
 use crate::bake::{FramePattern, Frames, Sequence};
+use crate::terminal;
 
 /// Whether an input is a file of voxels, or a pattern of such files.
 pub fn is_vdb(input: &str) -> bool {
     Path::new(input).extension().is_some_and(|end| end.eq_ignore_ascii_case("vdb"))
+}
+
+/// Refuses inputs that are NanoVDB.
+pub fn none_is_nanovdb(inputs: &[impl AsRef<Path>]) -> Result<(), Failure> {
+    let is_one = |input: &&Path| input.extension().is_some_and(|end| end.eq_ignore_ascii_case("nvdb"));
+    let Some(file) = inputs.iter().map(AsRef::as_ref).find(is_one) else { return Ok(()) };
+    let file = terminal::path(file);
+    Err(Failure::usage(format!("{file}: hfvdb writes .nvdb and does not read it; bake or convert to .vdb for that")))
 }
 
 /// The `.vdb` files of inputs of which some may be folders, each once: those of a folder by name.

@@ -23,6 +23,7 @@ pub struct Arguments {
 
 /// Runs the command.
 pub fn run(arguments: &Arguments, global: &Global) -> Result<(), Failure> {
+    files::none_is_nanovdb(&arguments.files)?;
     let mut documents = Vec::new();
     for path in files::named(&arguments.files, None)? {
         let path = PathBuf::from(path);

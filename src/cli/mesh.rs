@@ -50,6 +50,7 @@ pub fn run(arguments: &Arguments, global: &Global) -> Result<(), Failure> {
         let problem = "mesh writes polygons: .glb, .usda, .ply or .obj; `hfvdb convert` writes .vdb and .nvdb";
         return Err(Failure::usage(problem));
     }
+    files::none_is_nanovdb(std::slice::from_ref(path))?;
     if !files::is_vdb(&path.to_string_lossy()) {
         return Err(Failure::usage("mesh takes .vdb files; `hfvdb convert` takes meshes, `hfvdb bake` scenes"));
     }

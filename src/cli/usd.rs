@@ -54,6 +54,7 @@ pub fn run(arguments: &Arguments, global: &Global) -> Result<(), Failure> {
             "{shown}: a layer is text and its name ends in .usda; `usdcat` makes .usdc of it"
         )));
     }
+    files::none_is_nanovdb(&arguments.files)?;
     if let Some(other) = arguments.files.iter().find(|file| !files::is_vdb(file) && !Path::new(file).is_dir()) {
         let problem = "usd takes .vdb files; of polygons other programs make USD, of .glb by importing it";
         return Err(Failure::usage(format!("{}: {problem}", terminal::one_line(other))));

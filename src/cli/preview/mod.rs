@@ -174,6 +174,7 @@ pub fn run(arguments: &Arguments, global: &Global) -> Result<(), Failure> {
     if target.kind == Kind::Exr && arguments.shows().is_some() {
         return Err(Failure::usage("an .exr of a slice has distances and F both: leave --slice-of out"));
     }
+    files::none_is_nanovdb(&arguments.inputs)?;
     let files = arguments.inputs.iter().filter(|input| files::is_vdb(input)).count();
     let interrupt = job::interrupt()?;
     if files == arguments.inputs.len() {
