@@ -48,13 +48,7 @@ picture "$folder"/{bat,treble-clef,snowflake,robot}.vdb --columns 4 --size 240 -
 picture "$folder"/{heart-slabs,sphere-slabs,marble,marble-torus,aitch,aitch-axis}.vdb --columns 3 --size 240 \
     --output "$images/grain.png"
 picture "$folder"/aitch-{diffusion,interior}.vdb --view front --size 300 --output "$images/wood-inside.png"
-for alpha in 0.05 0.3 3; do
-    for beta in 0.15 0.5 0.85; do
-        hfvdb bake red-blue --set "alpha=$alpha" --set "beta=$beta" --frames 7 --resolution 128 --quiet \
-            --output "$folder/alpha=$alpha, beta=$beta.vdb"
-    done
-done
-picture "$folder"/alpha*.vdb --columns 3 --output "$images/red-blue.png"
+picture red-blue --frames 7 --vary alpha=0.05,0.3,3 --vary beta=0.15,0.5,0.85 --output "$images/red-blue.png"
 mkdir -p "$images/nodes" "$images/objects" "$folder/nodes"
 for object in gears logo-text rock crowd wine-glass bottle chess-king bone rope; do
     picture "$object" --frames 1 --size 420 --output "$images/objects/$object.png"
