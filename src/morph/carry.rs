@@ -1,10 +1,10 @@
 //! The way that a morph carries its objects, so that two that lie apart meet: the first goes to where the second is, and
 //! the second comes from where the first is, both on the one way.
 //!
-//! With c₁ and c₂ the centres of both at a scene time τ, s the eased progress and Q the turn that takes the first object's
+//! With c₁ and c₂ the centres of both at a scene time τ, s the progress along the way, b its arc and Q the turn that takes the first object's
 //! frame to the second's, both are seen from one frame at
 //!
-//! c(τ) = (1 − s)·c₁ + s·c₂, turned by Q^s (slerp: Shoemake, Animating rotation with quaternion curves, 1985).
+//! c(τ) = (1 − s)·c₁ + s·c₂ + 4·s·(1 − s)·b, turned by Q^s (slerp: Shoemake, Animating rotation with quaternion curves, 1985).
 //!
 //! In it the first object stands turned by Q^s about its centre, the second by Q^(s − 1). So at s = 0 the first is where it
 //! is, and at s = 1 the second; between the two nothing changes but shape, and all of the blend is as if they lay one
@@ -136,7 +136,7 @@ impl Way {
     }
 
     fn placed(&self, side: Side, own: Similarity, time: f64) -> Similarity {
-        let progress = self.settings.eased(time);
+        let progress = self.settings.carried(time);
         let (end, done) = match side {
             Side::From => (0, progress),
             Side::To => (1, progress - 1.0),
@@ -146,7 +146,8 @@ impl Way {
             return own;
         }
         let centres = self.ends.each_ref().map(|end| end.motion.at(time).to_world(end.centre));
-        let place = centres[0] + (centres[1] - centres[0]) * progress;
+        let arc = self.settings.arc * (4.0 * progress * (1.0 - progress));
+        let place = centres[0] + (centres[1] - centres[0]) * progress + arc;
         own.carried(turn(self.vector(time) * done), centres[end], place)
     }
 

@@ -15,8 +15,12 @@ fn carrying(carry: Carry) -> Settings {
 }
 
 fn carried(from: &Arc<Exact>, to: &Arc<Exact>, carry: Carry) -> Morph {
+    carried_by(from, to, carrying(carry))
+}
+
+fn carried_by(from: &Arc<Exact>, to: &Arc<Exact>, settings: Settings) -> Morph {
     let [from, to] = [from, to].map(|exact| still(exact.clone(), YELLOW));
-    Morph::new(from, to, carrying(carry)).expect("a morph")
+    Morph::new(from, to, settings).expect("a morph")
 }
 
 fn refused(from: &Arc<Exact>, to: &Arc<Exact>, anchors: &[[DVec3; 2]]) -> Error {
@@ -293,4 +297,25 @@ fn anchors_that_tell_nothing_are_refused() {
     // On the surface, and one alone: no turn.
     let one = carried(&from, &to, Carry::Anchors(vec![moved(0.5, 0.5)]));
     assert_eq!(one.from.motion.at(0.5).rotation(), DMat3::IDENTITY);
+}
+
+/// The blend is the same as on the straight way, off it by the arc; along it by an easing of its own.
+#[test]
+fn an_arc_and_an_easing_of_the_way() {
+    let of = |settings: Settings| carried_by(&Exact::cube(-1.5, 0.5), &Exact::ball(2.0, 0.4), settings);
+    let arc = DVec3::new(0.3, -0.7, 1.2);
+    let straight = of(carrying(Carry::Centroid));
+    let bent = of(Settings { arc, ..carrying(Carry::Centroid) });
+    let late = of(Settings { carry_ease: Some(Ease::Smooth), ..carrying(Carry::Centroid) });
+    for time in [0.0, 0.25, 0.5, 0.9, 1.0] {
+        let fields = [&straight, &bent, &late].map(|morph| morph.field(time));
+        let off = arc * (4.0 * time * (1.0 - time));
+        // The way leads 3.5 units along x.
+        let behind = DVec3::X * 3.5 * (time * time * (3.0 - 2.0 * time) - time);
+        for at in (0..40).map(|i| random_points(4, 2.0).position(i)) {
+            let there = fields[0].reference(at);
+            assert!((fields[1].reference(at + off) - there).abs() < 1e-5, "an arc at {time}");
+            assert!((fields[2].reference(at + behind) - there).abs() < 1e-5, "an easing at {time}");
+        }
+    }
 }

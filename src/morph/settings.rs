@@ -17,6 +17,10 @@ pub struct Settings {
     pub mode: Arc<dyn Mode>,
     /// The way that the objects are carried along while the shape changes, by the eased progress.
     pub carry: Carry,
+    /// How fast they go along that way; `None`: by the eased progress.
+    pub carry_ease: Option<Ease>,
+    /// How far the middle of that way lies off the straight one, world units.
+    pub arc: DVec3,
     /// The scene times τ at which the shape starts and ends to change, within or beyond \[0, 1\].
     pub over: [f64; 2],
     /// How fast it changes on the way.
@@ -38,6 +42,8 @@ impl Default for Settings {
         Self {
             mode: Arc::new(Volume::default()),
             carry: Carry::None,
+            carry_ease: None,
+            arc: DVec3::ZERO,
             over: [0.0, 1.0],
             ease: Ease::Linear,
             colour_over: [0.0, 1.0],
@@ -82,8 +88,17 @@ const EASE_STEPS: usize = 960;
 impl Settings {
     /// The eased progress of shape at scene time τ, in \[0, 1\].
     pub(super) fn eased(&self, time: f64) -> f64 {
+        self.eased_by(&self.ease, time)
+    }
+
+    /// The progress along the way that carries the objects, in \[0, 1\].
+    pub(super) fn carried(&self, time: f64) -> f64 {
+        self.eased_by(self.carry_ease.as_ref().unwrap_or(&self.ease), time)
+    }
+
+    fn eased_by(&self, ease: &Ease, time: f64) -> f64 {
         let u = self.share(time);
-        match &self.ease {
+        match ease {
             Ease::Linear => u,
             Ease::Smooth => smooth(u),
             Ease::Keyed(progress) => progress.at(self.time_of(u)).clamp(0.0, 1.0),
@@ -145,8 +160,10 @@ impl Settings {
             within("alpha", self.alpha.at(time), 0.0, 1e6)?;
             within("beta", self.beta.at(time), 0.0, 1.0)?;
             self.mode.check(share, time)?;
-            if let Ease::Keyed(progress) = &self.ease {
-                within("ease", progress.at(time), 0.0, 1.0)?;
+            for (name, ease) in [("ease", Some(&self.ease)), ("carry_ease", self.carry_ease.as_ref())] {
+                if let Some(Ease::Keyed(progress)) = ease {
+                    within(name, progress.at(time), 0.0, 1.0)?;
+                }
             }
         }
         Ok(())

@@ -303,6 +303,10 @@ pub struct Morph {
     pub even_pace: bool,
     /// The way that the objects are carried along.
     pub carry: MorphCarry,
+    /// How fast they go along it; `None`: as the shape changes.
+    pub carry_ease: Option<MorphEase>,
+    /// How far the middle of that way lies off the straight one.
+    pub arc: [f64; 3],
     /// How fast the shape changes on the way.
     pub ease: MorphEase,
     /// Whether colours run on past their end.
@@ -363,12 +367,21 @@ pub struct Fill {
 /// Which part of a morph's first object becomes which part of the second.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Correspondence {
-    /// Operands of the two unions, each in one pair; the later pair above the earlier.
-    pub pairs: Vec<[ShapeId; 2]>,
+    /// Operands of the two unions; the later pair above the earlier.
+    pub pairs: Pairs,
     /// What holds where several pairs are.
     pub overlap: Overlap,
     /// The place of the pair that holds where none is.
     pub master: Option<usize>,
+}
+
+/// The pairs of a correspondence.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Pairs {
+    /// Those that the scene names, each part in one.
+    Named(Vec<[ShapeId; 2]>),
+    /// Those that lie nearest to one another, of these parts of each object.
+    Nearest([Vec<ShapeId>; 2]),
 }
 
 /// How a morph's shape is found.

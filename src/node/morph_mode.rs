@@ -11,7 +11,7 @@ use crate::text::number::Number;
 use crate::text::problem::Problem;
 
 /// The keys of `[morph]` that not all modes use.
-pub(crate) const SHARED: [&str; 7] = ["pace", "carry", "anchors", "ease", "over", "through", "at"];
+pub(crate) const SHARED: [&str; 9] = ["pace", "carry", "anchors", "arc", "carry_ease", "ease", "over", "through", "at"];
 
 /// How a morph's shape changes.
 pub struct ModeSpec {

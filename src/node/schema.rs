@@ -149,7 +149,7 @@ fn of_kind(kind: Kind) -> Value {
             json!({ "type": "array", "minItems": 2, "maxItems": 2, "items": { "type": ["string", "object"] } })
         }
         Kind::Goals => list(1, json!({ "type": ["string", "object"] })),
-        Kind::ShapePairs => list(1, list(2, json!({ "type": "string" }))),
+        Kind::ShapePairs => json!({ "anyOf": [{ "const": "auto" }, list(1, list(2, json!({ "type": "string" })))] }),
         Kind::PlacePairs => list(1, list(2, list(3, json!({ "type": "number" })))),
         Kind::Colour => reference("color"),
         Kind::Palette => json!({ "type": ["string", "array"] }),

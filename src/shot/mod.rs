@@ -5,6 +5,7 @@ mod carry;
 mod delay;
 mod error;
 mod level_sets;
+mod matching;
 mod morph_paint;
 mod morph_settings;
 mod morphing;

@@ -22,16 +22,22 @@ pub(crate) fn settings(
         mode,
         carry: Carry::None,
         over: span_of(model, morph.over),
-        ease: match &morph.ease {
-            MorphEase::Linear => Ease::Linear,
-            MorphEase::Smooth => Ease::Smooth,
-            MorphEase::Progress(progress) => Ease::Keyed(progress_over_time(model, morph, progress)?),
-        },
+        ease: ease(model, morph, &morph.ease)?,
+        carry_ease: morph.carry_ease.as_ref().map(|of_way| ease(model, morph, of_way)).transpose()?,
+        arc: morph.arc.into(),
         colour_over: span_of(model, morph.colour_over),
         octopus: morph.octopus,
         alpha: over_time(model, &morph.alpha)?,
         beta: over_time(model, &morph.beta)?,
         colour_space: ColourSpace::named(morph.colour_space).unwrap_or(ColourSpace::Auto),
+    })
+}
+
+fn ease(model: &Arc<Model>, morph: &Morph, ease: &MorphEase) -> Result<Ease, Problem> {
+    Ok(match ease {
+        MorphEase::Linear => Ease::Linear,
+        MorphEase::Smooth => Ease::Smooth,
+        MorphEase::Progress(progress) => Ease::Keyed(progress_over_time(model, morph, progress)?),
     })
 }
 

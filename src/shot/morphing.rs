@@ -23,16 +23,17 @@ use crate::node::cache::{Cache, Claim};
 use crate::node::extent::{FindBox, box_of, no_box, solid_box};
 use crate::node::id::Stage;
 use crate::node::measured::smallest_cell;
-use crate::node::model::{Model, Morph, Shape, ShapeId};
+use crate::node::model::{Model, Morph, Pairs, Shape, ShapeId};
 use crate::node::morphed::planned_or_kept;
 use crate::node::painted::Paint;
 use crate::node::solid::Solids;
 use crate::node::variation::Variation;
 use crate::shot::carry::{anchors_problem, carry};
 use crate::shot::delay::delay;
+use crate::shot::matching::matched;
 use crate::shot::morph_settings::settings;
 use crate::shot::stop::Stop;
-use crate::text::diagnostic::Diagnostic;
+use crate::text::diagnostic::{Diagnostic, Severity, clip};
 use crate::text::frames::sampled_frames;
 use crate::text::frames::{in_ranges, plain};
 use crate::text::moment::Moment;
@@ -117,8 +118,22 @@ pub(crate) fn pair(
     };
     let both = over_shot(&from).union(over_shot(&to));
     let mut parts = Vec::new();
-    for pair in morph.correspondence.iter().flat_map(|correspondence| &correspondence.pairs) {
-        parts.push([part(model, solids, &from, pair[0])?, part(model, solids, &to, pair[1])?]);
+    match morph.correspondence.as_ref().map(|correspondence| &correspondence.pairs) {
+        None => {}
+        Some(Pairs::Named(pairs)) => {
+            for [one, two] in pairs {
+                parts.push([part(model, solids, &from, *one)?, part(model, solids, &to, *two)?]);
+            }
+        }
+        Some(Pairs::Nearest([first, second])) => {
+            let mut of = |whole: &Object, ids: &[ShapeId]| -> Result<Vec<Object>, Problem> {
+                ids.iter().map(|id| part(model, solids, whole, *id)).collect()
+            };
+            let (first, second) = (of(&from, first)?, of(&to, second)?);
+            let boxes = [&first, &second].map(|all| all.iter().map(|part| part.solid).collect::<Vec<_>>());
+            let pairs = matched([from.solid, to.solid], [&boxes[0], &boxes[1]]);
+            parts.extend(pairs.into_iter().map(|[one, two]| [first[one].clone(), second[two].clone()]));
+        }
     }
     Ok(Pair { from, to, parts, both })
 }
@@ -538,6 +553,17 @@ pub(crate) fn extent_over_shot(model: &Model, morphs: &[Morph], planned: &[Plann
         };
     }
     all.ok_or_else(|| Problem::new(morphs[0].span, "nothing is inside in any frame of the morph"))
+}
+
+/// A note of the pairs that were found where the scene leaves them open, as a scene would name them.
+pub(crate) fn found_pairs(model: &Model, morph: &Morph, planned: &Planned) -> Option<Diagnostic> {
+    let Pairs::Nearest(_) = morph.correspondence.as_ref()?.pairs else { return None };
+    let name = |brush: &Brush| format!("\"{}\"", clip(&model.shape(brush.id).name));
+    let pairs: Vec<String> =
+        planned.parts.iter().map(|part| format!("[{}, {}]", name(&part.from), name(&part.to))).collect();
+    let mut note = Diagnostic::warning(morph.span, format!("`pairs = \"auto\"` is [{}]", pairs.join(", ")));
+    note.severity = Severity::Note;
+    Some(note)
 }
 
 /// One warning that names the frames that hold nothing. Where a₀ follows from the volume there are none; those of

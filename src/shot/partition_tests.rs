@@ -207,7 +207,7 @@ fn wrong_pairs_are_named_with_their_place() {
         ("[['c', 'd'], ['b', 'c']]", "31:12 `c` is no part of `one`, which is `morph.from`"),
         ("[['a', 'd'], ['a', 'c']]", "31:24 `a` is in two pairs"),
         ("[['a', 'd'], ['b']]", "31:22 `morph.pairs` takes pairs: a part of the first object and one of the second"),
-        ("'a'", "31:10 `morph.pairs` must be a list of pairs, such as [[\"head\", \"lid\"], [\"body\", \"bowl\"]]"),
+        ("'a'", "31:10 `morph.pairs` must be \"auto\", or a list of pairs, such as [[\"head\", \"lid\"], [\"body\", \"bowl\"]]"),
         ("[['a', 'd'], ['b', 'c']]\nmaster = 'one'", "32:11 `morph.master` is `one`, which is in none of `pairs`"),
         ("[['a', 'd'], ['b', 'c']]\nmaster = 'e'", "32:11 there is no `shape.e`"),
         ("[['a', 'd'], ['b', 'c']]\noverlap = 'blend'", "32:12 `morph.overlap` cannot be `blend`"),
@@ -271,4 +271,24 @@ fn parts_correspond_along_a_chain() {
 fn a_stretched_object_has_no_pairs() {
     let text = CROSSING.replace("union = ['c', 'd']", "union = ['c', 'd']\nscale = [1, 2, 1]");
     frame_tests::refused(&text, "`two` is stretched, and so its parts cannot be told apart for `pairs`");
+}
+
+/// The same attributes as of the pairs that lie nearest, named; a note names them.
+#[test]
+fn pairs_that_are_found() {
+    let with = |pairs: &str| prepared(&CROSSING.replace("[['a', 'd'], ['b', 'c']]", pairs));
+    let (found, named) = (with("'auto'"), with("[['a', 'c'], ['b', 'd']]"));
+    let points = (0..60).map(|i| DVec3::new(f64::from(i) / 30.0 - 1.0, 0.5, 0.1));
+    let frames = [found.frame(4).unwrap(), named.frame(4).unwrap()];
+    for at in points {
+        let [one, two] = frames.each_ref().map(|frame| scalar(frame, "wear", at.to_array()));
+        assert_eq!(one, two, "{at}");
+    }
+    let said: Vec<&str> = found.warnings.list().iter().map(|note| note.message.as_str()).collect();
+    assert_eq!(said, ["`pairs = \"auto\"` is [[\"a\", \"c\"], [\"b\", \"d\"]]"]);
+    assert!(named.warnings.is_empty());
+    wrong(
+        &CROSSING.replace("[['a', 'd'], ['b', 'c']]", "'auto'\nmaster = 'a'"),
+        "32:1 `master` is for pairs that are named",
+    );
 }

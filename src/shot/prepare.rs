@@ -24,7 +24,7 @@ use crate::node::variation::Variation;
 use crate::shot::carry::untold;
 use crate::shot::error::Error;
 use crate::shot::level_sets::LevelSets;
-use crate::shot::morphing::{Measuring, Pair, alike, empty_frames, extent_over_shot, pair, plan};
+use crate::shot::morphing::{Measuring, Pair, alike, empty_frames, extent_over_shot, found_pairs, pair, plan};
 use crate::shot::prepared::{Prepared, Ready};
 use crate::shot::scenery::scenery;
 use crate::shot::stop::{Stop, stop_if, unless_cancelled};
@@ -196,6 +196,7 @@ fn prepare(model: &Arc<Model>, options: &PrepareOptions<'_>, precision: Precisio
     if let (Content::Morph(morphs), Ready::Morph(planned)) = (&model.content, &content) {
         warnings.extend(empty_frames(model, morphs, planned));
         warnings.extend(morphs.iter().zip(planned).flat_map(|(morph, planned)| untold(model, morph, &planned.morph)));
+        warnings.extend(morphs.iter().zip(planned).filter_map(|(morph, planned)| found_pairs(model, morph, planned)));
     }
     let mut prepared = Prepared {
         lattice,

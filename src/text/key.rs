@@ -61,7 +61,7 @@ pub enum Kind {
     TwoShapes,
     /// The same, at least one; `"surface"` is the shape's own surface.
     Goals,
-    /// Pairs of names of shapes.
+    /// Pairs of names of shapes, or `"auto"`.
     ShapePairs,
     /// Lists of places, each of one in every shape of a morph.
     PlacePairs,
@@ -148,7 +148,7 @@ impl Kind {
             Self::Goals => "list of shapes, `\"surface\"` among them".into(),
             Self::ShapesOr(word) => format!("list of shapes, or `\"{word}\"`"),
             Self::OfSpace => "number or formula of space".into(),
-            Self::ShapePairs => "list of pairs of shapes".into(),
+            Self::ShapePairs => "`\"auto\"`, or list of pairs of shapes".into(),
             Self::PlacePairs => "list of pairs of places `[x, y, z]`".into(),
             Self::Cells => "cells".into(),
             Self::Colour => "colour".into(),

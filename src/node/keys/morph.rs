@@ -45,9 +45,24 @@ pub const MORPH: &[Key] = &[
         "For `carry = \"anchors\"`, which may be left out then (`\"none\"` leaves them aside): places of the first shape and what they become on the last, `[[[0, 0, 1], [3, 0, 2]], …]`, in the world, each as its shape stands at the first and at the last frame of `over`, and in or on it; with `through` lists with a place of each of its shapes. One moves; two turn besides, the least turn there is; three or more that are not on one line turn and move as fits them best. Sizes do not change.",
     )
     .unit("units"),
+    Key::new(
+        "arc",
+        Kind::Vector,
+        Words("straight"),
+        "How far the middle of that way lies off the straight one, in the world: `[0, 0, 1]` goes over the top by a unit. Three \
+         numbers without time. Carries by itself, as by `carry = \"centroid\"`.",
+    )
+    .unit("units"),
+    Key::new(
+        "carry_ease",
+        Kind::Progress,
+        Words("`ease`"),
+        "How fast the objects go along that way, as `ease` says how fast the shape changes. Carries by itself, too.",
+    )
+    .limit(Limit::Within(0.0, 1.0)),
     Key::new("color_space", Kind::Choice(COLOUR_SPACES), Text("auto"), "How colours mix. `auto` runs between Oklab's straight line and Oklch's arc: opposite hues meet neither in grey-brown nor in a rainbow; the side on which nearly opposite hues pass is that of both objects' mean colours, so it is one for all of a morph. The others are the space to mix in.")
         .also(&["colour_space"]),
-    Key::new("alpha", Kind::Number, Number(0.3), "How colours come: 0.1 sweep over the shape, 3 everywhere at once.")
+    Key::new("alpha", Kind::Number, Number(0.3), "How colours come: 0.1 sweep over the shape, 3 everywhere at once. [Nine pictures](cases.md#what-α-and-β-do-stti-fig-3-to-5) of it and of `beta`.")
         .limit(Limit::NotNegative),
     Key::new(
         "beta",
@@ -60,7 +75,7 @@ pub const MORPH: &[Key] = &[
         "pairs",
         Kind::ShapePairs,
         Nothing,
-        "Which part becomes which: `[[\"head\", \"lid\"], [\"body\", \"bowl\"]]`, operands of the unions `from` and `to`, each in one pair; with `through` lists with a part of each of its shapes. Each pair is morphed by itself, and the whole has the colours and attributes of a pair where that pair is (STTI, section 4.2.2).",
+        "Which part becomes which: `[[\"head\", \"lid\"], [\"body\", \"bowl\"]]`, operands of the unions `from` and `to`, each in one pair; with `through` lists with a part of each of its shapes. Each pair is morphed by itself, and the whole has the colours and attributes of a pair where that pair is (STTI, section 4.2.2). `\"auto\"`: those that lie nearest to one another in their wholes and are most alike in size, the nearest first; where one object has more parts, the rest go with the nearest. `hfvdb check` says which.",
     ),
     Key::new(
         "overlap",

@@ -31,7 +31,7 @@ pub const NODE: ModeSpec = ModeSpec {
             "Rounds both objects against the planes that cut them in time (eq. 6): see [`round`](scene.md#round-of-morph).",
         ),
     ],
-    shared: &["carry", "anchors", "ease", "over", "through", "at"],
+    shared: &["carry", "anchors", "arc", "carry_ease", "ease", "over", "through", "at"],
     formula: "the section at t of g₁ ∨₀ g₂ + a₀·disp, g₁ and g₂ the objects as half-cylinders over time",
     source: "heterogeneous STB, eqs. 5 and 6",
     example: "from = \"a\"\nto = \"b\"\nmode = \"paper\"\na0 = 0.3\na1 = 2.5\na2 = 2.5\na3 = 0.05\ns = 0.25",

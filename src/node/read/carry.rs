@@ -28,7 +28,17 @@ impl<'r, 'a> Building<'r, 'a> {
             }
             return self.anchors(value?, chain?.len());
         }
+        let of_a_way = ["carry_ease", "arc"].into_iter().find_map(|name| fields.entry(name));
         match (named, said) {
+            (Some("none"), Some(_)) if of_a_way.is_some() => {
+                let entry = of_a_way?;
+                let problem =
+                    format!("`{}` says how objects are carried, and `carry = \"none\"` carries none", entry.key);
+                self.reader.say(Diagnostic::error(entry.key_span, problem).help("leave out one of the two"));
+                None
+            }
+            // Who says how they go wants them to go.
+            (None, None) if of_a_way.is_some() => alike(MorphCarry::Centroid),
             (Some("none"), _) => alike(MorphCarry::None),
             (Some("centroid"), _) => alike(MorphCarry::Centroid),
             (Some("inertia"), _) => alike(MorphCarry::Inertia),
@@ -40,6 +50,12 @@ impl<'r, 'a> Building<'r, 'a> {
             }
             _ => alike(MorphCarry::Left),
         }
+    }
+
+    /// Three numbers that stand still.
+    pub(super) fn fixed_vector(&self, path: &str, value: &Value) -> Option<[f64; 3]> {
+        let three = self.reader.three(path, value)?;
+        Some(three.each_ref().map(|number| self.reader.constant(path, Limit::Any, number)))
     }
 
     /// Rows of places, one of each shape of the chain, as pairs for each of its links.
@@ -59,11 +75,7 @@ impl<'r, 'a> Building<'r, 'a> {
                 self.reader.say(Diagnostic::error(item.span, problem).help("a place is [x, y, z]"));
                 return None;
             };
-            let place = |value: &Value| {
-                let three = self.reader.three(ANCHORS, value)?;
-                let at = three.each_ref().map(|number| self.reader.constant(ANCHORS, Limit::Any, number));
-                Some(Anchor { at, span: value.span })
-            };
+            let place = |value: &Value| Some(Anchor { at: self.fixed_vector(ANCHORS, value)?, span: value.span });
             rows.push(places.iter().map(place).collect::<Option<_>>()?);
         }
         let link = |link: usize| MorphCarry::Anchors(rows.iter().map(|row| [row[link], row[link + 1]]).collect());

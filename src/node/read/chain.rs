@@ -18,7 +18,12 @@ pub(super) struct Link {
 
 impl<'r, 'a> Building<'r, 'a> {
     /// The morph's links in order of time; `None` where an error was said.
-    pub(super) fn chain(&mut self, fields: &Fields<'r, 'a>, ease: &MorphEase, shot: &Shot) -> Option<Vec<Link>> {
+    pub(super) fn chain(
+        &mut self,
+        fields: &Fields<'r, 'a>,
+        eases: &[(&str, Option<&MorphEase>)],
+        shot: &Shot,
+    ) -> Option<Vec<Link>> {
         let over = self.within_shot(fields, "over", shot);
         let Some(through) = fields.entry("through") else {
             if let Some(at) = fields.entry("at") {
@@ -29,7 +34,7 @@ impl<'r, 'a> Building<'r, 'a> {
             let [from, to] = ["from", "to"].map(|name| self.end(fields, name));
             return Some(vec![Link { from: from?, to: to?, over, colour_over }]);
         };
-        self.not_with_through(fields, ease);
+        self.not_with_through(fields, eases);
         let shapes = self.through(fields, &through.value)?;
         let frames = self.key_frames(fields, shapes.len(), over, shot)?;
         let links = shapes.array_windows().zip(frames.array_windows()).map(|(&[from, to], &[first, last])| {
@@ -49,7 +54,7 @@ impl<'r, 'a> Building<'r, 'a> {
         self.shape_reference(&fields.full(name), value)
     }
 
-    fn not_with_through(&self, fields: &Fields<'r, 'a>, ease: &MorphEase) {
+    fn not_with_through(&self, fields: &Fields<'r, 'a>, eases: &[(&str, Option<&MorphEase>)]) {
         for name in ["from", "to"] {
             if let Some(entry) = fields.entry(name) {
                 let problem = format!("`{name}` and `through` say the same thing twice");
@@ -63,8 +68,10 @@ impl<'r, 'a> Building<'r, 'a> {
         if let (Some(entry), Some(_)) = (fields.entry("over"), fields.entry("at")) {
             self.reader.say(Diagnostic::error(entry.key_span, "`over` and `at` say the same thing twice"));
         }
-        if let (MorphEase::Progress(progress), Some(_)) = (ease, fields.entry("ease")) {
-            let problem = "`morph.ease` by keys or formula is the progress of one morph, and `through` makes several";
+        for (name, ease) in eases {
+            let Some(MorphEase::Progress(progress)) = ease else { continue };
+            let problem =
+                format!("`morph.{name}` by keys or formula is the progress of one morph, and `through` makes several");
             let help = "\"linear\" and \"smooth\" are of each";
             self.reader.say(Diagnostic::error(progress.span, problem).help(help));
         }

@@ -32,8 +32,10 @@ impl<'r, 'a> Building<'r, 'a> {
         let fields = Fields::of_value(self.reader, "morph", NO_OWNER, entry.key_span, &entry.value, keys)?;
         let cut = fields.value("cut").and_then(|value| self.shape_reference("morph.cut", value));
         let mode = self.morph_mode(&fields);
-        let ease = self.ease(&fields);
-        let chain = self.chain(&fields, &ease, shot);
+        let ease = self.ease(&fields, "ease");
+        let carry_ease = self.ease(&fields, "carry_ease");
+        let eases = [("ease", ease.as_ref()), ("carry_ease", carry_ease.as_ref())];
+        let chain = self.chain(&fields, &eases, shot);
         let fill = fields.value("fill").and_then(|value| self.fill(value));
         let correspondences = self.correspondence(&fields, chain.as_deref());
         let carries = self.carry(&fields, chain.as_deref());
@@ -51,7 +53,9 @@ impl<'r, 'a> Building<'r, 'a> {
             even_pace: fields.choice("pace") == Some("even"),
             mode,
             carry: MorphCarry::Left,
-            ease,
+            carry_ease,
+            arc: fields.value("arc").and_then(|value| self.fixed_vector("morph.arc", value)).unwrap_or_default(),
+            ease: ease.unwrap_or(MorphEase::Linear),
             octopus: fields.flag("octopus"),
             colour_space: fields.choice("color_space").unwrap_or("auto"),
             alpha: fields.required_number("alpha"),
@@ -123,20 +127,20 @@ impl<'r, 'a> Building<'r, 'a> {
         }
     }
 
-    /// `"linear"`, `"smooth"`, or the progress itself.
-    fn ease(&self, fields: &Fields<'r, 'a>) -> MorphEase {
+    /// `"linear"`, `"smooth"`, or the progress itself; `None` where the key is left out.
+    fn ease(&self, fields: &Fields<'r, 'a>, name: &str) -> Option<MorphEase> {
         const NAMES: [&str; 2] = ["linear", "smooth"];
-        let Some(value) = fields.value("ease") else { return MorphEase::Linear };
-        match value.text() {
+        let (path, value) = (fields.full(name), fields.value(name)?);
+        Some(match value.text() {
             Some("linear") => MorphEase::Linear,
             Some("smooth") => MorphEase::Smooth,
             // A single word is meant as a name, unless it is one that formulas know.
             Some(text) if text.chars().all(char::is_alphabetic) && !matches!(text, "t" | "frame" | "time") => {
-                self.reader.choice_problem("morph.ease", &NAMES, value);
+                self.reader.choice_problem(&path, &NAMES, value);
                 MorphEase::Linear
             }
-            _ => MorphEase::Progress(self.reader.number("morph.ease", Limit::Within(0.0, 1.0), value)),
-        }
+            _ => MorphEase::Progress(self.reader.number(&path, Limit::Within(0.0, 1.0), value)),
+        })
     }
 
     /// Two numbers, the second greater where both stand still.

@@ -4,7 +4,7 @@ use super::Building;
 use super::chain::Link;
 use crate::attribute::Overlap;
 use crate::node::argument::Argument;
-use crate::node::model::{Correspondence, Modifier, ShapeId};
+use crate::node::model::{Correspondence, Modifier, Pairs, ShapeId};
 use crate::node::spec::Carries;
 use crate::text::diagnostic::{Diagnostic, clip, listed};
 use crate::text::number::NumberValue;
@@ -47,13 +47,27 @@ impl<'r, 'a> Building<'r, 'a> {
         let overlap = if fields.choice("overlap") == Some("mix") { Overlap::Mix } else { Overlap::Priority };
         let master = fields.value("master");
         let chain = chain?;
-        let rows = self.rows(value, &self.wholes(fields, chain)?)?;
+        let wholes = self.wholes(fields, chain)?;
+        if value.text() == Some("auto") {
+            if let Some(entry) = fields.entry("master") {
+                let problem = Diagnostic::error(entry.key_span, "`master` is for pairs that are named");
+                self.reader
+                    .say(problem.help("what `pairs = \"auto\"` finds is in the notes of `hfvdb check`: name those"));
+            }
+            let of_link = |two: &[Whole<'_>; 2]| Correspondence {
+                pairs: Pairs::Nearest(two.each_ref().map(|whole| whole.parts.to_vec())),
+                overlap,
+                master: None,
+            };
+            return Some(wholes.array_windows().map(of_link).collect());
+        }
+        let rows = self.rows(value, &wholes)?;
         let master = match master {
             Some(value) => Some(self.master(value, &rows)?),
             None => None,
         };
         let of_link = |link| Correspondence {
-            pairs: rows.iter().map(|row| [row[link], row[link + 1]]).collect(),
+            pairs: Pairs::Named(rows.iter().map(|row| [row[link], row[link + 1]]).collect()),
             overlap,
             master,
         };
@@ -106,7 +120,7 @@ impl<'r, 'a> Building<'r, 'a> {
 
     /// Parts that become one another, each list with one of each object.
     fn rows(&self, value: &Value, wholes: &[Whole<'_>]) -> Option<Vec<Vec<ShapeId>>> {
-        let wanted = "a list of pairs, such as [[\"head\", \"lid\"], [\"body\", \"bowl\"]]";
+        let wanted = "\"auto\", or a list of pairs, such as [[\"head\", \"lid\"], [\"body\", \"bowl\"]]";
         let Some(list) = value.list().filter(|list| !list.is_empty()) else {
             self.reader.wrong_kind("morph.pairs", wanted, value);
             return None;
