@@ -99,7 +99,7 @@ fn parameters_make_a_grid() {
     let table = fs::read_to_string(place.path("grid.csv")).unwrap();
     let rows: Vec<Vec<&str>> = table.lines().map(|line| line.split(',').collect()).collect();
     assert_eq!(rows.len(), 7, "{table}");
-    assert_eq!(rows[0], ["frame", "volume", "area", "pieces", "change"]);
+    assert_eq!(rows[0], ["frame", "volume", "area", "pieces", "change", "change_of_shape"]);
     assert_eq!((rows[1][0], rows[1][3]), ("r=0.5 gap=0", "1"));
     assert_eq!((rows[6][0], rows[6][3]), ("r=1 gap=3", "2"));
     let number = |row: usize, column: usize| rows[row][column].parse::<f64>().unwrap();

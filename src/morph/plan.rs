@@ -170,6 +170,11 @@ impl Morph {
         self.way.is_some()
     }
 
+    /// Whether it moves as it changes, so that change of shape is not all change.
+    pub fn moves(&self) -> bool {
+        !self.common.motion.is_still()
+    }
+
     /// The box of F ≥ 0 while the shape changes, to within a cell of the coarse grid.
     pub fn extent(&self) -> Aabb {
         let [min, max] = self.plan.extent;

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
-use super::error::Error;
+use super::error::{Error, within};
 use super::mode::Mode;
 use super::mode::volume::Volume;
 use super::over_time::OverTime;
@@ -172,7 +172,3 @@ impl Settings {
 
 /// Steps at which settings that change over time are checked.
 const CHECKS: usize = 64;
-
-pub(super) fn within(name: &'static str, value: f64, least: f64, most: f64) -> Result<(), Error> {
-    if (least..=most).contains(&value) { Ok(()) } else { Err(Error::Setting { name, value, least, most }) }
-}

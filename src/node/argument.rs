@@ -7,7 +7,6 @@ use crate::attribute::LinearRgb;
 use crate::field::{Aabb, CopyPlace};
 use crate::node::applied::Applied;
 use crate::node::id::{CellsId, ShapeId};
-use crate::node::model::MorphDelay;
 use crate::text::files::FileReference;
 
 use crate::text::number::Number;
@@ -87,6 +86,31 @@ pub enum Component {
     Number(Number),
     /// A formula of space and time.
     Formula(Formula),
+}
+
+/// How long places wait, as a share of the morph's progress.
+#[derive(Clone, Debug)]
+pub struct MorphDelay {
+    /// Where it comes from.
+    pub source: DelaySource,
+    /// Where the scene says so.
+    pub span: Span,
+}
+
+/// Where a delay comes from.
+#[derive(Clone, Debug)]
+pub enum DelaySource {
+    /// A number, or a formula of x, y, z in the world.
+    Space(Component),
+    /// What a shape has at each place, as it stands when the shot begins.
+    Shape {
+        /// The shape.
+        shape: ShapeId,
+        /// A scalar of it; `None` for the luminance of its colour.
+        attribute: Option<String>,
+        /// The delay where that is 1.
+        most: f64,
+    },
 }
 
 /// The scalar that a key names.

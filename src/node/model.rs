@@ -25,7 +25,7 @@ use crate::text::source::{Sources, Span};
 use crate::text::value::Table;
 use crate::vdb::Program;
 
-pub use crate::node::argument::{Component, ScalarName};
+pub use crate::node::argument::{Component, DelaySource, MorphDelay, ScalarName};
 pub use crate::node::id::{CellsId, ShapeId};
 
 /// A checked scene.
@@ -398,31 +398,6 @@ impl MorphMode {
     pub fn delay(&self) -> Option<&MorphDelay> {
         self.arguments.delay("delay")
     }
-}
-
-/// How long places wait, as a share of the morph's progress.
-#[derive(Clone, Debug)]
-pub struct MorphDelay {
-    /// Where it comes from.
-    pub source: DelaySource,
-    /// Where the scene says so.
-    pub span: Span,
-}
-
-/// Where a delay comes from.
-#[derive(Clone, Debug)]
-pub enum DelaySource {
-    /// A number, or a formula of x, y, z in the world.
-    Space(Component),
-    /// What a shape has at each place, as it stands when the shot begins.
-    Shape {
-        /// The shape.
-        shape: ShapeId,
-        /// A scalar of it; `None` for the luminance of its colour.
-        attribute: Option<String>,
-        /// The delay where that is 1.
-        most: f64,
-    },
 }
 
 /// How fast a morph's shape changes on the way.

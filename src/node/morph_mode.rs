@@ -4,11 +4,11 @@ use std::sync::Arc;
 
 use crate::morph::{Delay, Mode, OverTime, Pace};
 use crate::node::argument::Arguments;
-use crate::node::model::{Model, Morph};
-use crate::node::over_time::{ends_at, over_time, span_of};
+use crate::text::frames::FrameRange;
 use crate::text::key::{Absent, Key, Kind};
 use crate::text::number::Number;
 use crate::text::problem::Problem;
+use crate::text::source::Span;
 
 /// The keys of `[morph]` that not all modes use.
 pub(crate) const SHARED: [&str; 9] = ["pace", "carry", "anchors", "arc", "carry_ease", "ease", "over", "through", "at"];
@@ -34,7 +34,7 @@ pub struct ModeSpec {
     /// Whether OpenVDB makes its frames from level sets, each from the one before, of objects that stand still.
     pub by_level_sets: bool,
     /// The mode over scene time.
-    pub build: fn(&Setting<'_>) -> Result<Arc<dyn Mode>, Problem>,
+    pub build: fn(&dyn Setting) -> Result<Arc<dyn Mode>, Problem>,
 }
 
 impl ModeSpec {
@@ -51,46 +51,24 @@ impl std::fmt::Debug for ModeSpec {
 }
 
 /// What a row's function may ask for.
-pub struct Setting<'a> {
-    pub(crate) model: &'a Arc<Model>,
-    pub(crate) morph: &'a Morph,
-    /// The places that wait.
-    pub(crate) delay: Option<Delay>,
-}
-
-impl Setting<'_> {
+pub trait Setting {
     /// The values of the mode's own keys.
-    pub fn arguments(&self) -> &Arguments {
-        &self.morph.mode.arguments
-    }
-
+    fn arguments(&self) -> &Arguments;
     /// How t follows the morph's progress.
-    pub fn pace(&self) -> Pace {
-        if self.morph.even_pace { Pace::Even } else { Pace::Time }
-    }
-
+    fn pace(&self) -> Pace;
+    /// The places that wait.
+    fn delay(&self) -> Option<Delay>;
+    /// The shot's frames.
+    fn frames(&self) -> FrameRange;
+    /// Where the morph stands in the scene.
+    fn span(&self) -> Span;
     /// A number over scene time.
-    pub fn over_time(&self, number: &Number) -> Result<OverTime<f64>, Problem> {
-        over_time(self.model, number)
-    }
+    fn over_time(&self, number: &Number) -> Result<OverTime<f64>, Problem>;
+    /// The number of a key that has a default, over scene time; exactly 1 at both ends of the morph.
+    fn factor(&self, key: &str) -> Result<OverTime<f64>, Problem>;
 
     /// The number of a key that has a default, over scene time.
-    pub fn number(&self, key: &str) -> Result<OverTime<f64>, Problem> {
+    fn number(&self, key: &str) -> Result<OverTime<f64>, Problem> {
         self.over_time(self.arguments().number(key).expect("it has a default"))
-    }
-
-    /// The same of one that is exactly 1 at both ends of the morph.
-    pub fn factor(&self, key: &str) -> Result<OverTime<f64>, Problem> {
-        let number = self.arguments().number(key).expect("it has a default");
-        ends_at(self.model, self.morph, number, [1.0, 1.0], "such as { 1 = 1, 24 = 1.5, 48 = 1 }")?;
-        let inner = self.over_time(number)?;
-        if inner.is_still() {
-            return Ok(inner);
-        }
-        let [start, end] = span_of(self.model, self.morph.over);
-        Ok(OverTime::moving(move |time| {
-            let at = inner.at(time);
-            if time <= start || time >= end || (at - 1.0).abs() < super::over_time::ROUNDING { 1.0 } else { at }
-        }))
     }
 }

@@ -2,11 +2,14 @@
 
 use std::sync::Arc;
 
-use crate::morph::OverTime;
+use crate::morph::{Delay, OverTime, Pace};
+use crate::node::argument::Arguments;
 use crate::node::model::{Model, Morph};
+use crate::node::morph_mode::Setting;
 use crate::text::frames::FrameRange;
 use crate::text::number::Number;
 use crate::text::problem::Problem;
+use crate::text::source::Span;
 
 /// How far formulas may miss the ends of a curve by rounding.
 pub(crate) const ROUNDING: f64 = 1e-9;
@@ -59,4 +62,52 @@ pub(crate) fn ends_at(
         }
     }
     Ok(())
+}
+
+/// What the mode of a scene's morph is built from.
+pub(crate) struct Morphing<'a> {
+    pub model: &'a Arc<Model>,
+    pub morph: &'a Morph,
+    /// The places that wait.
+    pub delay: Option<Delay>,
+}
+
+impl Setting for Morphing<'_> {
+    fn arguments(&self) -> &Arguments {
+        &self.morph.mode.arguments
+    }
+
+    fn pace(&self) -> Pace {
+        if self.morph.even_pace { Pace::Even } else { Pace::Time }
+    }
+
+    fn delay(&self) -> Option<Delay> {
+        self.delay.clone()
+    }
+
+    fn frames(&self) -> FrameRange {
+        self.model.shot.range
+    }
+
+    fn span(&self) -> Span {
+        self.morph.span
+    }
+
+    fn over_time(&self, number: &Number) -> Result<OverTime<f64>, Problem> {
+        over_time(self.model, number)
+    }
+
+    fn factor(&self, key: &str) -> Result<OverTime<f64>, Problem> {
+        let number = self.arguments().number(key).expect("it has a default");
+        ends_at(self.model, self.morph, number, [1.0, 1.0], "such as { 1 = 1, 24 = 1.5, 48 = 1 }")?;
+        let inner = self.over_time(number)?;
+        if inner.is_still() {
+            return Ok(inner);
+        }
+        let [start, end] = span_of(self.model, self.morph.over);
+        Ok(OverTime::moving(move |time| {
+            let at = inner.at(time);
+            if time <= start || time >= end || (at - 1.0).abs() < ROUNDING { 1.0 } else { at }
+        }))
+    }
 }

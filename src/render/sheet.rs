@@ -39,6 +39,8 @@ pub struct SheetFrame {
     pub volume: f64,
     /// The volume that changed since the frame before; none for the first.
     pub change: Option<f64>,
+    /// That of a morph that moves, seen from a frame that moves with it.
+    pub change_of_shape: Option<f64>,
     /// The number of connected pieces.
     pub pieces: usize,
 }
@@ -107,19 +109,25 @@ impl ContactSheet {
         let changes: Vec<Option<f64>> = self.frames.iter().map(|frame| frame.change).collect();
         let volumes: Vec<Option<f64>> = self.frames.iter().map(|frame| Some(frame.volume)).collect();
         let pieces = self.frames.iter().map(|frame| Some(frame.pieces as f64)).collect();
-        let known: Vec<f64> = changes.iter().flatten().copied().collect();
+        let of_shape: Vec<Option<f64>> = self.frames.iter().map(|frame| frame.change_of_shape).collect();
         let most = self.frames.iter().map(|frame| frame.volume).fold(0.0, f64::max);
-        let limit = median_of_moving(&known, most).map(|median| POP * median);
-        vec![
-            Curve { title: "volume", values: volumes, limit: None, whole: false },
-            Curve {
-                title: "change from the frame before (dashes: twice the median of frames that move)",
-                values: changes,
-                limit,
-                whole: false,
-            },
-            Curve { title: "pieces", values: pieces, limit: None, whole: true },
-        ]
+        let limit = |values: &[Option<f64>]| {
+            let known: Vec<f64> = values.iter().flatten().copied().collect();
+            median_of_moving(&known, most).map(|median| POP * median)
+        };
+        let mut curves = vec![Curve { title: "volume", values: volumes, limit: None, whole: false }];
+        if of_shape.iter().any(Option::is_some) {
+            // Where the whole moves, a pop is one of its shape.
+            let title = "change of shape, seen from a frame that moves with it (dashes: twice the median)";
+            curves.push(Curve { title, limit: limit(&of_shape), values: of_shape, whole: false });
+            let title = "change from the frame before, its way included";
+            curves.push(Curve { title, values: changes, limit: None, whole: false });
+        } else {
+            let title = "change from the frame before (dashes: twice the median of frames that move)";
+            curves.push(Curve { title, limit: limit(&changes), values: changes, whole: false });
+        }
+        curves.push(Curve { title: "pieces", values: pieces, limit: None, whole: true });
+        curves
     }
 
     fn draw_curves(&self, sheet: &mut Image, curves: &[Curve<'_>], top: usize) {
@@ -143,7 +151,7 @@ mod tests {
     fn frame(number: i64, pixels: usize) -> SheetFrame {
         let image = Some(Image::new(pixels, pixels, [number as u8, 0, 0, 255]));
         let change = (number > 1).then_some(0.1);
-        SheetFrame { frame: number, label: None, image, volume: 1.0, change, pieces: 1 }
+        SheetFrame { frame: number, label: None, image, volume: 1.0, change, change_of_shape: None, pieces: 1 }
     }
 
     #[test]

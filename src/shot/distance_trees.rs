@@ -14,7 +14,7 @@ use crate::shot::displace_tests::band_of;
 use crate::shot::scalar_tests::{Sampling, prepared_at};
 
 /// Random trees.
-const TREES: u64 = 3;
+const TREES: u64 = 2;
 /// The share of operations whose operands share a face.
 const SHARED_FACES: f64 = 0.3;
 /// Voxels along the longest side.

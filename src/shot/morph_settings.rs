@@ -6,8 +6,7 @@ use crate::attribute::ColourSpace;
 use crate::morph::{self, Carry, Ease, OverTime};
 
 use crate::node::model::{Model, Morph, MorphEase};
-use crate::node::morph_mode::Setting;
-use crate::node::over_time::{ROUNDING, ends_at, over_time, span_of};
+use crate::node::over_time::{Morphing, ROUNDING, ends_at, over_time, span_of};
 use crate::text::number::Number;
 use crate::text::problem::Problem;
 
@@ -17,7 +16,7 @@ pub(crate) fn settings(
     morph: &Morph,
     delay: Option<morph::Delay>,
 ) -> Result<morph::Settings, Problem> {
-    let mode = (morph.mode.spec.build)(&Setting { model, morph, delay })?;
+    let mode = (morph.mode.spec.build)(&Morphing { model, morph, delay })?;
     Ok(morph::Settings {
         mode,
         carry: Carry::None,

@@ -207,7 +207,10 @@ fn wrong_pairs_are_named_with_their_place() {
         ("[['c', 'd'], ['b', 'c']]", "31:12 `c` is no part of `one`, which is `morph.from`"),
         ("[['a', 'd'], ['a', 'c']]", "31:24 `a` is in two pairs"),
         ("[['a', 'd'], ['b']]", "31:22 `morph.pairs` takes pairs: a part of the first object and one of the second"),
-        ("'a'", "31:10 `morph.pairs` must be \"auto\", or a list of pairs, such as [[\"head\", \"lid\"], [\"body\", \"bowl\"]]"),
+        (
+            "'a'",
+            "31:10 `morph.pairs` must be \"auto\", or a list of pairs, such as [[\"head\", \"lid\"], [\"body\", \"bowl\"]]",
+        ),
         ("[['a', 'd'], ['b', 'c']]\nmaster = 'one'", "32:11 `morph.master` is `one`, which is in none of `pairs`"),
         ("[['a', 'd'], ['b', 'c']]\nmaster = 'e'", "32:11 there is no `shape.e`"),
         ("[['a', 'd'], ['b', 'c']]\noverlap = 'blend'", "32:12 `morph.overlap` cannot be `blend`"),

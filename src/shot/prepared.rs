@@ -181,6 +181,18 @@ impl Prepared {
         Ok(Some(MorphReport { numbers, displacement }))
     }
 
+    /// The volume that changed from one frame of a morph that moves to another, seen from a frame that moves with it;
+    /// `None` where the scene is none such.
+    pub fn change_of_shape(&self, before: i64, frame: i64) -> Option<f64> {
+        let Ready::Morph(planned) = &self.content else { return None };
+        let morph = &planned[self.shown(before as f64)].morph;
+        if self.level_sets.is_some() || !planned.iter().any(|planned| planned.morph.moves()) {
+            return None;
+        }
+        let times = [before, frame].map(|frame| self.model.shot.range.share(frame as f64).clamp(0.0, 1.0));
+        morph.report(&times).frames.pop().map(|report| report.change)
+    }
+
     /// Whether a frame is made without those before it: all but those that OpenVDB makes.
     pub fn is_made_alone(&self, frame: i64) -> bool {
         self.by_openvdb(frame).is_none()

@@ -124,7 +124,7 @@ pub struct Arguments {
     vary: Vec<String>,
 
     /// Write what is counted beside the pictures as a table: volume, area of the surface, pieces, and the change since
-    /// the frame before
+    /// the frame before, of shape alone too where a morph moves
     #[arg(long, value_name = "FILE.csv", value_parser = paths::path())]
     csv: Option<PathBuf>,
 
@@ -297,6 +297,7 @@ fn show(
                 volume: measure::volume(&shown.band),
                 // What differs in more than time has no change from one to the next.
                 change: last.as_ref().and_then(|last| measure::change(last, &shown.band)),
+                change_of_shape: (source.change_of_shape)(place),
                 pieces: measure::pieces(&shown.band).len(),
             };
             if arguments.csv.is_some() {
@@ -334,7 +335,15 @@ fn report(paths: &[PathBuf], sheet: &ContactSheet, global: &Global) -> Result<()
     let frames: Vec<_> = sheet
         .frames
         .iter()
-        .map(|frame| json!({ "frame": frame.frame, "volume": frame.volume, "change": frame.change, "pieces": frame.pieces }))
+        .map(|frame| {
+            json!({
+                "frame": frame.frame,
+                "volume": frame.volume,
+                "change": frame.change,
+                "change_of_shape": frame.change_of_shape,
+                "pieces": frame.pieces,
+            })
+        })
         .collect();
     super::print_json(&json!({ "path": paths.first(), "paths": paths, "frames": frames }))
 }

@@ -46,6 +46,8 @@ pub struct Source<'a> {
     pub bounds: Aabb,
     /// Gives the frame at a place in the list.
     pub compute: &'a dyn Fn(usize) -> Result<Shown, Failure>,
+    /// What a frame changed since the one before, seen from a frame that moves with it; `None` of what does not move.
+    pub change_of_shape: &'a dyn Fn(usize) -> Option<f64>,
 }
 
 impl Source<'_> {
@@ -115,7 +117,17 @@ pub fn of_scene(
         frame_of(arguments, &prepared, numbers[place], limit, interrupt, &|share| progress.at(place, share))
     };
     let (name, bounds) = (arguments.inputs[0].clone(), prepared.extent);
-    let source = Source { name, numbers: numbers.clone(), labels: None, columns: None, bounds, compute: &compute };
+    let change_of_shape =
+        |place: usize| place.checked_sub(1).and_then(|last| prepared.change_of_shape(numbers[last], numbers[place]));
+    let source = Source {
+        name,
+        numbers: numbers.clone(),
+        labels: None,
+        columns: None,
+        bounds,
+        compute: &compute,
+        change_of_shape: &change_of_shape,
+    };
     show(&source, &progress)
 }
 
@@ -214,7 +226,10 @@ pub fn of_files(
         }
         Ok(shown)
     };
-    show(&Source { name, numbers, labels, columns: None, bounds, compute: &compute }, &progress)
+    let change_of_shape = |_| None;
+    let source =
+        Source { name, numbers, labels, columns: None, bounds, compute: &compute, change_of_shape: &change_of_shape };
+    show(&source, &progress)
 }
 
 /// A file's name without its extension.

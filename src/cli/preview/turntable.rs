@@ -43,7 +43,15 @@ pub fn show(
         painter.around = Some(degrees);
         let label = format!("{:.0} deg", arguments.turn + degrees);
         let image = writer.take(&mut painter, &shown, *number)?;
-        frames.push(SheetFrame { frame: *number, label: Some(label), image, volume, change: None, pieces });
+        frames.push(SheetFrame {
+            frame: *number,
+            label: Some(label),
+            image,
+            volume,
+            change: None,
+            change_of_shape: None,
+            pieces,
+        });
     }
     let columns = arguments.columns.map(|columns| columns as usize);
     let sheet = ContactSheet { title: source.name.clone(), frames, columns };

@@ -111,6 +111,7 @@ pub fn run(arguments: &Arguments, target: &Target, interrupt: &Interrupt, global
         columns: varied.last().map(|one| one.values.len()),
         bounds: bounds.expect("there is at least one"),
         compute: &compute,
+        change_of_shape: &|_| None,
     };
     show(arguments, target, &source, interrupt, &progress, global)
 }

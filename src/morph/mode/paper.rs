@@ -1,10 +1,9 @@
 //! Space-time blending with the papers' numbers as they are given.
 
 use super::{Between, Mode};
-use crate::morph::error::Error;
+use crate::morph::error::{Error, within};
 use crate::morph::over_time::OverTime;
 use crate::morph::section::{Round, Section};
-use crate::morph::settings::within;
 
 /// All of the blend's parameters by hand over scene time, t as it comes; frames may be empty.
 #[derive(Clone, Debug)]

@@ -3,10 +3,9 @@
 use super::{Between, Mode, Pace};
 use crate::morph::course::FLOW_TIME_SCALE;
 use crate::morph::delay::Delay;
-use crate::morph::error::Error;
+use crate::morph::error::{Error, within};
 use crate::morph::over_time::OverTime;
 use crate::morph::section::Section;
-use crate::morph::settings::within;
 
 /// The slab and reach that keep the first and last frames alive and whole.
 const SLAB: [f64; 2] = [-1.0, 2.0];

@@ -42,7 +42,7 @@ pub const NODE: ModeSpec = ModeSpec {
 };
 
 /// The papers' numbers over scene time.
-fn numbers(setting: &Setting<'_>) -> Result<OverTime<Numbers>, Problem> {
+fn numbers(setting: &dyn Setting) -> Result<OverTime<Numbers>, Problem> {
     let arguments = setting.arguments();
     let a = [setting.number("a0")?, setting.number("a1")?, setting.number("a2")?, setting.number("a3")?];
     let s = setting.number("s")?;
@@ -59,12 +59,12 @@ fn numbers(setting: &Setting<'_>) -> Result<OverTime<Numbers>, Problem> {
                 .collect::<Result<Vec<_>, _>>()?,
         ),
     };
-    for frame in sampled_frames(setting.model.shot.range) {
-        let [lo, hi] = ends.each_ref().map(|end| end.at(setting.model.shot.range.share(frame)));
+    for frame in sampled_frames(setting.frames()) {
+        let [lo, hi] = ends.each_ref().map(|end| end.at(setting.frames().share(frame)));
         if lo >= hi {
             let problem =
                 format!("`morph.slab` is [{lo}, {hi}] at frame {}, and must end after it starts", plain(frame));
-            return Err(Problem::new(arguments.span("slab").unwrap_or(setting.morph.span), problem));
+            return Err(Problem::new(arguments.span("slab").unwrap_or(setting.span()), problem));
         }
     }
     let still = a.iter().chain([&s]).chain(&ends).chain(round.iter().flatten()).all(OverTime::is_still);

@@ -50,7 +50,7 @@ pub const NODE: ModeSpec = ModeSpec {
             bridge: setting.number("bridge")?,
             pace: setting.pace(),
             volume: setting.factor("volume")?,
-            delay: setting.delay.clone(),
+            delay: setting.delay(),
         }))
     },
 };
