@@ -13,6 +13,9 @@ use crate::text::source::Span;
 /// The keys of `[morph]` that not all modes use.
 pub(crate) const SHARED: [&str; 9] = ["pace", "carry", "anchors", "arc", "carry_ease", "ease", "over", "through", "at"];
 
+/// How a row makes its mode.
+pub type ModeOf = fn(&dyn Setting) -> Result<Arc<dyn Mode>, Problem>;
+
 /// How a morph's shape changes.
 pub struct ModeSpec {
     /// Its name, which is the value of `mode`, and what it does.
@@ -34,7 +37,7 @@ pub struct ModeSpec {
     /// Whether OpenVDB makes its frames from level sets, each from the one before, of objects that stand still.
     pub by_level_sets: bool,
     /// The mode over scene time.
-    pub build: fn(&dyn Setting) -> Result<Arc<dyn Mode>, Problem>,
+    pub build: ModeOf,
 }
 
 impl ModeSpec {
