@@ -1,10 +1,11 @@
 //! The way that a morph carries its objects, so that two that lie apart meet: the first goes to where the second is, and
 //! the second comes from where the first is, both on the one way.
 //!
-//! With c₁ and c₂ the centres of both at a scene time τ, s the progress along the way, b its arc and Q the turn that takes the first object's
-//! frame to the second's, both are seen from one frame at
+//! With c₁ and c₂ the centres of both at a scene time τ, s the progress along the way, b its arc and Q the turn that takes
+//! the first object's frame to the second's, both are seen from one frame at
 //!
-//! c(τ) = (1 − s)·c₁ + s·c₂ + 4·s·(1 − s)·b, turned by Q^s (slerp: Shoemake, Animating rotation with quaternion curves, 1985).
+//! c(τ) = (1 − s)·c₁ + s·c₂ + 4·s·(1 − s)·b, turned by Q^s (slerp: Shoemake, Animating rotation with quaternion curves,
+//! 1985).
 //!
 //! In it the first object stands turned by Q^s about its centre, the second by Q^(s − 1). So at s = 0 the first is where it
 //! is, and at s = 1 the second; between the two nothing changes but shape, and all of the blend is as if they lay one

@@ -15,7 +15,7 @@ use crate::attribute::ColourSpace;
 pub struct Settings {
     /// How the shape changes.
     pub mode: Arc<dyn Mode>,
-    /// The way that the objects are carried along while the shape changes, by the eased progress.
+    /// The way that the objects are carried along while the shape changes.
     pub carry: Carry,
     /// How fast they go along that way; `None`: by the eased progress.
     pub carry_ease: Option<Ease>,

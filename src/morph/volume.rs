@@ -13,7 +13,7 @@ use super::course::Place;
 use super::section::{Kernel, Section};
 
 /// The sum of squares below which both slopes are taken as zero.
-const NO_SLOPE: f32 = 1e-20;
+pub(super) const NO_SLOPE: f32 = 1e-20;
 /// Cells whose zeros are searched side by side.
 const LANES: usize = 16;
 /// Steps of that search. Fewer leave visible noise in a₀ where F_b bends most, near both ends of a morph.

@@ -39,7 +39,6 @@ pub(crate) mod morph_mode;
 pub(crate) mod morphed;
 pub(crate) mod operation;
 mod origin;
-pub(crate) mod over_time;
 pub(crate) mod own_box;
 pub(crate) mod paint;
 pub(crate) mod painted;

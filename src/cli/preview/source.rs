@@ -226,10 +226,8 @@ pub fn of_files(
         }
         Ok(shown)
     };
-    let change_of_shape = |_| None;
-    let source =
-        Source { name, numbers, labels, columns: None, bounds, compute: &compute, change_of_shape: &change_of_shape };
-    show(&source, &progress)
+    let (compute, change_of_shape) = (&compute, &|_| None);
+    show(&Source { name, numbers, labels, columns: None, bounds, compute, change_of_shape }, &progress)
 }
 
 /// A file's name without its extension.

@@ -5,10 +5,7 @@ use std::sync::Arc;
 use super::{Between, Combine, Mode, Pace, Placed, expression};
 use crate::field::{Field, Graph};
 use crate::morph::coarse::{CoarseGrid, Measured};
-use crate::morph::volume::fraction;
-
-/// The sum of squares below which the slope is taken as zero.
-const NO_SLOPE: f32 = 1e-20;
+use crate::morph::volume::{NO_SLOPE, fraction};
 
 /// (1 − t)·f₁ + t·f₂ of the two distances.
 #[derive(Clone, Debug, Default)]

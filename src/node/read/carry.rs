@@ -29,20 +29,19 @@ impl<'r, 'a> Building<'r, 'a> {
             return self.anchors(value?, chain?.len());
         }
         let of_a_way = ["carry_ease", "arc"].into_iter().find_map(|name| fields.entry(name));
-        match (named, said) {
-            (Some("none"), Some(_)) if of_a_way.is_some() => {
-                let entry = of_a_way?;
+        match (named, said, of_a_way) {
+            (Some("none"), _, Some(entry)) => {
                 let problem =
                     format!("`{}` says how objects are carried, and `carry = \"none\"` carries none", entry.key);
                 self.reader.say(Diagnostic::error(entry.key_span, problem).help("leave out one of the two"));
                 None
             }
             // Who says how they go wants them to go.
-            (None, None) if of_a_way.is_some() => alike(MorphCarry::Centroid),
-            (Some("none"), _) => alike(MorphCarry::None),
-            (Some("centroid"), _) => alike(MorphCarry::Centroid),
-            (Some("inertia"), _) => alike(MorphCarry::Inertia),
-            (Some(_), Some(entry)) => {
+            (None, None, Some(_)) => alike(MorphCarry::Centroid),
+            (Some("none"), ..) => alike(MorphCarry::None),
+            (Some("centroid"), ..) => alike(MorphCarry::Centroid),
+            (Some("inertia"), ..) => alike(MorphCarry::Inertia),
+            (Some(_), Some(entry), _) => {
                 let problem = Diagnostic::error(entry.value.span, "`carry = \"anchors\"` goes with `anchors`");
                 self.reader
                     .say(problem.help("anchors = [[[0, 0, 1], [3, 0, 2]]], a place of the first and of the last"));
