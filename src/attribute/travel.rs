@@ -152,7 +152,7 @@ impl Travel {
         // Of several sources the first to arrive.
         seeds.sort_by(|(a, at_a), (b, at_b)| a.cmp(b).then(at_a.total_cmp(at_b)));
         seeds.dedup_by_key(|(node, _)| *node);
-        let times = fim::arrivals(&blocks, step, &seeds, |node| f64::from(slowness[node]), &watch)
+        let times = fim::arrivals(&blocks, step, &seeds, |node| f64::from(slowness[node]), |_, _| true, &watch)
             .map_err(TravelError::Surface)?;
         let mut unreached = (0..times.len()).filter(|&node| nodes.inside[node] && times[node] == f64::INFINITY);
         if let Some(first) = unreached.next() {

@@ -113,6 +113,16 @@ pub enum DelaySource {
     },
 }
 
+impl Component {
+    /// Where the scene gives it.
+    pub fn span(&self) -> Span {
+        match self {
+            Self::Number(number) => number.span,
+            Self::Formula(formula) => formula.span(),
+        }
+    }
+}
+
 /// The scalar that a key names.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ScalarName {

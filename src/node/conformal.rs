@@ -3,14 +3,17 @@
 use std::sync::Arc;
 
 use crate::attribute::Mix;
-use crate::attribute::conformal::{Conformal, Ease, Feature, Member, Zones};
+use crate::attribute::conformal::{Conformal, Ease, Feature, Member, Method, Zones};
+use crate::node::argument::{Argument, Component};
 use crate::node::id::ShapeId;
 use crate::node::paint::last_of_each;
 use crate::node::painted::Paint;
-use crate::node::source::Sourcing;
-use crate::text::key::Absent::{Number, Text};
+use crate::node::source::{Inside, InsideRequest, Sourcing};
+use crate::text::diagnostic::Diagnostic;
+use crate::text::key::Absent::{Nothing, Number, Text};
 use crate::text::key::{Key, Kind, Limit};
 use crate::text::problem::Problem;
+use crate::text::reader::Fields;
 
 /// The most features of one attribute.
 const MOST: usize = 64;
@@ -26,6 +29,34 @@ pub(crate) const LATTICE: Key = Key::new(
 )
 .also(&["cells"])
 .limit(Limit::Within(16.0, 512.0));
+
+/// How the length of ways is found.
+pub(crate) const METHOD: Key = Key::new(
+    "method",
+    Kind::Choice(&["sight", "eikonal"]),
+    Text("sight"),
+    "How the length of ways is found: by straight lines from bend to bend, right to a fraction of a cell, or by the \
+     eikonal equation to first order, about a cell or two too long, which takes a `speed`.",
+);
+
+/// How fast ways are gone.
+pub(crate) const SPEED: Key = Key::new(
+    "speed",
+    Kind::OfSpace,
+    Nothing,
+    "`method = \"eikonal\"`: how fast ways are gone, greater than 0 everywhere inside: what counts is the time, in seconds, of \
+     the quickest way. Through the air, where no way inside leads, it is 1.",
+)
+.limit(Limit::Positive)
+.unit("units/s");
+
+/// `speed` goes with one of the methods.
+pub(crate) fn speed_is_used(fields: &Fields<'_, '_>, _has_cells: bool) -> Option<Diagnostic> {
+    let is_eikonal = fields.entry("method").is_some_and(|entry| entry.value.text() == Some("eikonal"));
+    let entry = fields.entry("speed").filter(|_| !is_eikonal)?;
+    let problem = Diagnostic::error(entry.key_span, "`speed` is for `method = \"eikonal\"` only");
+    Some(problem.help("`sight` measures lengths: add `method = \"eikonal\"`, or leave `speed` out"))
+}
 
 /// How wide the zones are.
 pub(crate) const SPREAD: Key = Key::new(
@@ -45,9 +76,26 @@ pub(crate) const EASE: Key = Key::new(
     "How they go over: in a straight line, or from rest to rest, without an edge at the ends of the zones.",
 );
 
-/// The cells along the longest side.
-pub(crate) fn lattice<const N: usize>(source: &dyn Sourcing<N>) -> u32 {
-    source.arguments().whole("lattice").and_then(|cells| u32::try_from(*cells).ok()).expect("it has a default")
+/// The inside of the shape with some features, `None` the shape's own surface, as the row's keys have it.
+pub(crate) fn inside<const N: usize>(
+    source: &mut dyn Sourcing<N>,
+    features: &[Option<ShapeId>],
+    key: &'static str,
+) -> Result<Inside, Problem> {
+    let arguments = source.arguments();
+    let along = arguments.whole("lattice").and_then(|cells| u32::try_from(*cells).ok()).expect("it has a default");
+    let is_eikonal = arguments.choice("method") == Some(&"eikonal");
+    let component = match arguments.get("speed") {
+        Some(Argument::Components(components)) => components.first().cloned(),
+        _ => None,
+    };
+    let speed = component.as_ref().map(Component::span);
+    let method = match (is_eikonal, &component) {
+        (false, _) => Method::Sight,
+        (true, None) => Method::Eikonal { speed: None },
+        (true, Some(component)) => Method::Eikonal { speed: Some(source.component(component)?) },
+    };
+    source.inside(&InsideRequest { features, along, method, speed, key })
 }
 
 /// The features of a row.
@@ -70,7 +118,8 @@ pub(crate) fn conformal<const N: usize, M: Mix<N> + 'static>(
         let absent = source.absent();
         paints.push(source.of_shape(*shape)?.unwrap_or_else(|| Paint::solid(absent)));
     }
-    let (body, features) = source.inside(&shapes, lattice(source), "conformal")?;
+    let goals: Vec<_> = shapes.into_iter().map(Some).collect();
+    let (body, features) = inside(source, &goals, "conformal")?;
     if let Some(value) = paints[0].solid.filter(|value| paints.iter().all(|paint| paint.solid == Some(*value))) {
         return Ok(Paint::solid(value));
     }

@@ -99,6 +99,28 @@ color = { conformal = ['tip', 'top'], color_space = 'rgb', lattice = 24 }";
     assert_eq!(number(&mut solids, "heat", AT), 3.0);
 }
 
+/// Times by a speed: of the same all along, of one that changes along the bar, and from the surface inward.
+#[test]
+fn ways_take_a_speed() {
+    let keys = "attribute.long = { interior = ['tip'], method = 'eikonal', lattice = 64 }
+attribute.fast = { interior = ['tip'], method = 'eikonal', speed = 2, lattice = 64 }
+attribute.slower = { interior = ['tip'], method = 'eikonal', speed = '1 + x^2', lattice = 64 }
+attribute.skin = { interior = ['surface'], method = 'eikonal', speed = '4', lattice = 64 }
+attribute.heat = { conformal = ['tip', 'top'], method = 'eikonal', speed = 0.01, lattice = 64 }";
+    let (mut solids, _) = solids(&bar(keys));
+    let (cell, middle) = (2.0 / 64.0, DVec3::new(0.3, 0.0, 0.0));
+    let found = |solids: &mut Solids, name: &str| number(solids, name, middle);
+    assert!((found(&mut solids, "long") - 1.1).abs() < cell, "{}", found(&mut solids, "long"));
+    assert!((2.0 * found(&mut solids, "fast") - found(&mut solids, "long")).abs() < cell);
+    let wanted = libm::atan(0.3) + libm::atan(0.8);
+    assert!((found(&mut solids, "slower") - wanted).abs() < cell, "{} {wanted}", found(&mut solids, "slower"));
+    assert!((found(&mut solids, "skin") - 0.2 / 4.0).abs() < cell / 4.0, "{}", found(&mut solids, "skin"));
+    let share = 0.5 + (1.1 - 0.5) / (2.0 * 1.6);
+    assert!((found(&mut solids, "heat") - (1.0 + 2.0 * share)).abs() < cell, "{}", found(&mut solids, "heat"));
+    // Each method and speed is its own.
+    assert_eq!(solids.insides.features.len(), 6);
+}
+
 /// The surface is moved by what follows the inside of what it was.
 #[test]
 fn it_moves_the_surface() {
@@ -197,6 +219,12 @@ fn what_is_wrong() {
     keys("attribute.a = { conformal = ['surface'] }", "`shape.surface`");
     keys("attribute.a = { interior = ['tip'], lattice = 8 }", "from 16 to 512");
     keys("color = { conformal = ['tip'], spread = 0 }", "from 0.000001 to 1");
+    keys("color = { conformal = ['tip'], speed = 2 }", "`speed` is for `method = \"eikonal\"` only");
+    keys(
+        "attribute.a = { interior = ['tip'], method = 'sight', speed = 'x' }",
+        "`speed` is for `method = \"eikonal\"`",
+    );
+    keys("attribute.a = { interior = ['tip'], method = 'eikonal', speed = 0 }", "must be greater than 0");
     keys("offset = 'way'", "`way` differs from place to place, and one number is needed here");
     keys(
         "attribute.b = { ramp = [[0, 0], [1, 1]], by = 'c' }\nattribute.c = '1 - b'",
@@ -217,6 +245,7 @@ fn what_is_wrong() {
         &bar("").replace("lattice = 24", "lattice = 512").replace("0.4, 0.4]", "1.9, 1.9]"),
         "the inside of `s` takes about",
     );
+    failed(&bar("").replace("lattice = 24", "method = 'eikonal', speed = 'x', lattice = 24"), "the speed at (-0.");
     failed(&bar("").replace("box = [2, 0.4, 0.4]", "formula = '-1 - x^2'\nbounds = 2"), "nothing is inside `s`");
     let others: String = (10..74).map(|i| format!(", {{ sphere = 0.0{i} }}")).collect();
     let features = format!("'tip'{others}");

@@ -4,29 +4,25 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
-use crate::attribute::conformal::{Body, Error, Feature};
-use crate::field::{Field, Interval};
+use crate::attribute::conformal::{Body, Error, Feature, Method};
+use crate::field::{Expression, Field, Graph, Interval};
 use crate::node::extent::{box_of, solid_box};
 use crate::node::id::{ShapeId, Stage};
-use crate::node::insides::BodyKey;
+use crate::node::insides::{BodyKey, MethodKey};
 use crate::node::keeping::Solid;
 use crate::node::measured::Purpose;
 use crate::node::model::{Model, Shape};
 use crate::node::profile::lift_it;
 use crate::node::solid::Solids;
-use crate::node::source::Inside;
+use crate::node::source::{Inside, InsideRequest};
 use crate::text::diagnostic::Diagnostic;
 use crate::text::problem::Problem;
+use crate::text::source::Span;
 
 impl Solids {
-    /// The inside of a shape with so many of its modifiers, and shapes as features in it. `key` is what asks for them.
-    pub fn inside(
-        &mut self,
-        (id, step): (ShapeId, usize),
-        shapes: &[ShapeId],
-        along: u32,
-        key: &'static str,
-    ) -> Result<Inside, Problem> {
+    /// The inside of a shape with so many of its modifiers, and what spreads from features in it.
+    pub fn inside(&mut self, (id, step): (ShapeId, usize), asked: &InsideRequest<'_>) -> Result<Inside, Problem> {
+        let InsideRequest { features, along, ref method, speed, key } = *asked;
         let body_key = (id, step, along);
         let body = match self.insides.bodies.get(&body_key) {
             Some(known) => Arc::clone(known),
@@ -37,28 +33,37 @@ impl Solids {
             }
         };
         let model = self.model();
-        let flat = shapes.iter().map(|shape| model.shape(*shape)).find(|shape| shape.is_flat);
+        let flat = features.iter().flatten().map(|shape| model.shape(*shape)).find(|shape| shape.is_flat);
         if let Some(problem) = flat.map(|shape| needs_solid(shape, key)) {
             return Err(problem);
         }
-        body.admit(shapes.len()).map_err(|error| problem(&model, body_key, None, &error))?;
-        let mut open: Vec<(ShapeId, Arc<dyn Field>)> = Vec::new();
-        for shape in shapes {
-            let known = self.insides.features.contains_key(&(body_key, *shape));
-            if !known && open.iter().all(|(other, _)| other != shape) {
-                open.push((*shape, self.feature_distance(&body, *shape, key)?));
+        body.admit(features.len()).map_err(|error| problem(&model, body_key, None, None, &error))?;
+        let method_key = match method {
+            Method::Sight => MethodKey::Sight,
+            Method::Eikonal { .. } => MethodKey::Eikonal(speed.map(|span| (span.source, span.start))),
+        };
+        let key_of = |feature: Option<ShapeId>| (body_key, feature, method_key);
+        let mut open: Vec<(Option<ShapeId>, Arc<dyn Field>)> = Vec::new();
+        for feature in features {
+            let known = self.insides.features.contains_key(&key_of(*feature));
+            if !known && open.iter().all(|(other, _)| other != feature) {
+                let distance = match feature {
+                    Some(shape) => self.feature_distance(&body, *shape, key)?,
+                    None => beyond(&body),
+                };
+                open.push((*feature, distance));
             }
         }
         let cancel = Arc::clone(self.cancel());
-        let spread = |(shape, field): (ShapeId, Arc<dyn Field>)| (shape, Feature::new(&body, field, &cancel));
+        let spread = |(feature, field)| (feature, Feature::new(&body, field, method, &cancel));
         let found: Vec<_> = open.into_par_iter().map(spread).collect();
-        for (shape, feature) in found {
-            let feature = feature.map_err(|error| problem(&model, body_key, Some(shape), &error))?;
-            let warnings = warnings(&model, id, shape, &feature);
-            self.insides.warnings.extend(warnings);
-            self.insides.features.insert((body_key, shape), Arc::new(feature));
+        for (feature, spread) in found {
+            let spread = spread.map_err(|error| problem(&model, body_key, feature, speed, &error))?;
+            let warnings = feature.map(|feature| warnings(&model, id, feature, &spread));
+            self.insides.warnings.extend(warnings.into_iter().flatten());
+            self.insides.features.insert(key_of(feature), Arc::new(spread));
         }
-        let features = shapes.iter().map(|shape| Arc::clone(&self.insides.features[&(body_key, *shape)]));
+        let features = features.iter().map(|feature| Arc::clone(&self.insides.features[&key_of(*feature)]));
         Ok((body, features.collect()))
     }
 
@@ -79,7 +84,7 @@ impl Solids {
             &Purpose { solid: Solid::Step(id, step), shape, key, span: shape.span, voxel, method: shape.distance },
         )?;
         let body = Body::new(Arc::new(distance), solid, along, self.cancel());
-        body.map_err(|error| problem(&model, body_key, None, &error))
+        body.map_err(|error| problem(&model, body_key, None, None, &error))
     }
 
     /// The distance to a feature, as far away as the body reaches.
@@ -98,13 +103,27 @@ impl Solids {
     }
 }
 
+/// The distance to all that is outside of a body.
+fn beyond(body: &Body) -> Arc<dyn Field> {
+    let mut graph = Graph::new();
+    let inside = graph.field(body.shared_distance());
+    let outside = graph.neg(inside);
+    Arc::new(Expression::new(&graph, outside).keeping_values())
+}
+
 fn needs_solid(shape: &Shape, key: &str) -> Problem {
     Problem::new(shape.span, format!("`{key}` needs solids, and `{}` is a shape of the plane", shape.name))
         .help(lift_it())
 }
 
 /// Why an inside or a feature in it cannot be had.
-fn problem(model: &Model, (id, _, along): BodyKey, feature: Option<ShapeId>, error: &Error) -> Problem {
+fn problem(
+    model: &Model,
+    (id, _, along): BodyKey,
+    feature: Option<ShapeId>,
+    speed: Option<Span>,
+    error: &Error,
+) -> Problem {
     let shape = model.shape(id);
     match error {
         // Whoever stopped it knows.
@@ -116,6 +135,13 @@ fn problem(model: &Model, (id, _, along): BodyKey, feature: Option<ShapeId>, err
         }
         Error::Empty => Problem::new(shape.span, format!("nothing is inside `{}`", shape.name))
             .help("F is negative everywhere: check the signs (positive is inside), the sizes and the bounds"),
+        Error::Speed { at, speed: found } => {
+            let problem = format!(
+                "the speed at ({:.4}, {:.4}, {:.4}) is {found}: it must be a finite number greater than 0 everywhere inside",
+                at.x, at.y, at.z
+            );
+            Problem::new(speed.unwrap_or(shape.span), problem).help("keep it above 0: \"max(…, 0.01)\"")
+        }
         Error::NotANumber(at) => {
             let feature = feature.map_or(shape, |feature| model.shape(feature));
             let problem = format!("F of `{}` is not a number at ({:.4}, {:.4}, {:.4})", feature.name, at.x, at.y, at.z);

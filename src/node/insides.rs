@@ -12,13 +12,25 @@ use crate::text::diagnostic::Diagnostic;
 /// A shape with so many of its modifiers, and the cells along its longest side.
 pub(crate) type BodyKey = (ShapeId, usize, u32);
 
+/// How something was spread from a feature of a body: the shape or, of `None`, the body's own surface, and the method.
+pub(crate) type FeatureKey = (BodyKey, Option<ShapeId>, MethodKey);
+
+/// The method: its speed by where the scene's text gives it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) enum MethodKey {
+    /// Ways that are straight in between bends.
+    Sight,
+    /// The eikonal equation, with the text and the place of its speed.
+    Eikonal(Option<(usize, usize)>),
+}
+
 /// What was found of insides.
 #[derive(Clone, Default)]
 pub(crate) struct Insides {
     /// Their nodes.
     pub bodies: BTreeMap<BodyKey, Arc<Body>>,
     /// What was spread in them.
-    pub features: BTreeMap<(BodyKey, ShapeId), Arc<Feature>>,
+    pub features: BTreeMap<FeatureKey, Arc<Feature>>,
     /// What was noticed.
     pub warnings: Vec<Diagnostic>,
 }
@@ -28,7 +40,14 @@ impl Insides {
     pub fn keep_still(&mut self, variation: &Variation) {
         let is_still = |(id, step, _): &BodyKey| !variation.step(*id, *step);
         self.bodies.retain(|body, _| is_still(body));
-        self.features.retain(|(body, feature), _| is_still(body) && !variation.placed(*feature));
+        // A speed that changes is one of what the body is painted by.
+        let goes_alike = |(id, ..): &BodyKey, method: &MethodKey| match method {
+            MethodKey::Sight | MethodKey::Eikonal(None) => true,
+            MethodKey::Eikonal(Some(_)) => !variation.painted(*id),
+        };
+        self.features.retain(|(body, feature, method), _| {
+            is_still(body) && feature.is_none_or(|feature| !variation.placed(feature)) && goes_alike(body, method)
+        });
         self.warnings.clear();
     }
 

@@ -22,7 +22,7 @@ use crate::node::model::{Model, Shape, ShapeId};
 use crate::node::painted::Paint;
 use crate::node::placed::Way;
 use crate::node::solid::Solids;
-use crate::node::source::{Inside, Sourcing, TOLERANCE_VOXELS};
+use crate::node::source::{Inside, InsideRequest, Sourcing, TOLERANCE_VOXELS};
 use crate::node::spec::Carries;
 use crate::text::problem::Problem;
 
@@ -319,9 +319,9 @@ impl<const N: usize, W: Asked<N>> Sourcing<N> for Painting<'_, W> {
         Ok(Arc::new(Depth { solid, aabb, levels, voxel, tolerance, method, kept, cancel, failed, measured }))
     }
 
-    fn inside(&mut self, shapes: &[ShapeId], along: u32, key: &'static str) -> Result<Inside, Problem> {
+    fn inside(&mut self, asked: &InsideRequest<'_>) -> Result<Inside, Problem> {
         let step = self.shape.before_bends(self.stands, self.shape.bare_steps().max(self.stands));
-        self.solids.inside((self.id, step), shapes, along, key)
+        self.solids.inside((self.id, step), asked)
     }
 
     fn of_shape(&mut self, shape: ShapeId) -> Result<Option<Paint<N>>, Problem> {

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
-use crate::attribute::conformal::{Body, Feature};
+use crate::attribute::conformal::{Body, Feature, Method};
 use crate::attribute::{Attribute, Bands, ByCell, CellIndex, Choice, CubeLattice, Mix, Rule, Scalar};
 use crate::field::{Field, Interval};
 use crate::mesh::NumberOf;
@@ -89,6 +89,20 @@ impl<const N: usize> Given<N> {
 /// The inside of a shape, and features in it.
 pub type Inside = (Arc<Body>, Vec<Arc<Feature>>);
 
+/// What is asked of the inside of a shape.
+pub struct InsideRequest<'a> {
+    /// The features; `None` is the shape's own surface.
+    pub features: &'a [Option<ShapeId>],
+    /// Cells along the shape's longest side.
+    pub along: u32,
+    /// How the length of ways is found.
+    pub method: Method,
+    /// Where its speed stands, if it has one.
+    pub speed: Option<Span>,
+    /// What asks for it.
+    pub key: &'static str,
+}
+
 /// What a row's function may ask for while its attribute is built, at one moment of the shot.
 pub trait Sourcing<const N: usize> {
     /// The values of its keys.
@@ -109,8 +123,8 @@ pub trait Sourcing<const N: usize> {
     fn parts(&mut self, shapes: &[ShapeId], rule: Rule) -> Result<Option<Paint<N>>, Problem>;
     /// The depth below the shape's surface, wherever that is one of `levels`.
     fn depth(&mut self, levels: Interval) -> Result<Arc<Scalar>, Problem>;
-    /// The shape's inside, on a lattice of so many cells along its longest side, and shapes as features in it.
-    fn inside(&mut self, shapes: &[ShapeId], along: u32, key: &'static str) -> Result<Inside, Problem>;
+    /// The shape's inside, and what spreads in it from features.
+    fn inside(&mut self, asked: &InsideRequest<'_>) -> Result<Inside, Problem>;
     /// What the attribute is on a shape, where that stands; `None` where it has none.
     fn of_shape(&mut self, shape: ShapeId) -> Result<Option<Paint<N>>, Problem>;
     /// What was read from its file.

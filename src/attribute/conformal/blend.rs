@@ -2,9 +2,9 @@
 
 use std::sync::Arc;
 
+use super::feature::Feature;
 use super::lookup::Lookup;
 use super::nodes::Body;
-use super::spread::Feature;
 use super::weights::{Zones, nearest};
 use crate::attribute::{Attribute, Mix, Sampler};
 use crate::field::{Aabb, BATCH, Evaluator, Interval, Points};

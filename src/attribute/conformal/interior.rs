@@ -2,9 +2,9 @@
 
 use std::sync::Arc;
 
+use super::feature::Feature;
 use super::lookup::Lookup;
 use super::nodes::Body;
-use super::spread::Feature;
 use crate::attribute::{Attribute, Sampler};
 use crate::field::{Aabb, BATCH, Evaluator, Interval, Points};
 
@@ -58,14 +58,14 @@ struct InteriorSampler<'a> {
 impl InteriorSampler<'_> {
     fn greatest(&self) -> f64 {
         let Interior { body, goals } = self.interior;
-        let of_goal = |goal: &Goal| match goal {
-            Goal::Feature(feature) => feature.greatest(),
-            Goal::Surface => (0..body.len() as u32).fold(0.0, |deepest, node| body.depth(node).max(deepest)),
-        };
-        // A place is no further from a node around it than the diagonal of a cell and a node's own way from its middle.
+        /// A place is no further from a node around it than the diagonal of a cell and a node's own way from its middle.
         const BESIDE: f32 = 3.0;
+        let of_goal = |goal: &Goal| match goal {
+            Goal::Feature(feature) => feature.greatest(BESIDE),
+            Goal::Surface => (0..body.len() as u32).fold(0.0, |deepest, node| body.depth(node).max(deepest)) + BESIDE,
+        };
         let least = goals.iter().map(of_goal).fold(f32::INFINITY, f32::min);
-        f64::from(least + BESIDE) * body.edge()
+        f64::from(least) * body.edge()
     }
 }
 

@@ -7,9 +7,9 @@
 
 use glam::{IVec3, Vec3};
 
+use super::feature::Feature;
 use super::nodes::{Body, NONE};
 use super::sight::Sight;
-use super::spread::Feature;
 use crate::field::{BATCH, Evaluator, Gradients, Points};
 
 /// Deeper than this, in cells, all around a node is inside.
@@ -197,12 +197,13 @@ impl<'b> Lookup<'b> {
     /// Whether a node tells a way that is longer than over another one of them, which then is behind a wall, or that one is.
     fn is_suspect(&self, feature: &Feature, i: usize, reach: f32) -> bool {
         let place = self.places[i];
-        let (mut longest, mut over) = (0.0f32, f32::INFINITY);
+        let (mut longest, mut over, mut cell) = (0.0f32, f32::INFINITY, 0.0f32);
         for (node, _) in self.corners[i].iter() {
             longest = longest.max(feature.through(self.body, node, place, reach));
-            over = over.min(feature.value(node) + place.distance(self.body.place(node)));
+            over = over.min(feature.value(node) + place.distance(self.body.place(node)) * feature.of_cell(node));
+            cell = cell.max(feature.of_cell(node));
         }
-        longest > over + SUSPECT
+        longest > over + SUSPECT * cell
     }
 
     /// Keeps the nodes around that a point sees, if it sees one.

@@ -13,7 +13,9 @@
 //! only where one is in sight.
 
 mod blend;
+mod eikonal;
 mod envelope;
+mod feature;
 mod interior;
 mod lookup;
 mod nodes;
@@ -24,9 +26,10 @@ mod tests;
 mod weights;
 
 pub use blend::{Conformal, Member, Nearest};
+pub use feature::{Feature, Method};
 pub use interior::{Goal, Interior};
 pub use nodes::Body;
-pub use spread::{Feature, Piece};
+pub use spread::Piece;
 pub use weights::{Ease, Zones};
 
 use glam::DVec3;
@@ -47,4 +50,11 @@ pub enum Error {
     Empty,
     /// The distance to the feature is not a number at a position.
     NotANumber(DVec3),
+    /// The speed there is no positive number.
+    Speed {
+        /// Units.
+        at: DVec3,
+        /// What it is.
+        speed: f32,
+    },
 }

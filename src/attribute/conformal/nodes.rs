@@ -1,12 +1,13 @@
 //! The nodes of a body: one for each cell of a lattice that the body reaches into, in blocks of 8³.
 
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, OnceLock};
 
 use glam::{DVec3, IVec3, Vec3};
 use rayon::prelude::*;
 
 use super::Error;
+use super::eikonal::Middles;
 use crate::field::{Aabb, BATCH, Evaluator, Field, Gradients, Points};
 
 /// No node.
@@ -53,6 +54,8 @@ pub struct Body {
     places: Vec<Vec3>,
     /// The distance of each node to the surface.
     depths: Vec<f32>,
+    /// Its middles inside, once a solver asks for them.
+    middles: OnceLock<Middles>,
 }
 
 /// What is found in one block.
@@ -86,6 +89,7 @@ impl Body {
             cells: Vec::new(),
             places: Vec::new(),
             depths: Vec::new(),
+            middles: OnceLock::new(),
         };
         let stop = || cancel.load(Ordering::Relaxed);
         let open: Vec<IVec3> = (0..count)
@@ -144,6 +148,32 @@ impl Body {
     /// A cell's edge, units.
     pub fn edge(&self) -> f64 {
         self.edge
+    }
+
+    /// The least cells of its blocks.
+    pub(super) fn block_origins(&self) -> impl Iterator<Item = IVec3> {
+        let numbers = self.table.iter().enumerate().filter(|(_, block)| **block != NONE);
+        numbers.map(|(number, _)| block_at(number, self.blocks_along) * 8)
+    }
+
+    /// Whether a node is the middle of its cell.
+    pub(super) fn is_middle(&self, node: u32) -> bool {
+        self.place(node) == self.cell(node).as_vec3()
+    }
+
+    /// The middles inside, as a solver takes them.
+    pub(super) fn middles(&self) -> &Middles {
+        self.middles.get_or_init(|| Middles::new(self))
+    }
+
+    /// Cells along its longest side.
+    pub(super) fn along(&self) -> f32 {
+        (self.counts.max_element() - 2) as f32
+    }
+
+    /// The distance to the surface, positive inside, units, to keep.
+    pub fn shared_distance(&self) -> Arc<dyn Field> {
+        Arc::clone(&self.distance)
     }
 
     /// The distance to the surface, units.
@@ -212,6 +242,7 @@ impl Body {
         self.len() * (size_of::<Vec3>() + size_of::<[u16; 3]>() + size_of::<f32>())
             + self.table.len() * size_of::<u32>()
             + self.blocks.len() * size_of::<Block>()
+            + self.middles.get().map_or(0, Middles::bytes)
     }
 }
 

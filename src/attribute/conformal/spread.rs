@@ -7,22 +7,17 @@
 
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use glam::{DVec3, IVec3, Vec3};
 
 use super::Error;
 use super::envelope::Envelope;
+use super::feature::FEATURE;
 use super::nodes::{Body, NONE};
 use super::sight::Sight;
 use crate::field::{BATCH, Evaluator, Field, Gradients, Points};
 
-/// The root of a node whose way is straight to the feature.
-pub(super) const FEATURE: u32 = NONE - 1;
-
-/// Nodes that see the feature within so many cells are where the wavefront begins.
-const SEEDED: f32 = 2.0;
 /// Nodes no deeper than this, in cells, stand for the surface.
 const AT_SURFACE: f32 = 1.0;
 /// So many nodes are settled between two looks at whether to stop.
@@ -37,110 +32,8 @@ pub struct Piece {
     pub at: DVec3,
 }
 
-/// The interior distances of a body's nodes from one feature.
-pub struct Feature {
-    /// The distance to the feature, positive inside, units.
-    field: Arc<dyn Field>,
-    /// Of each node, in cells.
-    values: Vec<f32>,
-    /// The next bend of each node's way: a node, or [`FEATURE`].
-    roots: Vec<u32>,
-    /// Whether all of the feature is outside of the body: its ways go straight through the air to the surface first.
-    pub is_outside: bool,
-    /// Pieces of the body that hold nothing of the feature: their ways go through the air from the nearest surface.
-    pub apart: Vec<Piece>,
-}
-
-impl Feature {
-    /// Spreads from a feature, given by the distance to it, positive inside, in the body's space.
-    ///
-    /// # Errors
-    /// [`Error::NotANumber`], [`Error::Cancelled`].
-    pub fn new(body: &Body, field: Arc<dyn Field>, cancel: &AtomicBool) -> Result<Self, Error> {
-        let (values, roots, is_outside, apart): (Vec<f32>, Vec<u32>, _, _) = {
-            let mut spread = Spread::new(body, field.as_ref())?;
-            spread.seed();
-            let is_outside = spread.heap.is_empty();
-            if is_outside {
-                spread.seed_through_air();
-            }
-            spread.run(cancel)?;
-            let apart = spread.bridge();
-            let (values, roots) = spread.nodes.iter().map(|known| (known.value, known.root)).unzip();
-            (values, roots, is_outside, apart)
-        };
-        Ok(Self { field, values, roots, is_outside, apart })
-    }
-
-    /// The memory that it holds, bytes.
-    pub fn bytes(&self) -> usize {
-        size_of_val(&self.values[..]) + size_of_val(&self.roots[..])
-    }
-
-    /// The distance to the feature, positive inside, units.
-    pub(super) fn field(&self) -> &dyn Field {
-        self.field.as_ref()
-    }
-
-    /// The value of a node, in cells.
-    #[inline(always)]
-    pub(super) fn value(&self, node: u32) -> f32 {
-        self.values[node as usize]
-    }
-
-    pub(super) fn root(&self, node: u32) -> u32 {
-        self.roots[node as usize]
-    }
-
-    /// The value at a place that is `reach` from the feature, by the root of a node.
-    #[inline(always)]
-    pub(super) fn through(&self, body: &Body, node: u32, place: Vec3, reach: f32) -> f32 {
-        match self.roots[node as usize] {
-            FEATURE => reach,
-            root => self.values[root as usize] + place.distance(body.place(root)),
-        }
-    }
-
-    /// The greatest value of a node, in cells.
-    pub(super) fn greatest(&self) -> f32 {
-        self.values.iter().fold(0.0, |greatest, value| greatest.max(*value))
-    }
-
-    /// The interior distance between two features, in cells: the shortest way over any node, drawn taut there.
-    pub(super) fn apart_from(&self, other: &Self, body: &Body) -> f32 {
-        let both = self.values.iter().zip(&other.values).map(|(one, two)| one + two);
-        let shortest = both.zip(0u32..).min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-        let Some((over_node, node)) = shortest else { return 0.0 };
-        let (mut one, mut two) = (Compass::new(body, self.field()), Compass::new(body, other.field()));
-        let taut = match (self.root(node), other.root(node)) {
-            (FEATURE, FEATURE) => between(&mut one, &mut two, body.place(node)),
-            (root, FEATURE) => self.value(root) + two.reach(body.place(root)),
-            (FEATURE, root) => other.value(root) + one.reach(body.place(root)),
-            (first, second) => self.value(first) + body.place(first).distance(body.place(second)) + other.value(second),
-        };
-        taut.min(over_node)
-    }
-}
-
-/// The distance between two features that see each other, by going to and fro between them.
-fn between(one: &mut Compass<'_>, two: &mut Compass<'_>, mut place: Vec3) -> f32 {
-    /// Enough for all but features that nearly touch along much of their surfaces, where little is left.
-    const ROUNDS: usize = 64;
-    let mut apart = f32::INFINITY;
-    for _ in 0..ROUNDS {
-        let there = two.nearest(place);
-        place = one.nearest(there);
-        let now = place.distance(there);
-        if now >= apart || now.is_nan() {
-            break;
-        }
-        apart = now;
-    }
-    apart
-}
-
 /// Looks where a feature is, on one thread.
-struct Compass<'f> {
+pub(super) struct Compass<'f> {
     body: &'f Body,
     evaluator: Box<dyn Evaluator + 'f>,
     point: Points,
@@ -148,30 +41,23 @@ struct Compass<'f> {
 }
 
 impl<'f> Compass<'f> {
-    fn new(body: &'f Body, field: &'f dyn Field) -> Self {
+    pub fn new(body: &'f Body, field: &'f dyn Field) -> Self {
         let mut point = Points::new(DVec3::ZERO);
         point.len = 1;
         Self { body, evaluator: field.evaluator(), point, out: Box::default() }
     }
 
     /// The nearest place of the feature; the place itself inside of it.
-    fn nearest(&mut self, place: Vec3) -> Vec3 {
+    pub fn nearest(&mut self, place: Vec3) -> Vec3 {
         self.point.origin = self.body.to_units(place);
         self.evaluator.gradients(&self.point, &mut self.out);
         let outside = (self.out.value[0] / self.body.edge() as f32).min(0.0);
         place - self.out.gradient(0).normalize_or_zero() * outside
     }
-
-    /// How far the feature is, in cells; 0 inside of it.
-    fn reach(&mut self, place: Vec3) -> f32 {
-        self.point.origin = self.body.to_units(place);
-        self.evaluator.values(&self.point, &mut self.out.value);
-        (-self.out.value[0] / self.body.edge() as f32).max(0.0)
-    }
 }
 
 #[derive(Clone, Copy, PartialEq)]
-enum State {
+pub(super) enum State {
     /// With a root, or none yet, that it may not see.
     Open,
     /// With a root that it sees.
@@ -182,34 +68,37 @@ enum State {
 
 /// What is known of a node: side by side, since a front touches nodes all over memory.
 #[derive(Clone, Copy)]
-struct Known {
-    value: f32,
-    root: u32,
+pub(super) struct Known {
+    pub value: f32,
+    pub root: u32,
     /// The last root that it was found not to see: its neighbours would offer that again.
     hidden: u32,
-    state: State,
+    pub state: State,
 }
 
 /// A wavefront on its way.
-struct Spread<'b> {
-    body: &'b Body,
+pub(super) struct Spread<'b> {
+    pub body: &'b Body,
     sight: Sight<'b>,
     compass: Compass<'b>,
     /// How far each node is from the feature, in cells, whatever lies between.
     reaches: Vec<f32>,
-    nodes: Vec<Known>,
+    /// What a cell takes at each node; empty where that is 1.
+    pub slowness: &'b [f32],
+    pub nodes: Vec<Known>,
     /// Values, which are not negative, as their bits, and nodes: a total order, so that ties do not hang on anything else.
     heap: BinaryHeap<Reverse<(u32, u32)>>,
 }
 
 impl<'b> Spread<'b> {
-    fn new(body: &'b Body, field: &'b dyn Field) -> Result<Self, Error> {
+    pub fn new(body: &'b Body, field: &'b dyn Field, slowness: &'b [f32]) -> Result<Self, Error> {
         let count = body.len();
         Ok(Self {
             body,
             sight: Sight::new(body),
             compass: Compass::new(body, field),
             reaches: reaches(body, field)?,
+            slowness,
             nodes: vec![Known { value: f32::INFINITY, root: NONE, hidden: NONE, state: State::Open }; count],
             heap: BinaryHeap::new(),
         })
@@ -221,18 +110,37 @@ impl<'b> Spread<'b> {
         self.heap.push(Reverse((value.to_bits(), node)));
     }
 
-    /// Nodes in the feature, and beside it in its sight.
-    fn seed(&mut self) {
+    /// Whether nothing is left to settle.
+    pub fn is_empty(&self) -> bool {
+        self.heap.is_empty()
+    }
+
+    /// What a cell takes at a node.
+    #[inline(always)]
+    pub fn of_cell(&self, node: u32) -> f32 {
+        self.slowness.get(node as usize).copied().unwrap_or(1.0)
+    }
+
+    /// Takes the value of a node as found, the node as its own root unless it sees the feature, and goes on from there.
+    pub fn settle(&mut self, node: u32, value: f32) {
+        let known = &mut self.nodes[node as usize];
+        let root = if known.state == State::Seen { known.root } else { node };
+        *known = Known { value, root, state: State::Settled, ..*known };
+        self.offer(node);
+    }
+
+    /// Nodes in the feature, and so many cells beside it in its sight.
+    pub fn seed(&mut self, beside: f32) {
         for node in 0..self.body.len() as u32 {
             let reach = self.reaches[node as usize];
-            if reach <= SEEDED && self.sees(node, FEATURE) {
-                self.set(node, reach, FEATURE, State::Seen);
+            if reach <= beside && self.sees(node, FEATURE) {
+                self.set(node, reach * self.of_cell(node), FEATURE, State::Seen);
             }
         }
     }
 
     /// The surface, each node straight from the feature.
-    fn seed_through_air(&mut self) {
+    pub fn seed_through_air(&mut self) {
         for node in (0..self.body.len() as u32).filter(|node| self.body.depth(*node) <= AT_SURFACE) {
             self.set(node, self.reaches[node as usize], node, State::Seen);
         }
@@ -244,7 +152,7 @@ impl<'b> Spread<'b> {
         self.sight.is_clear(place, there)
     }
 
-    fn run(&mut self, cancel: &AtomicBool) -> Result<(), Error> {
+    pub fn run(&mut self, cancel: &AtomicBool) -> Result<(), Error> {
         let mut settled = 0;
         while let Some(Reverse((bits, node))) = self.heap.pop() {
             let at = node as usize;
@@ -276,7 +184,7 @@ impl<'b> Spread<'b> {
         for neighbour in neighbours(self.body, node) {
             let Known { value, state, .. } = self.nodes[neighbour as usize];
             if state == State::Settled {
-                let value = value + place.distance(self.body.place(neighbour));
+                let value = value + place.distance(self.body.place(neighbour)) * self.of_cell(node);
                 known[count] = (value.to_bits(), neighbour);
                 count += 1;
             }
@@ -299,9 +207,10 @@ impl<'b> Spread<'b> {
         is_next
     }
 
-    /// Offers a settled node's root to its neighbours.
+    /// Offers a settled node's root to its neighbours, or itself where a way's speed is not the same all along.
     fn offer(&mut self, node: u32) {
         let Known { value, root, .. } = self.nodes[node as usize];
+        let root = if self.slowness.is_empty() { root } else { node };
         let from_root =
             if root == FEATURE { None } else { Some((self.nodes[root as usize].value, self.body.place(root))) };
         for neighbour in neighbours(self.body, node) {
@@ -311,7 +220,7 @@ impl<'b> Spread<'b> {
             }
             let offered = match from_root {
                 None => self.reaches[neighbour as usize],
-                Some((start, place)) => start + self.body.place(neighbour).distance(place),
+                Some((start, place)) => start + self.body.place(neighbour).distance(place) * self.of_cell(neighbour),
             };
             // Fronts never go back, whatever rounding says.
             let offered = offered.max(value);
@@ -322,7 +231,7 @@ impl<'b> Spread<'b> {
     }
 
     /// Gives what was not reached the way through the air from the surface that was; the pieces, largest first.
-    fn bridge(&mut self) -> Vec<Piece> {
+    pub fn bridge(&mut self) -> Vec<Piece> {
         let all = 0..self.body.len() as u32;
         let (reached, missed): (Vec<u32>, Vec<u32>) =
             all.partition(|node| self.nodes[*node as usize].state == State::Settled);
@@ -374,10 +283,25 @@ impl<'b> Spread<'b> {
 
 /// How far each node is from a feature, in cells; 0 inside of it.
 fn reaches(body: &Body, field: &dyn Field) -> Result<Vec<f32>, Error> {
+    let scale = body.edge().recip() as f32;
+    at_nodes(
+        body,
+        field,
+        |at, value| {
+            if value.is_nan() { Err(Error::NotANumber(at)) } else { Ok((-value * scale).max(0.0)) }
+        },
+    )
+}
+
+/// What a field is at each node, by its position, units, and value.
+pub(super) fn at_nodes(
+    body: &Body,
+    field: &dyn Field,
+    of: impl Fn(DVec3, f32) -> Result<f32, Error>,
+) -> Result<Vec<f32>, Error> {
     let mut evaluator = field.evaluator();
     let (mut points, mut out) = (Points::new(body.origin()), [0.0; BATCH]);
-    let scale = body.edge().recip() as f32;
-    let mut reaches = Vec::with_capacity(body.len());
+    let mut all = Vec::with_capacity(body.len());
     let nodes: Vec<u32> = (0..body.len() as u32).collect();
     for batch in nodes.chunks(BATCH) {
         points.len = 0;
@@ -386,12 +310,11 @@ fn reaches(body: &Body, field: &dyn Field) -> Result<Vec<f32>, Error> {
         let offset = |node: &u32| (body.place(*node) - body.place(batch[0])) * body.edge() as f32;
         batch.iter().for_each(|node| points.push(offset(node)));
         evaluator.values(&points, &mut out);
-        if let Some(wrong) = (0..points.len).find(|i| out[*i].is_nan()) {
-            return Err(Error::NotANumber(points.position(wrong)));
+        for i in 0..points.len {
+            all.push(of(points.position(i), out[i])?);
         }
-        reaches.extend(out[..points.len].iter().map(|value| (-value * scale).max(0.0)));
     }
-    Ok(reaches)
+    Ok(all)
 }
 
 /// The nodes of the 26 cells around that of a node.

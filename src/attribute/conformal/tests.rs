@@ -6,7 +6,7 @@ use std::sync::atomic::AtomicBool;
 
 use glam::{DVec2, DVec3};
 
-use super::{Body, Conformal, Ease, Error, Feature, Goal, Interior, Nearest, Zones};
+use super::{Body, Conformal, Ease, Error, Feature, Goal, Interior, Method, Nearest, Zones};
 use crate::attribute::{Attribute, Constant, Straight};
 use crate::field::tests::Samples;
 use crate::field::{Aabb, BATCH, Evaluator, Field, Gradients, Hint, Hints, Interval, Points};
@@ -61,24 +61,24 @@ impl<F: Fn(DVec3) -> f64 + Send + Sync> Evaluator for ExactEvaluator<'_, F> {
     }
 }
 
-fn exact(aabb: Aabb, distance: impl Fn(DVec3) -> f64 + Send + Sync + 'static) -> Arc<dyn Field> {
+pub(super) fn exact(aabb: Aabb, distance: impl Fn(DVec3) -> f64 + Send + Sync + 'static) -> Arc<dyn Field> {
     Arc::new(Exact { distance, aabb })
 }
 
-fn ball(centre: DVec3, radius: f64) -> Arc<dyn Field> {
+pub(super) fn ball(centre: DVec3, radius: f64) -> Arc<dyn Field> {
     exact(Aabb::new(centre - radius, centre + radius), move |p| radius - p.distance(centre))
 }
 
 /// The distance of a solid that is as tall as twice `half` on an outline, by the outline's.
-fn extruded(flat: f64, z: f64, half: f64) -> f64 {
+pub(super) fn extruded(flat: f64, z: f64, half: f64) -> f64 {
     let above = half - z.abs();
     if flat < 0.0 && above < 0.0 { -flat.hypot(above) } else { flat.min(above) }
 }
 
-const HALF: f64 = 0.12;
+pub(super) const HALF: f64 = 0.12;
 
 /// A polygon's distance, positive inside.
-fn polygon(corners: &[DVec2], p: DVec2) -> f64 {
+pub(super) fn polygon(corners: &[DVec2], p: DVec2) -> f64 {
     let (mut nearest, mut inside) = (f64::INFINITY, false);
     for (i, a) in corners.iter().enumerate() {
         let b = corners[(i + 1) % corners.len()];
@@ -91,7 +91,7 @@ fn polygon(corners: &[DVec2], p: DVec2) -> f64 {
     if inside { nearest } else { -nearest }
 }
 
-fn prism(corners: Vec<DVec2>) -> Arc<dyn Field> {
+pub(super) fn prism(corners: Vec<DVec2>) -> Arc<dyn Field> {
     let min = corners.iter().copied().reduce(DVec2::min).unwrap();
     let max = corners.iter().copied().reduce(DVec2::max).unwrap();
     exact(Aabb::new(min.extend(-HALF), max.extend(HALF)), move |p| extruded(polygon(&corners, p.truncate()), p.z, HALF))
@@ -119,7 +119,7 @@ fn way_in_polygon(corners: &[DVec2], from: DVec2, to: DVec2) -> f64 {
 }
 
 /// The shortest way outside of a circle between two points: straight, or by tangents and an arc.
-fn way_around(radius: f64, from: DVec2, to: DVec2) -> f64 {
+pub(super) fn way_around(radius: f64, from: DVec2, to: DVec2) -> f64 {
     let (a, b) = (from.length(), to.length());
     let angle = (from.dot(to) / (a * b)).clamp(-1.0, 1.0).acos();
     let arc = angle - (radius / a).acos() - (radius / b).acos();
@@ -133,16 +133,16 @@ fn never() -> AtomicBool {
     AtomicBool::new(false)
 }
 
-fn body(field: &Arc<dyn Field>, along: u32) -> Arc<Body> {
+pub(super) fn body(field: &Arc<dyn Field>, along: u32) -> Arc<Body> {
     let body = Body::new(Arc::clone(field), field.bounding_box().unwrap(), along, &never());
     Arc::new(body.expect("a body"))
 }
 
 fn feature(body: &Body, field: Arc<dyn Field>) -> Arc<Feature> {
-    Arc::new(Feature::new(body, field, &never()).expect("a feature"))
+    Arc::new(Feature::new(body, field, &Method::Sight, &never()).expect("a feature"))
 }
 
-fn sampled<const N: usize>(attribute: &dyn Attribute<N>, positions: &[DVec3]) -> Vec<[f32; N]> {
+pub(super) fn sampled<const N: usize>(attribute: &dyn Attribute<N>, positions: &[DVec3]) -> Vec<[f32; N]> {
     let mut sampler = attribute.sampler();
     let mut all = Vec::new();
     for batch in positions.chunks(BATCH) {
@@ -154,13 +154,13 @@ fn sampled<const N: usize>(attribute: &dyn Attribute<N>, positions: &[DVec3]) ->
     all
 }
 
-fn distances(body: &Arc<Body>, feature: &Arc<Feature>, positions: &[DVec3]) -> Vec<f64> {
+pub(super) fn distances(body: &Arc<Body>, feature: &Arc<Feature>, positions: &[DVec3]) -> Vec<f64> {
     let interior = Interior { body: Arc::clone(body), goals: vec![Goal::Feature(Arc::clone(feature))] };
     sampled(&interior, positions).into_iter().map(|[value]| f64::from(value)).collect()
 }
 
 /// Points of a field's inside.
-fn inside(field: &dyn Field, count: usize) -> Vec<DVec3> {
+pub(super) fn inside(field: &dyn Field, count: usize) -> Vec<DVec3> {
     let (mut samples, aabb) = (Samples::new(31), field.bounding_box().unwrap());
     let mut all = Vec::new();
     while all.len() < count {
@@ -192,16 +192,16 @@ fn errors(field: &Arc<dyn Field>, along: u32, from: DVec3, way: impl Fn(DVec3) -
     (mean, greatest)
 }
 
-fn corners(list: &[[f64; 2]]) -> Vec<DVec2> {
+pub(super) fn corners(list: &[[f64; 2]]) -> Vec<DVec2> {
     list.iter().copied().map(DVec2::from).collect()
 }
 
-fn ell() -> Vec<DVec2> {
+pub(super) fn ell() -> Vec<DVec2> {
     corners(&[[0.0, 0.0], [2.0, 0.0], [2.0, 0.6], [0.6, 0.6], [0.6, 2.0], [0.0, 2.0]])
 }
 
 /// Two arms, so far apart.
-fn you(gap: f64) -> Vec<DVec2> {
+pub(super) fn you(gap: f64) -> Vec<DVec2> {
     let right = 0.4 + gap;
     corners(&[
         [0.0, 0.0],
@@ -473,7 +473,7 @@ fn what_cannot_be_spread_is_an_error() {
     let cube = cube();
     let body = body(&cube, 16);
     let nowhere = exact(body.aabb(), |p| if p.x > 0.5 { f64::NAN } else { -p.length() });
-    let Err(Error::NotANumber(at)) = Feature::new(&body, nowhere, &never()) else { panic!("a number") };
+    let Err(Error::NotANumber(at)) = Feature::new(&body, nowhere, &Method::Sight, &never()) else { panic!("a number") };
     assert!(at.x > 0.5);
     let stop = AtomicBool::new(true);
     assert_eq!(Body::new(Arc::clone(&cube), body.aabb(), 16, &stop).err(), Some(Error::Cancelled));

@@ -4,8 +4,8 @@
 //! interpolation that it stands for), over their sum (eq. 10). s_kj is a share of the interior distance between the two
 //! features, so that a weight is 1 in its feature and goes over midway between two.
 
+use super::feature::Feature;
 use super::nodes::Body;
-use super::spread::Feature;
 
 /// How weights go over in a zone.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -32,8 +32,8 @@ impl Zones {
         let mut widths = vec![0.0; count * count];
         for k in 0..count {
             for j in 0..k {
-                let apart = f64::from(features[k].apart_from(features[j], body));
-                let width = (spread * apart).max(1.0);
+                let (apart, cell) = features[k].apart_from(features[j], body);
+                let width = (spread * f64::from(apart)).max(f64::from(cell));
                 (widths[k * count + j], widths[j * count + k]) = (width, width);
             }
         }

@@ -55,7 +55,7 @@ impl Method for Fim {
 
 /// Distances from the corners of crossed cells.
 fn distances(nodes: &Nodes<'_>, watch: &Watch<'_>) -> Result<Vec<f64>, BuildError> {
-    arrivals(nodes.blocks, nodes.step(), &seeds(nodes), |_| 1.0, watch)
+    arrivals(nodes.blocks, nodes.step(), &seeds(nodes), |_| 1.0, |_, _| true, watch)
 }
 
 /// The nodes beside the surface with their distances, not signed.
@@ -66,12 +66,13 @@ pub fn seeds(nodes: &Nodes<'_>) -> Vec<(usize, f64)> {
 }
 
 /// Arrival times at nodes `step` apart from some whose times are known and stay; ∞ where nothing arrives. `slowness` is 1/f
-/// at a node, ∞ where nothing passes.
+/// at a node, ∞ where nothing passes; `is_open` says whether anything passes through a face of a node, seen from either side.
 pub fn arrivals(
     blocks: &Blocks,
     step: f64,
     seeds: &[(usize, f64)],
     slowness: impl Fn(usize) -> f64 + Sync,
+    is_open: impl Fn(usize, usize) -> bool + Sync,
     watch: &Watch<'_>,
 ) -> Result<Vec<f64>, BuildError> {
     let mut times = vec![f64::INFINITY; blocks.nodes()];
@@ -85,7 +86,8 @@ pub fn arrivals(
         if known[node] || slowness == f64::INFINITY {
             return None;
         }
-        let time = |face: usize| blocks.beside(node, face).map_or(f64::INFINITY, |other| times[other]);
+        let open = |face: usize| blocks.beside(node, face).filter(|_| is_open(node, face));
+        let time = |face: usize| open(face).map_or(f64::INFINITY, |other| times[other]);
         let nearest = std::array::from_fn(|axis| time(2 * axis).min(time(2 * axis + 1)));
         let found = arrival(nearest, [step; 3], slowness);
         (found < times[node] - CHANGE * step * slowness).then_some(found)

@@ -161,7 +161,7 @@ fn a_speed_of_two_halves_bends_the_way() {
         let slowness = |node: usize| if blocks.voxel(node).y < 0 { 1.0 } else { 0.5 };
         let cancel = AtomicBool::new(false);
         let watch = Watch { cancel: &cancel, progress: &|_| {} };
-        let times = fim::arrivals(&blocks, step, &seeds, slowness, &watch).expect("times");
+        let times = fim::arrivals(&blocks, step, &seeds, slowness, |_, _| true, &watch).expect("times");
         let (mut sum, mut count) = (0.0, 0);
         for (node, time) in times.iter().enumerate() {
             let at = blocks.voxel(node).as_dvec3() * step;
@@ -186,7 +186,7 @@ fn a_wall_is_gone_around() {
     let cancel = AtomicBool::new(false);
     let watch = Watch { cancel: &cancel, progress: &|_| {} };
     let seed = blocks.node(IVec3::ZERO).expect("a node");
-    let times = fim::arrivals(&blocks, 1.0, &[(seed, 0.0)], slowness, &watch).expect("times");
+    let times = fim::arrivals(&blocks, 1.0, &[(seed, 0.0)], slowness, |_, _| true, &watch).expect("times");
     let time = |x: i32, y: i32| times[blocks.node(IVec3::new(x, y, 0)).expect("a node")];
     assert_eq!(time(16, 3), f64::INFINITY);
     let around = f64::hypot(16.0, 24.0) + f64::hypot(4.0, 24.0);

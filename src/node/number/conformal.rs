@@ -2,7 +2,7 @@
 
 use crate::attribute::Straight;
 use crate::attribute::conformal::Nearest;
-use crate::node::conformal::{EASE, LATTICE, SPREAD, conformal, features, lattice};
+use crate::node::conformal::{EASE, LATTICE, METHOD, SPEED, SPREAD, conformal, features, inside, speed_is_used};
 use crate::node::painted::Paint;
 use crate::node::source::Source;
 use crate::text::key::Absent::{Required, Text};
@@ -27,15 +27,19 @@ pub const NODE: Source<1> = Source {
             "The features' values, or which feature is nearest along the inside: 0 for the first.",
         ),
         LATTICE,
+        METHOD,
+        SPEED,
     ],
     formula: "Σ wₖaₖ / Σ wₖ, wₖ = Π max(dⱼ − dₖ + sₖⱼ, 0), sₖⱼ = spread · way between k and j (CONFORMAL, eq. 5, 9 to 11)",
     example: "{ conformal = [\"a\", \"b\"], show = \"cell\" }",
     is_conformal: true,
+    check: speed_is_used,
     build: |source| {
         if source.arguments().choice("show") != Some(&"cell") {
             return conformal(source, |_, _| Straight);
         }
-        let (body, features) = source.inside(&features(source)?, lattice(source), "conformal")?;
+        let goals: Vec<_> = features(source)?.into_iter().map(Some).collect();
+        let (body, features) = inside(source, &goals, "conformal")?;
         Ok(Paint::of(Nearest { body, features }))
     },
     ..Source::PLAIN

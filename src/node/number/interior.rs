@@ -1,7 +1,7 @@
 //! The length of the way inside of the shape.
 
 use crate::attribute::conformal::{Goal, Interior};
-use crate::node::conformal::{LATTICE, lattice};
+use crate::node::conformal::{LATTICE, METHOD, SPEED, inside, speed_is_used};
 use crate::node::painted::Paint;
 use crate::node::source::Source;
 use crate::text::key::Absent::Required;
@@ -18,15 +18,18 @@ pub const NODE: Source<1> = Source {
          that name. Features stand in the shape's own space, as it is before what bends that; so do lengths, before `scale`.",
     )
     .unit("units"),
-    parameters: &[LATTICE],
-    formula: "d(p) = inf of the lengths of paths in the shape from p to a feature (CONFORMAL, eq. 1)",
+    parameters: &[LATTICE, METHOD, SPEED],
+    formula: "d(p) = inf of the lengths of paths in the shape from p to a feature (CONFORMAL, eq. 1); with a speed of ∫ ds/speed",
     example: "{ interior = [\"b\"] }",
     is_conformal: true,
+    check: speed_is_used,
     build: |source| {
         let goals = source.arguments().goals("interior").cloned().unwrap_or_default();
-        let shapes: Vec<_> = goals.iter().flatten().copied().collect();
-        let (body, features) = source.inside(&shapes, lattice(source), "interior")?;
-        let surface = goals.contains(&None).then_some(Goal::Surface);
+        // Without a speed the shape's own surface is as far as the depth.
+        let has_speed = source.arguments().get("speed").is_some();
+        let spread: Vec<_> = goals.iter().copied().filter(|goal| has_speed || goal.is_some()).collect();
+        let (body, features) = inside(source, &spread, "interior")?;
+        let surface = (!has_speed && goals.contains(&None)).then_some(Goal::Surface);
         Ok(Paint::of(Interior { body, goals: features.into_iter().map(Goal::Feature).chain(surface).collect() }))
     },
     ..Source::PLAIN

@@ -70,11 +70,7 @@ fn problem(source: &dyn Sourcing<1>, speed: Option<&Component>, error: &TravelEr
     let problem = source.problem(&error.to_string());
     match error {
         TravelError::Speed { .. } => {
-            let span = speed.map(|speed| match speed {
-                Component::Number(number) => number.span,
-                Component::Formula(formula) => formula.span(),
-            });
-            let problem = span.map_or(problem, |span| Problem::new(span, error.to_string()));
+            let problem = speed.map(Component::span).map_or(problem, |span| Problem::new(span, error.to_string()));
             problem.help("keep it above 0: \"max(…, 0.01)\"")
         }
         TravelError::NoSource => {
