@@ -12,6 +12,8 @@
 //! Parts of the body that are thinner than a cell hold nodes too; two of them that pass through one cell are told apart
 //! only where one is in sight.
 
+#[cfg(test)]
+mod accuracy_tests;
 mod blend;
 mod eikonal;
 mod envelope;

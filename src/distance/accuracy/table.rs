@@ -107,7 +107,7 @@ fn order(levels: &[Level]) -> f64 {
 }
 
 /// A number with as many digits as are of use.
-fn short(number: f64) -> String {
+pub(crate) fn short(number: f64) -> String {
     if number != 0.0 && number < 0.001 { format!("{number:.0e}") } else { format!("{number:.3}") }
 }
 
@@ -150,9 +150,6 @@ mod tests {
     use super::*;
     use crate::distance::accuracy::all_cases;
 
-    /// What stands before the numbers.
-    const HEAD: &str = include_str!("../../../docs/accuracy.in.md");
-
     fn rows(cases: &[Case], resolutions: &[u32]) -> Vec<Row> {
         let cancel = AtomicBool::new(false);
         table(cases, resolutions, &Watch { cancel: &cancel, progress: &|_| {} }).expect("all cases have a surface")
@@ -187,24 +184,5 @@ mod tests {
         // Errors in voxels that stay are of first order, those that halve of second.
         assert!((order(&[level(32, 0.5), level(64, 0.5), level(128, 0.5)]) - 1.0).abs() < 1e-12);
         assert!((order(&[level(32, 0.4), level(64, 0.2)]) - 2.0).abs() < 1e-12);
-    }
-
-    /// `UPDATE_DOCS=1 cargo test` writes the page anew, which takes a minute; else only its coarsest numbers are held against
-    /// the program's.
-    #[test]
-    fn the_page_of_accuracy_is_up_to_date() {
-        let path = concat!(env!("CARGO_MANIFEST_DIR"), "/docs/accuracy.md");
-        if std::env::var_os("UPDATE_DOCS").is_some() {
-            let text = format!("{HEAD}\n{}", markdown(&rows(&all_cases(), &[32, 64, 128]), false));
-            std::fs::write(path, text).expect("docs can be written");
-        }
-        let page = std::fs::read_to_string(path).expect("the page is there");
-        assert!(page.starts_with(HEAD), "docs/accuracy.md is out of date: UPDATE_DOCS=1 cargo test the_page");
-        for row in rows(&all_cases(), &[32]) {
-            assert_eq!(row.levels[0].wrong_signs, 0, "{} by {}", row.shape, row.method);
-            let start =
-                format!("| {} | `{}` | {}, ", row.shape.replace('|', "\\|"), row.method, short(row.levels[0].mean));
-            assert!(page.contains(&start), "docs/accuracy.md has no `{start}`: UPDATE_DOCS=1 cargo test the_page");
-        }
     }
 }
