@@ -121,6 +121,21 @@ attribute.heat = { conformal = ['tip', 'top'], method = 'eikonal', speed = 0.01,
     assert_eq!(solids.insides.features.len(), 6);
 }
 
+#[test]
+fn features_at_one_place_are_told() {
+    let twins = "attribute.heat = { conformal = ['tip', 'twin', 'top'], lattice = 24 }";
+    let twin = "[shape.twin]\nsphere = 0.1\nmove = [-0.9, 0, 0]\nattribute.heat = 2\n";
+    let warned = |text: &str| {
+        let (mut solids, _) = solids(text);
+        let found = number(&mut solids, "heat", DVec3::new(-0.9, 0.0, 0.0));
+        let warnings = solids.insides.take_warnings().into_iter().map(|found| found.message);
+        (found, warnings.collect::<Vec<_>>())
+    };
+    let text = format!("{}{twin}", bar(twins));
+    assert_eq!(warned(&text), (2.0, vec!["`tip` and `twin` are at the same place".to_owned()]));
+    assert!(warned(&text.replace("[-0.9, 0, 0]\nattribute.heat = 2", "[-0.6, 0, 0]\nattribute.heat = 2")).1.is_empty());
+}
+
 /// The surface is moved by what follows the inside of what it was.
 #[test]
 fn it_moves_the_surface() {
@@ -246,6 +261,10 @@ fn what_is_wrong() {
         "the inside of `s` takes about",
     );
     failed(&bar("").replace("lattice = 24", "method = 'eikonal', speed = 'x', lattice = 24"), "the speed at (-0.");
+    failed(
+        &bar("").replace("sphere = 0.1\nmove = [-0.9, 0, 0]", "formula = '-1'\nbounds = 1"),
+        "nothing is inside `tip`, whose distance `interior` needs",
+    );
     failed(&bar("").replace("box = [2, 0.4, 0.4]", "formula = '-1 - x^2'\nbounds = 2"), "nothing is inside `s`");
     let others: String = (10..74).map(|i| format!(", {{ sphere = 0.0{i} }}")).collect();
     let features = format!("'tip'{others}");

@@ -24,6 +24,7 @@ impl Solids {
     pub fn inside(&mut self, (id, step): (ShapeId, usize), asked: &InsideRequest<'_>) -> Result<Inside, Problem> {
         let InsideRequest { features, along, ref method, speed, key } = *asked;
         let body_key = (id, step, along);
+        let model = self.model();
         let body = match self.insides.bodies.get(&body_key) {
             Some(known) => Arc::clone(known),
             None => {
@@ -32,7 +33,6 @@ impl Solids {
                 body
             }
         };
-        let model = self.model();
         let flat = features.iter().flatten().map(|shape| model.shape(*shape)).find(|shape| shape.is_flat);
         if let Some(problem) = flat.map(|shape| needs_solid(shape, key)) {
             return Err(problem);
@@ -57,14 +57,19 @@ impl Solids {
         let cancel = Arc::clone(self.cancel());
         let spread = |(feature, field)| (feature, Feature::new(&body, field, method, &cancel));
         let found: Vec<_> = open.into_par_iter().map(spread).collect();
+        let is_new = !found.is_empty();
         for (feature, spread) in found {
             let spread = spread.map_err(|error| problem(&model, body_key, feature, speed, &error))?;
             let warnings = feature.map(|feature| warnings(&model, id, feature, &spread));
             self.insides.warnings.extend(warnings.into_iter().flatten());
             self.insides.features.insert(key_of(feature), Arc::new(spread));
         }
-        let features = features.iter().map(|feature| Arc::clone(&self.insides.features[&key_of(*feature)]));
-        Ok((body, features.collect()))
+        let found: Vec<Arc<Feature>> =
+            features.iter().map(|feature| Arc::clone(&self.insides.features[&key_of(*feature)])).collect();
+        if is_new && key == "conformal" {
+            self.insides.warnings.extend(same_place(&model, features, &found));
+        }
+        Ok((body, found))
     }
 
     fn body(&mut self, body_key: BodyKey, key: &'static str) -> Result<Body, Problem> {
@@ -149,6 +154,20 @@ fn problem(
                 .help("keep its formulas from dividing by 0, and from roots and logarithms of negative numbers")
         }
     }
+}
+
+/// What is worth saying about features of which nothing tells one from another.
+fn same_place(model: &Model, goals: &[Option<ShapeId>], features: &[Arc<Feature>]) -> Option<Diagnostic> {
+    let all: Vec<(ShapeId, &Feature)> =
+        goals.iter().zip(features).filter_map(|(goal, feature)| Some(((*goal)?, feature.as_ref()))).collect();
+    let alike = |(later, (_, two)): (usize, &(ShapeId, &Feature))| {
+        (0..later).find(|first| all[*first].1.is_where(two)).map(|first| (first, later))
+    };
+    let (first, later) = all.iter().enumerate().find_map(alike)?;
+    let (first, later) = (model.shape(all[first].0), model.shape(all[later].0));
+    let problem = format!("`{}` and `{}` are at the same place", first.name, later.name);
+    let help = format!("`{}` counts inside of them and both alike elsewhere: move one, or leave one out", later.name);
+    Some(Diagnostic::warning(later.span, problem).help(help))
 }
 
 /// What is worth saying about a feature.

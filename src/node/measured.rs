@@ -165,7 +165,7 @@ impl Purpose<'_> {
             .help("give it `bounds` that reach a little beyond all of it that is used"),
             extent::Error::TooFar => Problem::new(self.span, format!("`{name}`: {error}")),
             extent::Error::Empty => {
-                Problem::new(self.span, format!("nothing is inside `{name}` that `{key}` could move"))
+                Problem::new(self.span, format!("nothing is inside `{name}`, whose distance `{key}` needs"))
                     .help("F is negative everywhere: check the signs (positive is inside), the sizes and the bounds")
             }
         }

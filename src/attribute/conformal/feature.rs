@@ -133,6 +133,13 @@ impl Feature {
         }
     }
 
+    /// Whether all ways to another feature are as long.
+    pub fn is_where(&self, other: &Self) -> bool {
+        // The rounding of values.
+        const ALIKE: f32 = 1e-3;
+        self.values.iter().zip(&other.values).all(|(one, two)| (one - two).abs() < ALIKE)
+    }
+
     /// The greatest value of a node, and the greatest that so many cells take more.
     pub(super) fn greatest(&self, cells: f32) -> f32 {
         let cell = self.solved.as_ref().map_or(1.0, Solved::greatest);
