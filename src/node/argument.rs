@@ -88,6 +88,16 @@ pub enum Component {
     Formula(Formula),
 }
 
+impl Component {
+    /// Where the scene gives it.
+    pub fn span(&self) -> Span {
+        match self {
+            Self::Number(number) => number.span,
+            Self::Formula(formula) => formula.span(),
+        }
+    }
+}
+
 /// How long places wait, as a share of the morph's progress.
 #[derive(Clone, Debug)]
 pub struct MorphDelay {
@@ -111,16 +121,6 @@ pub enum DelaySource {
         /// The delay where that is 1.
         most: f64,
     },
-}
-
-impl Component {
-    /// Where the scene gives it.
-    pub fn span(&self) -> Span {
-        match self {
-            Self::Number(number) => number.span,
-            Self::Formula(formula) => formula.span(),
-        }
-    }
 }
 
 /// The scalar that a key names.
