@@ -195,6 +195,40 @@ fn a_shape_may_be_called_surface() {
     assert!((found - (AT.distance(DVec3::new(0.9, 0.0, 0.0)) - 0.1)).abs() < 1e-5, "{found}");
 }
 
+/// Ways go around a wall between two rooms that are open to one another at one end, where it is not very thin beside a
+/// cell, and it is told where it is.
+#[test]
+fn no_way_leads_through_a_thin_wall_unsaid() {
+    let rooms = |wall: f64, lattice: u32| {
+        let walled = format!("difference = ['all', {{ box = [1.6, {wall}, 1], move = [-0.2, 0.013, 0] }}]");
+        let text =
+            bar("").replace("box = [2, 0.4, 0.4]", &walled).replace("lattice = 24", &format!("lattice = {lattice}"));
+        format!("{}[shape.all]\nbox = [2, 0.4, 0.4]\n", text.replace("[-0.9, 0, 0]", "[-0.85, 0.12, 0]"))
+    };
+    let (start, end) = (DVec3::new(-0.85, 0.12, 0.0), DVec3::new(0.6, 0.013, 0.0));
+    let says = |wall: f64, lattice: u32| {
+        let (mut solids, _) = solids(&rooms(wall, lattice));
+        let mut leads_around = true;
+        for (x, y) in [(-0.9, -0.1), (-0.7, -0.02), (0.0, -0.15)] {
+            let at = DVec3::new(x, y, 0.0);
+            let around = start.distance(end) + end.distance(at) - 0.1;
+            let found = number(&mut solids, "way", at);
+            leads_around &= found > around - 1e-3 && found < around + 1.8 * 2.0 / f64::from(lattice);
+        }
+        let said = solids.insides.take_warnings();
+        assert!(leads_around || !said.is_empty(), "a wall of {wall} in {lattice}");
+        said
+    };
+    for (wall, lattice) in [(0.02, 24), (0.004, 24)] {
+        assert!(says(wall, lattice).is_empty(), "{wall}, {lattice}");
+    }
+    let said = says(0.001, 24);
+    assert!(said[0].message.starts_with("ways inside of `s` may lead through a wall about 1."), "{}", said[0].message);
+    let lattice = said[0].help.strip_prefix("a `lattice` of ").and_then(|help| help.split(' ').next());
+    assert!(says(0.001, lattice.expect("a lattice").parse().expect("a number")).is_empty());
+    assert!(says(1e-4, 24)[0].help.starts_with("a `lattice` of 512, the most, sees walls of 1."));
+}
+
 #[test]
 fn what_is_worth_saying() {
     let warned = |text: &str, wanted: &[&str]| {

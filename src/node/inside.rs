@@ -4,8 +4,9 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
-use crate::attribute::conformal::{Body, Error, Feature, Method};
+use crate::attribute::conformal::{Body, Error, Feature, Leak, Method};
 use crate::field::{Expression, Field, Graph, Interval};
+use crate::node::conformal::MOST_ALONG;
 use crate::node::extent::{box_of, solid_box};
 use crate::node::id::{ShapeId, Stage};
 use crate::node::insides::{BodyKey, MethodKey};
@@ -77,7 +78,8 @@ impl Solids {
         if model.shape(id).is_flat {
             return Err(needs_solid(model.shape(id), key));
         }
-        let solid = solid_box(&model, id, self.step_field(id, step)?.as_ref())?;
+        let field = self.step_field(id, step)?;
+        let solid = solid_box(&model, id, field.as_ref())?;
         let size = solid.size();
         let shape = model.shape(id);
         // Measured as finely as the lattice is: the same whatever is baked how finely.
@@ -88,8 +90,12 @@ impl Solids {
             levels,
             &Purpose { solid: Solid::Step(id, step), shape, key, span: shape.span, voxel, method: shape.distance },
         )?;
-        let body = Body::new(Arc::new(distance), solid, along, self.cancel());
-        body.map_err(|error| problem(&model, body_key, None, None, &error))
+        let body = Body::new(field, Arc::new(distance), solid, along, self.cancel())
+            .map_err(|error| problem(&model, body_key, None, None, &error))?;
+        if !self.is_told((id, step), levels, shape.distance)? {
+            self.insides.warnings.extend(body.leak().map(|found| leaks(shape, along, &body, &found)));
+        }
+        Ok(body)
     }
 
     /// The distance to a feature, as far away as the body reaches.
@@ -154,6 +160,30 @@ fn problem(
                 .help("keep its formulas from dividing by 0, and from roots and logarithms of negative numbers")
         }
     }
+}
+
+/// What is worth saying about a wall that is not seen.
+fn leaks(shape: &Shape, along: u32, body: &Body, found: &Leak) -> Diagnostic {
+    let Leak { at, wall } = found;
+    let problem = format!(
+        "ways inside of `{}` may lead through a wall about {wall:.2e} units thick around ({:.4}, {:.4}, {:.4}): cells of {:.2e} \
+         units are too large to see it",
+        shape.name,
+        at.x,
+        at.y,
+        at.z,
+        body.edge()
+    );
+    let cells = (f64::from(along) * body.edge() / found.closing_edge()).ceil();
+    let help = if cells <= MOST_ALONG {
+        format!("a `lattice` of {cells} sees it")
+    } else {
+        let thickest = found.wall * cells / MOST_ALONG;
+        format!(
+            "a `lattice` of {MOST_ALONG}, the most, sees walls of {thickest:.2e} units: make it as thick, or leave it out"
+        )
+    };
+    Diagnostic::warning(shape.span, problem).help(help)
 }
 
 /// What is worth saying about features of which nothing tells one from another.

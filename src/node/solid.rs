@@ -379,6 +379,12 @@ impl Solids {
         Ok(Expression::new(&self.graph, distance).keeping_values())
     }
 
+    /// Whether that distance takes no measuring.
+    pub fn is_told(&mut self, (id, step): (ShapeId, usize), levels: Interval, method: &str) -> Result<bool, Problem> {
+        let solid = self.step(id, step)?;
+        Ok(told(&mut self.graph, solid, levels, method).is_some())
+    }
+
     /// A shape in its own space with so many of its modifiers, as a field.
     pub fn step_field(&mut self, id: ShapeId, step: usize) -> Result<Arc<dyn Field>, Problem> {
         let node = self.step(id, step)?;

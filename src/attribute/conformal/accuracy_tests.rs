@@ -257,7 +257,7 @@ fn the_page_of_accuracy_is_up_to_date() {
                 let levels = LEVELS.map(|cells| errors(&case, &method, cells));
                 levels.iter().for_each(|found| eprintln!("{} {name} {found:?}", case.name));
                 hold(&case, name, &levels[2]);
-                assert!(order(&levels) > 0.7, "{} by {name}: {levels:?}", case.name);
+                assert!(order(&levels) > 0.65, "{} by {name}: {levels:?}", case.name);
                 writeln!(text, "{}", line(&case, name, &levels)).expect("a String takes all");
             }
         }

@@ -37,6 +37,8 @@ struct Block {
 pub struct Body {
     /// The distance to its surface, positive inside, units.
     distance: Arc<dyn Field>,
+    /// F, which that is measured of.
+    solid: Arc<dyn Field>,
     /// The middle of the first cell, units.
     origin: DVec3,
     /// A cell's edge, units.
@@ -68,19 +70,26 @@ struct Found {
 
 impl Body {
     /// Finds the nodes of a body in its box, `along` cells on the longest side of that. `distance` is the distance to the
-    /// surface, positive inside, or a little short of it.
+    /// surface of `solid`, positive inside, or a little short of it.
     ///
     /// # Errors
     /// [`Error::TooMany`], [`Error::Empty`], [`Error::Cancelled`].
-    pub fn new(distance: Arc<dyn Field>, solid: Aabb, along: u32, cancel: &AtomicBool) -> Result<Self, Error> {
-        let edge = solid.size().max_element() / f64::from(along);
+    pub fn new(
+        solid: Arc<dyn Field>,
+        distance: Arc<dyn Field>,
+        aabb: Aabb,
+        along: u32,
+        cancel: &AtomicBool,
+    ) -> Result<Self, Error> {
+        let edge = aabb.size().max_element() / f64::from(along);
         // One more on each side: a box may end a rounding error early.
-        let counts = (solid.size() / edge).ceil().as_ivec3() + 2;
+        let counts = (aabb.size() / edge).ceil().as_ivec3() + 2;
         let blocks_along = (counts + 7) / 8;
         let count = blocks_along.as_i64vec3().element_product() as usize;
         let mut body = Self {
             distance,
-            origin: solid.min - edge / 2.0,
+            solid,
+            origin: aabb.min - edge / 2.0,
             edge,
             counts,
             blocks_along,
@@ -179,6 +188,11 @@ impl Body {
     /// The distance to the surface, units.
     pub(super) fn distance(&self) -> &dyn Field {
         self.distance.as_ref()
+    }
+
+    /// F.
+    pub(super) fn solid(&self) -> &dyn Field {
+        self.solid.as_ref()
     }
 
     /// Where a node is.

@@ -3,32 +3,54 @@
 use glam::{DVec3, Vec3};
 
 use super::nodes::{Body, NONE};
-use crate::field::{BATCH, Evaluator, Points};
+use crate::field::{BATCH, Evaluator, Gradients, Points};
 
 /// How far outside a way may be, in cells, and still count as inside: places on the surface are a rounding error off to
 /// either side, and measured distances are off by about as much.
 const TOLERANCE: f32 = 0.02;
-/// The shortest step along a way, in cells. Longer ones may step over what is between two parts of the body, shorter ones
-/// take longer along walls.
-const LEAST_STEP: f32 = 1.0 / 16.0;
-/// What a node near the way must say at least, in cells, for the distance itself not to be asked.
-const FAR: f32 = 0.25;
+/// The shortest step along a way, in cells. Longer ones look for walls farther ahead, shorter ones take longer along walls.
+const LEAST_STEP: f32 = 1.0 / 64.0;
+/// How far behind a surface ahead one looks for its wall's other side, in cells. More steps over what is behind the wall,
+/// less is lost in the errors of measured distances.
+const BEHIND: f32 = 0.03;
+/// How near to a surface ahead one looks where exactly it is, in cells.
+const BEFORE: f32 = 0.02;
+/// How often a way there is halved.
+const MOST_HALVES: i32 = 6;
+/// Normals of a wall's two sides have a product less than this. The two sides of an edge that is cut short do not.
+const OPPOSITE: f32 = -0.5;
+/// How far the two sides of a wall may seem to overlap, in cells, by the errors of measured distances.
+const OVERLAP: f32 = 0.005;
 
 /// Looks along ways in one body, on one thread.
 pub(super) struct Sight<'b> {
     body: &'b Body,
     evaluator: Box<dyn Evaluator + 'b>,
+    solid: Box<dyn Evaluator + 'b>,
     point: Points,
     value: [f32; BATCH],
+    gradient: Box<Gradients>,
     scale: f32,
 }
 
 impl<'b> Sight<'b> {
+    /// How near to the surface F itself is asked, in cells: measured distances are off by up to a fraction of a cell beside
+    /// thin walls. Farther away, the node near the way tells enough.
+    const NEAR: f32 = 0.25;
+
     pub fn new(body: &'b Body) -> Self {
         let mut point = Points::new(DVec3::ZERO);
         point.len = 1;
         let scale = body.edge().recip() as f32;
-        Self { body, evaluator: body.distance().evaluator(), point, value: [0.0; BATCH], scale }
+        Self {
+            body,
+            evaluator: body.distance().evaluator(),
+            solid: body.solid().evaluator(),
+            point,
+            value: [0.0; BATCH],
+            gradient: Box::default(),
+            scale,
+        }
     }
 
     /// The distance to the surface, in cells.
@@ -36,6 +58,44 @@ impl<'b> Sight<'b> {
         self.point.origin = self.body.to_units(place);
         self.evaluator.values(&self.point, &mut self.value);
         self.value[0] * self.scale
+    }
+
+    /// F/|∇F|, in cells, and the direction of ∇F.
+    fn surface(&mut self, place: Vec3) -> (f32, Vec3) {
+        self.point.origin = self.body.to_units(place);
+        self.solid.gradients(&self.point, &mut self.gradient);
+        let (slope, rate) = self.gradient.gradient(0).normalize_and_length();
+        (self.gradient.value[0] / rate * self.scale, slope)
+    }
+
+    /// Whether a step that is longer than the surface is away goes through a wall, however thin: by where the way meets
+    /// the surface ahead, and where the surface that is behind that.
+    fn meets_wall(&mut self, place: Vec3, direction: Vec3, step: f32) -> bool {
+        let (mut gone, (mut free, inward)) = (0.0, self.surface(place));
+        let mut nearing = -inward.dot(direction);
+        // F is a distance only right beside the surface: go there first, and half as far where that is through it.
+        let mut halves = 0;
+        loop {
+            if nearing <= 0.0 || gone + free / nearing > step {
+                return false;
+            }
+            if free < 2.0 * BEFORE || halves == MOST_HALVES {
+                break;
+            }
+            let on = (free - BEFORE) / nearing * 0.5f32.powi(halves);
+            let (there, slope) = self.surface(place + direction * (gone + on));
+            if there > 0.0 && slope.dot(inward) > OPPOSITE {
+                (gone, free, nearing) = (gone + on, there, -slope.dot(direction));
+            } else {
+                halves += 1;
+            }
+        }
+        let entered = gone + free / nearing;
+        let beyond = (entered + BEHIND / nearing).min(step);
+        let (after, out) = self.surface(place + direction * beyond);
+        let leaving = out.dot(direction);
+        let left = beyond - after / leaving;
+        after < -TOLERANCE || (leaving > 0.0 && inward.dot(out) < OPPOSITE && left > entered - OVERLAP)
     }
 
     /// How far the surface is at least, by the nearest node.
@@ -53,18 +113,22 @@ impl<'b> Sight<'b> {
         }
         let (direction, mut gone) = (way / length, 0.0);
         loop {
-            let place = if gone >= length { to } else { from + direction * gone };
+            let (place, left) = if gone >= length { (to, 0.0) } else { (from + direction * gone, length - gone) };
             let mut free = self.at_least(place);
-            if free < FAR {
+            if free < Self::NEAR {
                 free = self.distance(place);
                 if free < -TOLERANCE || free.is_nan() {
                     return false;
                 }
             }
-            if gone + free >= length {
+            if left == 0.0 || free >= left.max(Self::NEAR) {
                 return true;
             }
-            gone += free.max(LEAST_STEP);
+            let step = free.max(LEAST_STEP);
+            if free < Self::NEAR && self.meets_wall(place, direction, step.min(left)) {
+                return false;
+            }
+            gone += step;
         }
     }
 }

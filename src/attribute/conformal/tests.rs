@@ -134,7 +134,7 @@ fn never() -> AtomicBool {
 }
 
 pub(super) fn body(field: &Arc<dyn Field>, along: u32) -> Arc<Body> {
-    let body = Body::new(Arc::clone(field), field.bounding_box().unwrap(), along, &never());
+    let body = Body::new(Arc::clone(field), Arc::clone(field), field.bounding_box().unwrap(), along, &never());
     Arc::new(body.expect("a body"))
 }
 
@@ -476,11 +476,11 @@ fn what_cannot_be_spread_is_an_error() {
     let Err(Error::NotANumber(at)) = Feature::new(&body, nowhere, &Method::Sight, &never()) else { panic!("a number") };
     assert!(at.x > 0.5);
     let stop = AtomicBool::new(true);
-    assert_eq!(Body::new(Arc::clone(&cube), body.aabb(), 16, &stop).err(), Some(Error::Cancelled));
+    assert_eq!(Body::new(Arc::clone(&cube), Arc::clone(&cube), body.aabb(), 16, &stop).err(), Some(Error::Cancelled));
     let empty = exact(body.aabb(), |_| -9.0);
-    assert_eq!(Body::new(empty, body.aabb(), 16, &never()).err(), Some(Error::Empty));
+    assert_eq!(Body::new(Arc::clone(&empty), empty, body.aabb(), 16, &never()).err(), Some(Error::Empty));
     assert!(matches!(
-        Body::new(cube, Aabb::new(DVec3::splat(-1.0), DVec3::splat(1.0)), 512, &never()),
+        Body::new(Arc::clone(&cube), cube, Aabb::new(DVec3::splat(-1.0), DVec3::splat(1.0)), 512, &never()),
         Err(Error::TooMany { .. })
     ));
     assert!(body.admit(64).is_ok() && matches!(body.admit(1 << 20), Err(Error::TooMany { .. })));
