@@ -24,6 +24,10 @@ const THINNEST: f32 = 1e-4;
 const GROWTH: f32 = 1.25;
 /// The least wall that [`Sight`](super::sight::Sight) sees whatever its place on the lattice, in cells.
 const SEEN: f32 = 0.04;
+/// A wall is thin so many cells beside a place too, along its two tangents there and back, at least that often: it may end
+/// on one side. What is thin in a corner is so along it only.
+const BESIDE: f32 = 0.25;
+const ALIKE: usize = 3;
 /// Walls up to that are tried.
 const TRIED: usize = 27;
 
@@ -78,29 +82,39 @@ impl<'b> Seeker<'b> {
 
     /// The thinnest wall around a place.
     fn around(&mut self, at: DVec3, edge: f32) -> Option<Leak> {
-        let half = Vec3::splat(AROUND * edge);
-        let mut places: [Vec3; 8] = std::array::from_fn(|corner| {
+        let starts: [Vec3; 8] = std::array::from_fn(|corner| {
             let signs = Vec3::new((corner & 4) as f32 / 2.0, (corner & 2) as f32, (corner & 1) as f32 * 2.0) - 1.0;
             signs * START * edge
         });
-        let mut landed = [false; 8];
+        let thin = self.thin(at, starts, edge);
+        let walls = thin.into_iter().flatten().filter_map(|(place, out)| {
+            let (one, two) = out.any_orthonormal_pair();
+            let beside = [one, -one, two, -two].map(|way| place + way * BESIDE * edge);
+            let goes_on = self.thin(at, beside, edge).iter().flatten().count() >= ALIKE;
+            if goes_on { self.wall(at, place, out, edge) } else { None }
+        });
+        walls.reduce(|a, b| if b.wall < a.wall { b } else { a })
+    }
+
+    /// Where F's zero set is near some places and what is behind it is thin, and the way there.
+    fn thin<const N: usize>(&mut self, at: DVec3, mut places: [Vec3; N], edge: f32) -> [Option<(Vec3, Vec3)>; N] {
+        let half = Vec3::splat(AROUND * edge);
+        let mut landed = [false; N];
         for _ in 0..STEPS {
             self.evaluate(at, &places);
             for (i, place) in places.iter_mut().enumerate() {
                 let (value, slope) = (self.gradients.value[i], self.gradients.gradient(i));
                 let step = -value * slope / slope.length_squared();
+                landed[i] = step.length() < ON_SURFACE * edge;
                 if step.is_finite() {
-                    landed[i] = step.length() < ON_SURFACE * edge;
                     *place = (*place + step).clamp(-half, half);
                 }
             }
         }
         self.evaluate(at, &places);
-        let outward: [Vec3; 8] = std::array::from_fn(|i| -self.gradients.gradient(i).normalize_or_zero());
-        self.evaluate(at, &std::array::from_fn::<Vec3, 8, _>(|i| places[i] + outward[i] * SEEN * edge));
-        let is_thin: [bool; 8] = std::array::from_fn(|i| landed[i] && self.gradients.value[i] > 0.0);
-        let thin = (0..8).filter(|i| is_thin[*i]).filter_map(|i| self.wall(at, places[i], outward[i], edge));
-        thin.reduce(|a, b| if b.wall < a.wall { b } else { a })
+        let out: [Vec3; N] = std::array::from_fn(|i| -self.gradients.gradient(i).normalize_or_zero());
+        self.evaluate(at, &std::array::from_fn::<Vec3, N, _>(|i| places[i] + out[i] * SEEN * edge));
+        std::array::from_fn(|i| (landed[i] && self.gradients.value[i] > 0.0).then_some((places[i], out[i])))
     }
 
     fn evaluate(&mut self, at: DVec3, places: &[Vec3]) {
