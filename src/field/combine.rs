@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use super::facts::Facts;
 use super::graph::{Graph, Node};
+use super::leaf::{Affine, Quadric};
 use super::op::{Binary, Op, Unary};
 use super::{Aabb, Side, Slope};
 
@@ -259,9 +260,63 @@ impl Graph {
 
     /// The solid grown by a distance (shrunk where that is negative), as exactly as its value is the distance.
     pub fn offset(&mut self, solid: Node, distance: f64) -> Node {
-        let facts = Unary::Linear { scale: 1.0, offset: distance }.facts([self.facts(solid)]);
+        let known = self.facts(solid);
+        let mut facts = Unary::Linear { scale: 1.0, offset: distance }.facts([known]);
+        if self.stays_convex(solid, distance) {
+            facts = Facts::distance(known.bounds.map(|bounds| bounds.grown(distance)));
+        }
         let node = self.shifted(solid, 1.0, distance);
         self.declare(node, facts)
+    }
+
+    /// Whether a solid is an exact corner of slabs, balls and cylinders, of which growing by a distance leaves something:
+    /// its offsets are exact on both sides.
+    fn stays_convex(&self, solid: Node, distance: f64) -> bool {
+        if !matches!(self.slope(solid), Slope::Exact { outside: true, inside: true }) {
+            return false;
+        }
+        let form = |node: u32| match self.ops[node as usize] {
+            Op::Affine(index) => Some(self.affines[index as usize]),
+            _ => None,
+        };
+        let is_unit = |form: &Affine| (form.slope.length_squared() - 1.0).abs() < 1e-12;
+        let mut open = vec![solid];
+        while let Some(part) = open.pop() {
+            let is_left = match self.op(part) {
+                Op::Binary(Binary::Corner, a, b) => {
+                    open.extend([Node(a), Node(b)]);
+                    true
+                }
+                Op::Binary(Binary::Min, a, b) => form(a).zip(form(b)).is_some_and(|(above, below)| {
+                    let is_slab = above.slope == -below.slope && is_unit(&above);
+                    is_slab && above.constant + below.constant + 2.0 * distance > 0.0
+                }),
+                Op::Unary(Unary::Linear { scale: -1.0, offset }, root) => {
+                    offset + distance > 0.0 && self.is_length(Node(root))
+                }
+                _ => false,
+            };
+            if !is_left {
+                return false;
+            }
+        }
+        true
+    }
+
+    /// Whether a node is the distance from a point, or from a straight line.
+    fn is_length(&self, node: Node) -> bool {
+        let Op::Unary(Unary::Sqrt, square) = self.op(node) else { return false };
+        let Op::Quadric(index) = self.ops[square as usize] else { return false };
+        let Quadric { constant, terms } = &self.quadrics[index as usize];
+        let forms = || terms.iter().filter(|(weight, _)| *weight != 0.0);
+        let are_right = |(i, (weight, one)): (usize, &(f64, Affine))| {
+            *weight == 1.0
+                && forms().enumerate().all(|(j, (_, two))| {
+                    let wanted = if i == j { 1.0 } else { 0.0 };
+                    (one.slope.dot(two.slope) - wanted).abs() < 1e-12
+                })
+        };
+        *constant == 0.0 && forms().count() >= 2 && forms().enumerate().all(are_right)
     }
 
     /// The solid grown by another node's value, which may differ from place to place and is ≤ 0 throughout where the

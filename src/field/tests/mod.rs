@@ -6,6 +6,7 @@
 mod boxes;
 mod external;
 mod formulas;
+mod offsets;
 mod operations;
 mod properties;
 mod recipe;
