@@ -91,7 +91,7 @@ enum Command {
     Scenes(scenes::Arguments),
     /// Search the nodes that scenes are made of, or show one with its keys, formula and example
     Nodes(nodes::Arguments),
-    /// Read F at one place, node by node: value, slope, distance, colour
+    /// Read F at one place, node by node: value, slope, distance, colour, attributes
     Probe(probe::Arguments),
     /// Write a first scene to change: one shape, a morph, or two meshes
     New(new::Arguments),

@@ -16,13 +16,14 @@ use crate::text::key::GREATEST;
 #[derive(Args)]
 #[command(after_help = "\
 Each line has F of a node (positive inside), the length of its gradient, what is declared of its slope, and the distance
-where F is that; else what it is at least. A shape is read where it stands, what it is made of in its own space.
+where F is that; else what it is at least. Shapes have their colour and attributes too. A shape is read where it stands,
+what it is made of in its own space.
 !! marks F that is no number, and gradients longer than declared.
 
 Examples:
   hfvdb probe mine.toml 0 0 0.5               the values at a place
   hfvdb probe mine.toml 0 0 0.5 --frame 12    in a frame
-  hfvdb probe gyroid 0.1 0 0 --json           for programs, with boxes and colours")]
+  hfvdb probe gyroid 0.1 0 0 --json           for programs, with boxes, colours and attributes")]
 pub struct Arguments {
     #[command(flatten)]
     scene: SceneArguments,
@@ -81,6 +82,9 @@ fn tell(out: &mut String, probe: &Probe, depth: usize) {
     }
     if let Some([r, g, b]) = probe.colour {
         let _ = write!(out, ", colour {r:.3} {g:.3} {b:.3}");
+    }
+    for (name, number) in &probe.attributes {
+        let _ = write!(out, ", {name} {number:.6}");
     }
     if let (0, Some([low, high])) = (depth, probe.reading.bounds) {
         let shown = |corner: [f64; 3]| corner.map(|part| format!("{part:.3}")).join(" ");

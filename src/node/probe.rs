@@ -1,5 +1,6 @@
 //! What F is at one place, node by node: where a value comes from, and where it stops being a distance.
 
+use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
@@ -7,7 +8,7 @@ use glam::DVec3;
 use serde::Serialize;
 
 use super::assets::Assets;
-use super::attributes::TheColour;
+use super::attributes::{Asked, TheColour, TheScalar};
 use super::id::{ShapeId, Stage};
 use super::model::{Content, Model};
 use super::solid::Solids;
@@ -48,6 +49,8 @@ pub struct Probe {
     pub reading: Reading,
     /// Its colour there, scene-linear; of whole shapes.
     pub colour: Option<LinearRgb>,
+    /// Its attributes there by name; of whole shapes.
+    pub attributes: BTreeMap<String, f32>,
     /// What it is made of.
     pub made_of: Vec<Probe>,
 }
@@ -133,7 +136,14 @@ fn shape(solids: &mut Solids, id: ShapeId, at: DVec3) -> Result<Probe, Problem> 
     let own = placement.inverse().transform_point3(at);
     let last = shape.modifiers.len();
     let made_of = if last == 0 { operands(solids, id, own)? } else { vec![step(solids, id, last, own)?] };
-    Ok(Probe { name: shape.name.clone(), node: shape.spec.key.name, reading, colour: colour(solids, id, at)?, made_of })
+    let colour = sampled(solids, TheColour, id, at)?;
+    let mut attributes = BTreeMap::new();
+    for name in model.scalar_names() {
+        if let Some([number]) = sampled(solids, TheScalar(name), id, at)? {
+            attributes.insert(name.to_owned(), number);
+        }
+    }
+    Ok(Probe { name: shape.name.clone(), node: shape.spec.key.name, reading, colour, attributes, made_of })
 }
 
 /// A shape in its own space with so many of its modifiers.
@@ -148,7 +158,14 @@ fn step(solids: &mut Solids, id: ShapeId, step: usize, at: DVec3) -> Result<Prob
             vec![self::step(solids, id, before, back)?]
         }
     };
-    Ok(Probe { name: spec.key.name.into(), node: spec.key.name, reading, colour: None, made_of })
+    Ok(Probe {
+        name: spec.key.name.into(),
+        node: spec.key.name,
+        reading,
+        colour: None,
+        attributes: BTreeMap::new(),
+        made_of,
+    })
 }
 
 /// The shapes that a shape is made of.
@@ -157,14 +174,19 @@ fn operands(solids: &mut Solids, id: ShapeId, at: DVec3) -> Result<Vec<Probe>, P
     model.shape(id).arguments.all_shapes().map(|operand| shape(solids, operand, at)).collect()
 }
 
-/// The colour of a shape at a place.
-fn colour(solids: &mut Solids, id: ShapeId, at: DVec3) -> Result<Option<LinearRgb>, Problem> {
+/// The colour or an attribute of a shape at a place.
+fn sampled<const N: usize>(
+    solids: &mut Solids,
+    asked: impl Asked<N>,
+    id: ShapeId,
+    at: DVec3,
+) -> Result<Option<[f32; N]>, Problem> {
     /// About that of an object a few units wide.
     const VOXEL: f64 = 0.02;
-    let Some(paint) = solids.paint(TheColour, id, Stage::Placed, VOXEL)? else { return Ok(None) };
+    let Some(paint) = solids.paint(asked, id, Stage::Placed, VOXEL)? else { return Ok(None) };
     let mut points = Points::new(at);
     points.push(glam::Vec3::ZERO);
-    let mut out = [[0.0; 3]; BATCH];
+    let mut out = [[0.0; N]; BATCH];
     paint.attribute.sampler().sample(&points, &mut out);
     Ok(Some(out[0]))
 }
@@ -184,7 +206,7 @@ mod tests {
     #[test]
     fn a_tree_of_values() {
         let text = "[output]\nshape = 'u'\n[shape.u]\nunion = ['a', 'b']\n\
-                    [shape.a]\nsphere = 1\nmove = [2, 0, 0]\nscale = 2\ncolor = 'red'\n[shape.b]\nbox = 2\noffset = 0.5\n";
+                    [shape.a]\nsphere = 1\nmove = [2, 0, 0]\nscale = 2\ncolor = 'red'\nattribute.heat = 'x + y'\n[shape.b]\nbox = 2\noffset = 0.5\n";
         let all = probed(text, DVec3::new(5.0, 0.0, 0.0));
         let [union] = &all[..] else { panic!("one shape is baked") };
         // R₀ of −1 and −3.5, which is no distance.
@@ -194,6 +216,8 @@ mod tests {
         );
         let [a, b] = &union.made_of[..] else { panic!("two operands: {union:?}") };
         assert_eq!((a.name.as_str(), a.reading.value, a.colour), ("a", -1.0, Some([1.0, 0.0, 0.0])));
+        // In its own space, x is 1.5 there.
+        assert_eq!((a.attributes.get("heat"), b.attributes.len()), (Some(&1.5), 0));
         assert_eq!((a.reading.distance, a.reading.gradient), (Some(1.0), 1.0));
         // Its offset, and the box within that.
         assert_eq!((b.reading.value, b.made_of[0].node, b.made_of[0].made_of[0].node), (-3.5, "offset", "box"));

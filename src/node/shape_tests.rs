@@ -203,8 +203,9 @@ fn solids_of_the_plane_are_as_exact_as_they_say() {
         ("extrude = { polygon = [[-1, -1], [1, -1], [1, 1], [0, 0], [-1, 1]] }\nheight = 0.7", both),
         ("extrude = { ellipse = [1.2, 0.4], rotate = [0, 0, 30], move = [0.2, 0.1, 5] }\nheight = 0.7", both),
         ("extrude = { gear = 1, teeth = 8, hole = 0.4, scale = 0.9 }\nheight = 1", both),
+        ("extrude = { rectangle = [1.4, 0.8], offset = 0.2 }\nheight = 1", both),
         (
-            "extrude = { rectangle = [1.4, 0.8], offset = 0.2 }\nheight = 1",
+            "extrude = { triangle = [[0, 0], [1, 0], [0, 1]], offset = 0.2 }\nheight = 1",
             Slope::Exact { outside: true, inside: false },
         ),
         ("revolve = { rectangle = [0.4, 1] }\naxis_offset = 0.8", both),
