@@ -120,8 +120,7 @@ fn search(field: &dyn Field, within: Aabb, step: f64) -> Result<Aabb, Error> {
     while (first + edge).cmplt(within.max).any() {
         edge *= 2.0;
     }
-    let mut found = within;
-    for side in 0..6 {
+    let reached = |side: usize| {
         let mut walk = Extreme {
             evaluator: field.evaluator(),
             within,
@@ -132,13 +131,12 @@ fn search(field: &dyn Field, within: Aabb, step: f64) -> Result<Aabb, Error> {
             budget: BUDGET,
         };
         walk.visit(first, edge);
-        let best = walk.best.ok_or(Error::Empty)?;
-        if walk.least {
-            found.min[walk.axis] = best.max(within.min[walk.axis]);
-        } else {
-            found.max[walk.axis] = best.min(within.max[walk.axis]);
-        }
-    }
+        walk.best.ok_or(Error::Empty)
+    };
+    // Each side takes the same cells whatever the others find.
+    let sides = (0..6).into_par_iter().map(reached).collect::<Result<Vec<f64>, Error>>()?;
+    let (least, greatest) = ([sides[0], sides[2], sides[4]], [sides[1], sides[3], sides[5]]);
+    let found = Aabb::new(DVec3::from(least).max(within.min), DVec3::from(greatest).min(within.max));
     Ok(found)
 }
 
