@@ -126,7 +126,7 @@ fn search(field: &dyn Field, within: Aabb, step: f64) -> Result<Aabb, Error> {
             within,
             step,
             axis: side / 2,
-            least: side % 2 == 0,
+            least: side.is_multiple_of(2),
             best: None,
             budget: BUDGET,
         };

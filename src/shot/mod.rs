@@ -38,6 +38,8 @@ mod mode_tests;
 #[cfg(test)]
 mod morphed_tests;
 #[cfg(test)]
+mod pairs_tests;
+#[cfg(test)]
 mod partition_tests;
 #[cfg(test)]
 mod ready_tests;
