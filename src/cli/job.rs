@@ -29,7 +29,7 @@ pub fn load(arguments: &SceneArguments, global: &Global) -> Result<Arc<Model>, F
 }
 
 /// Prints a scene's warnings.
-fn warn(warnings: &text::Diagnostics, global: &Global) {
+pub fn warn(warnings: &text::Diagnostics, global: &Global) {
     if warnings.is_empty() {
         return;
     }

@@ -47,8 +47,9 @@ pub fn run(arguments: &Arguments, global: &Global) -> Result<(), Failure> {
     let model = job::load(&arguments.scene, global)?;
     let [x, y, z] = [arguments.place[0], arguments.place[1], arguments.place[2]];
     let frame = arguments.frame.unwrap_or(model.shot.range.first);
-    let shapes =
+    let (shapes, warnings) =
         model.probe(DVec3::new(x, y, z), frame as f64).map_err(|problem| Failure::from(model.error(problem)))?;
+    job::warn(&warnings, global);
     if global.json {
         return super::print_json(&json!({ "at": [x, y, z], "frame": frame, "shapes": shapes }));
     }

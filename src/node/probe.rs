@@ -14,6 +14,7 @@ use super::model::{Content, Model};
 use super::solid::Solids;
 use crate::attribute::LinearRgb;
 use crate::field::{Aabb, BATCH, Field, Gradients, Points, Slope};
+use crate::text::diagnostic::Diagnostics;
 use crate::text::problem::Problem;
 
 /// A field at one place.
@@ -106,11 +107,12 @@ impl Reading {
 }
 
 impl Model {
-    /// What the shapes that are baked are at a place, at a frame: one, or the two of each morph.
+    /// What the shapes that are baked are at a place, at a frame: one, or the two of each morph; and what is worth saying
+    /// about what they read and measured.
     ///
     /// # Errors
     /// Where a shape cannot be built.
-    pub fn probe(self: &Arc<Self>, at: DVec3, frame: f64) -> Result<Vec<Probe>, Problem> {
+    pub fn probe(self: &Arc<Self>, at: DVec3, frame: f64) -> Result<(Vec<Probe>, Diagnostics), Problem> {
         let all: Vec<ShapeId> = (0..self.shapes.len()).map(ShapeId).collect();
         let assets = Arc::new(Assets::load(self, &all, None)?);
         /// Voxels along the longest side, for what has to be measured.
@@ -123,7 +125,9 @@ impl Model {
                 morphs.iter().map(|morph| morph.from).chain(morphs.last().map(|morph| morph.to)).collect()
             }
         };
-        shapes.into_iter().map(|id| shape(&mut solids, id, at)).collect()
+        let probes = shapes.into_iter().map(|id| shape(&mut solids, id, at)).collect::<Result<_, _>>()?;
+        let warnings = assets.warnings().into_iter().chain(solids.insides.take_warnings()).collect();
+        Ok((probes, Diagnostics::new(warnings, self.sources.clone())))
     }
 }
 
@@ -200,7 +204,18 @@ mod tests {
     fn probed(text: &str, at: DVec3) -> Vec<Probe> {
         let source = Source::Text { name: "p.toml".into(), text: text.into(), folder: ".".into() };
         let model = Arc::new(load(&source, &Overrides::default()).unwrap_or_else(|problems| panic!("{problems}")));
-        model.probe(at, 1.0).unwrap()
+        model.probe(at, 1.0).unwrap().0
+    }
+
+    #[test]
+    fn what_is_worth_saying_comes_along() {
+        let text = "[output]\nshape = 's'\n[shape.s]\nbox = 1\nattribute.way = { interior = ['tip'], lattice = 16 }\n\
+                    [shape.tip]\nsphere = 0.1\nmove = [3, 0, 0]\n";
+        let source = Source::Text { name: "p.toml".into(), text: text.into(), folder: ".".into() };
+        let model = Arc::new(load(&source, &Overrides::default()).expect("a scene"));
+        let (shapes, warnings) = model.probe(DVec3::ZERO, 1.0).unwrap();
+        assert!((shapes[0].attributes["way"] - 2.9).abs() < 0.02, "{:?}", shapes[0].attributes);
+        assert!(warnings.render(false).contains("all of `tip` is outside of `s`"));
     }
 
     #[test]
