@@ -10,6 +10,9 @@ use crate::field::{BATCH, Evaluator, Gradients, Points};
 const TOLERANCE: f32 = 0.02;
 /// The shortest step along a way, in cells. Longer ones look for walls farther ahead, shorter ones take longer along walls.
 const LEAST_STEP: f32 = 1.0 / 64.0;
+/// How near to the surface F itself is asked, in cells: measured distances are off by up to a fraction of a cell beside
+/// thin walls. Farther away, the node near the way tells enough.
+const NEAR: f32 = 0.25;
 /// How far behind a surface ahead one looks for its wall's other side, in cells. More steps over what is behind the wall,
 /// less is lost in the errors of measured distances.
 const BEHIND: f32 = 0.03;
@@ -34,10 +37,6 @@ pub(super) struct Sight<'b> {
 }
 
 impl<'b> Sight<'b> {
-    /// How near to the surface F itself is asked, in cells: measured distances are off by up to a fraction of a cell beside
-    /// thin walls. Farther away, the node near the way tells enough.
-    const NEAR: f32 = 0.25;
-
     pub fn new(body: &'b Body) -> Self {
         let mut point = Points::new(DVec3::ZERO);
         point.len = 1;
@@ -115,17 +114,17 @@ impl<'b> Sight<'b> {
         loop {
             let (place, left) = if gone >= length { (to, 0.0) } else { (from + direction * gone, length - gone) };
             let mut free = self.at_least(place);
-            if free < Self::NEAR {
+            if free < NEAR {
                 free = self.distance(place);
                 if free < -TOLERANCE || free.is_nan() {
                     return false;
                 }
             }
-            if left == 0.0 || free >= left.max(Self::NEAR) {
+            if left == 0.0 || free >= left.max(NEAR) {
                 return true;
             }
             let step = free.max(LEAST_STEP);
-            if free < Self::NEAR && self.meets_wall(place, direction, step.min(left)) {
+            if free < NEAR && self.meets_wall(place, direction, step.min(left)) {
                 return false;
             }
             gone += step;
