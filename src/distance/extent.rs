@@ -18,8 +18,12 @@ const CELLS: f64 = 512.0;
 /// The same where a box is wanted soon.
 const FEW_CELLS: f64 = 64.0;
 
-/// The most boxes bounded in a search; beyond it the boxes reached count as solid, so the result stays conservative.
-const BUDGET: usize = 400_000;
+/// Cells along the longest side in the first of the searches, each of which halves them.
+const FIRST_CELLS: f64 = 8.0;
+
+/// The most cells bounded for a side in one search. A side that would take more stays where the coarser search left it: one
+/// that is flat along an axis has to be told from every cell beside it.
+const BUDGET: usize = 16_384;
 
 /// How far from the origin a box may reach, in world units: squares of it are finite in floats of 32 bits. Nested scales and
 /// moves reach farther than each of them.
@@ -65,7 +69,8 @@ impl std::error::Error for Error {}
 /// The tight box of F ≥ 0, clipped to the user's `bounds` if there are any.
 ///
 /// Found by bounds of F over cells of a grid whose step is a power of two near a 512th of the result, standing at
-/// multiples of that step: so the result does not hang on how loose the field's own box or the bounds are.
+/// multiples of that step: so the result does not hang on how loose the field's own box or the bounds are. Flat sides that
+/// neither of them tells may be a hundredth of the result outside.
 pub fn extent(field: &dyn Field, bounds: Option<Aabb>) -> Result<Extent, Error> {
     of_cells(field, bounds, CELLS)
 }
@@ -88,12 +93,13 @@ fn of_cells(field: &dyn Field, bounds: Option<Aabb>, cells: f64) -> Result<Exten
     if within.min.abs().max(within.max.abs()).max_element() > FARTHEST {
         return Err(Error::TooFar);
     }
-    let mut solid = search(field, within, step_for(within, cells / 8.0))?;
-    // A smaller box asks for a smaller step, until it does not.
-    let mut step = f64::INFINITY;
-    while step_for(solid, cells) < step {
-        step = step_for(solid, cells);
-        solid = search(field, solid, step)?;
+    let mut step = step_for(within, FIRST_CELLS);
+    let mut open = [true; 6];
+    let mut solid = search(field, within, step, &mut open)?;
+    // A smaller box asks for a smaller step.
+    while step > step_for(solid, cells) && open.contains(&true) {
+        step /= 2.0;
+        solid = search(field, solid, step, &mut open)?;
     }
     let reaches_bounds = std::array::from_fn(|side| {
         let axis = side / 2;
@@ -109,9 +115,11 @@ fn step_for(within: Aabb, cells: f64) -> f64 {
     libm::exp2(libm::floor(libm::log2(within.size().max_element() / cells)))
 }
 
-/// Shrinks a box around F ≥ 0, on the grid of multiples of `step`.
-fn search(field: &dyn Field, within: Aabb, step: f64) -> Result<Aabb, Error> {
+/// Shrinks the `open` sides of a box around F ≥ 0, on the grid of multiples of `step`, and closes those that would take too
+/// long.
+fn search(field: &dyn Field, within: Aabb, step: f64, open: &mut [bool; 6]) -> Result<Aabb, Error> {
     if step <= 0.0 {
+        *open = [false; 6];
         return Ok(within);
     }
     // The root: the least cube of 2ⁿ steps, at a multiple of the step, that holds the box.
@@ -121,22 +129,27 @@ fn search(field: &dyn Field, within: Aabb, step: f64) -> Result<Aabb, Error> {
         edge *= 2.0;
     }
     let reached = |side: usize| {
-        let mut walk = Extreme {
-            evaluator: field.evaluator(),
-            within,
-            step,
-            axis: side / 2,
-            least: side.is_multiple_of(2),
-            best: None,
-            budget: BUDGET,
-        };
+        let (axis, least) = (side / 2, side.is_multiple_of(2));
+        let mut walk = Extreme { evaluator: field.evaluator(), within, step, axis, least, best: None, budget: BUDGET };
         walk.visit(first, edge);
-        walk.best.ok_or(Error::Empty)
+        walk
     };
     // Each side takes the same cells whatever the others find.
-    let sides = (0..6).into_par_iter().map(reached).collect::<Result<Vec<f64>, Error>>()?;
-    let (least, greatest) = ([sides[0], sides[2], sides[4]], [sides[1], sides[3], sides[5]]);
-    let found = Aabb::new(DVec3::from(least).max(within.min), DVec3::from(greatest).min(within.max));
+    let sides: Vec<usize> = (0..6).filter(|side| open[*side]).collect();
+    let walks: Vec<(usize, Extreme<'_>)> = sides.into_par_iter().map(|side| (side, reached(side))).collect();
+    let mut found = within;
+    for (side, walk) in walks {
+        open[side] = walk.budget > 0;
+        if open[side] {
+            let best = walk.best.ok_or(Error::Empty)?;
+            let axis = side / 2;
+            if walk.least {
+                found.min[axis] = best.max(within.min[axis]);
+            } else {
+                found.max[axis] = best.min(within.max[axis]);
+            }
+        }
+    }
     Ok(found)
 }
 
@@ -148,6 +161,7 @@ struct Extreme<'a> {
     axis: usize,
     least: bool,
     best: Option<f64>,
+    /// Cells that may yet be bounded. At 0 the search is given up.
     budget: usize,
 }
 
@@ -155,13 +169,14 @@ impl Extreme<'_> {
     fn visit(&mut self, origin: DVec3, edge: f64) {
         let Some(cell) = Aabb::new(origin, origin + edge).intersection(self.within) else { return };
         let promise = if self.least { cell.min[self.axis] } else { cell.max[self.axis] };
-        if self.best.is_some_and(|best| if self.least { promise >= best } else { promise <= best }) {
+        if self.budget == 0 || self.best.is_some_and(|best| if self.least { promise >= best } else { promise <= best })
+        {
             return;
         }
         self.evaluator.enter(&cell);
         let bounds = self.evaluator.bounds();
-        self.budget = self.budget.saturating_sub(1);
-        if bounds.lo >= 0.0 || (bounds.hi >= 0.0 && (edge <= self.step || self.budget == 0)) {
+        self.budget -= 1;
+        if bounds.lo >= 0.0 || (bounds.hi >= 0.0 && edge <= self.step) {
             self.best = Some(promise);
         } else if bounds.hi >= 0.0 {
             let half = edge / 2.0;

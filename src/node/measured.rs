@@ -231,7 +231,7 @@ impl Distances {
         };
         let distance = match found {
             Some(distance) => distance,
-            None => self.measured(graph, solid, levels, purpose, None)?,
+            None => self.measured(graph, (solid, None), levels, purpose)?,
         };
         self.known.insert(key, distance);
         Ok(distance)
@@ -246,36 +246,40 @@ impl Distances {
         purpose: &Purpose<'_>,
     ) -> Result<Option<Node>, Problem> {
         let parts = graph.to_measure(solid, side);
-        let has_box = |&(part, _): &(Node, Side)| box_of(&Expression::new(graph, part)).is_ok();
-        if parts.len() > MOST_PARTS || !parts.iter().all(has_box) {
+        if parts.len() > MOST_PARTS {
             return Ok(None);
         }
+        let boxes = parts.iter().map(|(part, _)| box_of(&Expression::new(graph, *part)));
+        let Ok(boxes) = boxes.collect::<Result<Vec<Aabb>, _>>() else { return Ok(None) };
         let mut found = BTreeMap::new();
-        for (place, part) in parts.into_iter().enumerate() {
+        for (place, (part, aabb)) in parts.into_iter().zip(boxes).enumerate() {
             // Of what is taken away the other side counts.
             let levels = if part.1 == side { levels } else { Interval::new(-levels.hi, -levels.lo) };
-            found.insert(part, self.measured(graph, part.0, levels, purpose, Some(place))?);
+            found.insert(part, self.measured(graph, (part.0, Some((place, aabb))), levels, purpose)?);
         }
         Ok(graph.distance(solid, side, &found))
     }
 
+    /// Of a solid, or of one of its parts, whose place among them and box are known.
     fn measured(
         &self,
         graph: &mut Graph,
-        solid: Node,
+        (solid, part): (Node, Option<(usize, Aabb)>),
         levels: Interval,
         purpose: &Purpose<'_>,
-        part: Option<usize>,
     ) -> Result<Node, Problem> {
         if purpose.shape.is_flat {
             return Err(purpose.in_the_plane());
         }
         let field: Arc<dyn Field> = Arc::new(Expression::new(graph, solid));
-        let aabb = box_of(field.as_ref()).map_err(|error| purpose.without_box(error))?;
+        let aabb = match part {
+            Some((_, aabb)) => aabb,
+            None => box_of(field.as_ref()).map_err(|error| purpose.without_box(error))?,
+        };
         // No solid has more voxels than the whole that is baked, but where it is scaled.
         let voxel = purpose.voxel.unwrap_or(reach(aabb, levels).size().max_element() / self.resolution);
         let method = named(purpose.method);
-        let kept = self.keeping.as_ref().map(|keeping| (keeping, purpose.solid, part));
+        let kept = self.keeping.as_ref().map(|keeping| (keeping, purpose.solid, part.map(|(place, _)| place)));
         let measured = measured(method, &field, aabb, levels, voxel, kept, &self.cancel);
         let measured = measured.map_err(|error| purpose.failed(&error))?;
         let node = graph.field(measured);
