@@ -53,6 +53,18 @@ impl Similarity {
         self.rotation
     }
 
+    /// The same where all of the world is moved so.
+    pub fn moved(&self, world: &Self) -> Self {
+        if *world == Self::IDENTITY {
+            return *self;
+        }
+        Self {
+            scale: world.scale * self.scale,
+            rotation: world.rotation * self.rotation,
+            translation: world.to_world(self.translation),
+        }
+    }
+
     /// The same as seen from a frame that stands elsewhere.
     pub(super) fn seen_from(&self, frame: &Self) -> Self {
         if *frame == Self::IDENTITY {

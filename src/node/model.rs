@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use crate::attribute::{Outside, Overlap, Power, Primaries};
+use crate::attribute::{LinearRgb, Outside, Overlap, Power, Primaries};
 use crate::distance::method::USUAL;
 use crate::distance::without::Keep;
 
@@ -127,6 +127,13 @@ pub struct Placement {
     pub rotate: [Number; 3],
     /// Where to.
     pub translate: [Number; 3],
+}
+
+impl Placement {
+    /// All of its numbers.
+    pub fn numbers(&self) -> impl Iterator<Item = &Number> {
+        [&self.scale, &self.rotate, &self.translate].into_iter().flatten()
+    }
 }
 
 impl Shape {
@@ -307,6 +314,8 @@ pub struct Morph {
     pub carry_ease: Option<MorphEase>,
     /// How far the middle of that way lies off the straight one.
     pub arc: [f64; 3],
+    /// Where the whole stands, scaled alike along x, y and z.
+    pub placement: Placement,
     /// How fast the shape changes on the way.
     pub ease: MorphEase,
     /// Whether colours run on past their end.
@@ -371,8 +380,17 @@ pub struct Correspondence {
     pub pairs: Pairs,
     /// What holds where several pairs are.
     pub overlap: Overlap,
-    /// The place of the pair that holds where none is.
-    pub master: Option<usize>,
+    /// What holds where no pair is; `None`: the nearest.
+    pub master: Option<Master>,
+}
+
+/// What holds where none of a morph's pairs is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Master {
+    /// The pair of that place.
+    Pair(usize),
+    /// A colour.
+    Colour(LinearRgb),
 }
 
 /// The pairs of a correspondence.

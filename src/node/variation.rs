@@ -1,7 +1,7 @@
 //! What of a scene changes over the shot, and what does not.
 
 use crate::node::argument::{Arguments, ScalarName};
-use crate::node::model::{Model, Placement, ShapeId};
+use crate::node::model::{Model, ShapeId};
 use crate::text::number::formula::Formula;
 use crate::text::number::{Number, NumberValue};
 use crate::text::sequence::FileSequence;
@@ -114,8 +114,7 @@ impl Variation {
 }
 
 fn placement_varies(model: &Model, id: ShapeId) -> bool {
-    let Placement { scale, rotate, translate } = &model.shape(id).placement;
-    [scale, rotate, translate].into_iter().flatten().any(|number| model.varies(number))
+    model.shape(id).placement.numbers().any(|number| model.varies(number))
 }
 
 impl Model {

@@ -53,7 +53,7 @@ fn colour(frame: &FrameContent, x: f64, y: f64, z: f64) -> LinearRgb {
     sample(frame.colour.as_ref().expect("it has a colour").as_ref(), DVec3::new(x, y, z))
 }
 
-fn sample(colour: &Colour, at: DVec3) -> LinearRgb {
+pub(crate) fn sample(colour: &Colour, at: DVec3) -> LinearRgb {
     let mut points = Points::new(at);
     points.push(Vec3::ZERO);
     let mut out = [[0.0; 3]; BATCH];
@@ -470,6 +470,41 @@ fn a_chain_of_objects() {
     refused(
         &format!("{shapes}through = ['a', 'b', 'c']\nvolume = {{ 1 = 1, 5 = 2, 9 = 1 }}\n"),
         "`morph.volume` is 2 at frame 5, and must be 1 there",
+    );
+}
+
+/// All of a morph moved: F and colours are those of the morph where it was, lengths as much longer.
+#[test]
+fn a_morph_moves_as_a_whole() {
+    let text = "frames = '1-9'\n[output]\nvoxel_size = 0.04\n[shape.a]\nbox = [1, 2, 1]\ncolor = 'red'\nrotate = [0, 0, '40*t']\n\
+                [shape.b]\nsphere = 0.7\ncolor = 'blue'\nmove = [0.3, 0, 0]\n[morph]\nfrom = 'a'\nto = 'b'\n";
+    let still = prepared(text);
+    let moved = "scale = 1.5\nrotate = [0, 0, '90*t']\nmove = [0, '2*t', 1]\n";
+    let moving = prepared(&format!("{}{moved}", text.replace("0.04", "0.06")));
+    for frame in [1, 4, 7, 9] {
+        let [here, there] = [&still, &moving].map(|scene| scene.frame(frame).unwrap());
+        assert!((here.info.t - there.info.t).abs() < 1e-3, "{} {}", here.info.t, there.info.t);
+        let t = (frame - 1) as f64 / 8.0;
+        let turn = glam::DMat3::from_rotation_z((90.0 * t).to_radians());
+        for at in [[0.2, 0.1, 0.3], [-0.4, 0.8, 0.2], [0.5, -0.5, 0.0], [0.9, 0.4, -0.3]].map(DVec3::from_array) {
+            let to = turn * (at * 1.5) + DVec3::new(0.0, 2.0 * t, 1.0);
+            let (before, after) = (here.field.reference(at) * 1.5, there.field.reference(to));
+            assert!((before - after).abs() < 0.02, "{before} {after} at {at}, frame {frame}");
+            let [one, two] =
+                [(&here, at), (&there, to)].map(|(frame, at)| sample(frame.colour.as_ref().unwrap().as_ref(), at));
+            assert!(one.iter().zip(two).all(|(one, two)| (one - two).abs() < 0.03), "{one:?} {two:?} at {at}");
+        }
+    }
+    let movement = moving.movement(1).ok().expect("a scene that moves has one");
+    assert!(!movement.around.is_empty());
+    refused(&format!("{text}scale = '1 - 2*t'\n"), "`morph.scale`");
+    let problem = "the morph is moved over time";
+    refused(
+        &format!(
+            "{}mode = 'openvdb'\nmove = ['t', 0, 0]\n",
+            text.replace("rotate = [0, 0, '40*t']", "rotate = [0, 0, 1]")
+        ),
+        problem,
     );
 }
 

@@ -2,11 +2,11 @@
 
 use std::sync::Arc;
 
-use crate::attribute::{Attribute, Colour, Part, Parts, Rule, Scalar, Straight};
-use crate::field::Field;
+use crate::attribute::{Attribute, Colour, Constant, Part, Parts, Rule, Scalar, Straight};
+use crate::field::{Expression, Field, Graph};
 
 use crate::node::attributes::{Asked, TheColour, TheScalar};
-use crate::node::model::{Content, Correspondence};
+use crate::node::model::{Content, Correspondence, Master};
 use crate::node::painted::Paint;
 use crate::node::source::TOLERANCE_VOXELS;
 use crate::shot::morphing::{Brush, Planned};
@@ -29,10 +29,14 @@ impl Prepared {
         }
         let fields = self.fields_of_parts(planned, frame);
         let colours: Option<Vec<Arc<Colour>>> = of_parts.iter().map(|(colour, _)| colour.clone()).collect();
-        let colour = colours.map(|colours| self.joined(&fields, colours, correspondence));
+        let rest = match correspondence.master {
+            Some(Master::Colour(colour)) => Some(Arc::new(Constant::new(colour)) as Arc<Colour>),
+            _ => None,
+        };
+        let colour = colours.map(|colours| self.joined(&fields, colours, correspondence, rest.clone()));
         let scalar = |(place, (name, _)): (usize, &(String, Arc<Scalar>))| {
             let scalars = of_parts.iter().map(|(_, scalars)| Arc::clone(&scalars[place].1)).collect();
-            (name.clone(), self.joined(&fields, scalars, correspondence))
+            (name.clone(), self.joined(&fields, scalars, correspondence, None))
         };
         Ok((colour, scalars.iter().enumerate().map(scalar).collect()))
     }
@@ -42,15 +46,24 @@ impl Prepared {
         morphs[self.shown(frame)].correspondence.as_ref()
     }
 
-    /// Each part's attribute where the part is.
+    /// Each part's attribute where the part is, and where none is that of the rest, if it has one of its own.
     fn joined<const N: usize>(
         &self,
         fields: &[Arc<dyn Field>],
         attributes: Vec<Arc<dyn Attribute<N>>>,
         correspondence: &Correspondence,
+        rest: Option<Arc<dyn Attribute<N>>>,
     ) -> Arc<dyn Attribute<N>> {
-        let parts: Vec<Part<N>> = fields.iter().cloned().zip(attributes).collect();
-        let rule = Rule::Partitions { overlap: correspondence.overlap, master: correspondence.master };
+        let mut parts: Vec<Part<N>> = fields.iter().cloned().zip(attributes).collect();
+        let master = match (correspondence.master, rest) {
+            (Some(Master::Pair(place)), _) => Some(place),
+            (_, Some(rest)) => {
+                parts.push((nowhere(), rest));
+                Some(parts.len() - 1)
+            }
+            _ => None,
+        };
+        let rule = Rule::Partitions { overlap: correspondence.overlap, master };
         let tolerance = TOLERANCE_VOXELS * self.lattice.voxel_size.get();
         Arc::new(Parts::new(parts, rule, tolerance).expect("there is a pair"))
     }
@@ -99,7 +112,7 @@ impl Prepared {
         };
         let Some(correspondence) = self.correspondence(frame) else { return of_one(planned) };
         let scalars: Option<Vec<_>> = planned.parts.iter().map(of_one).collect::<Result<_, Problem>>()?;
-        Ok(scalars.map(|scalars| self.joined(&self.fields_of_parts(planned, frame), scalars, correspondence)))
+        Ok(scalars.map(|scalars| self.joined(&self.fields_of_parts(planned, frame), scalars, correspondence, None)))
     }
 
     fn fields_of_parts(&self, planned: &Planned, frame: f64) -> Vec<Arc<dyn Field>> {
@@ -120,4 +133,11 @@ impl Prepared {
         let mut solids = self.base.at(self.model.moment(frame), &self.variation);
         solids.paint(what, brush.id, brush.stage, brush.voxel)
     }
+}
+
+/// A field without a solid.
+fn nowhere() -> Arc<dyn Field> {
+    let mut graph = Graph::new();
+    let outside = graph.constant(-1.0);
+    Arc::new(Expression::new(&graph, outside))
 }

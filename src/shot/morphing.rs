@@ -23,7 +23,7 @@ use crate::node::cache::{Cache, Claim};
 use crate::node::extent::{FindBox, box_of, no_box, solid_box};
 use crate::node::id::Stage;
 use crate::node::measured::smallest_cell;
-use crate::node::model::{Model, Morph, Pairs, Shape, ShapeId};
+use crate::node::model::{Model, Morph, Pairs, Placement, Shape, ShapeId};
 use crate::node::morphed::planned_or_kept;
 use crate::node::painted::Paint;
 use crate::node::solid::Solids;
@@ -39,6 +39,7 @@ use crate::text::frames::{in_ranges, plain};
 use crate::text::moment::Moment;
 use crate::text::number::Number;
 use crate::text::problem::Problem;
+use crate::text::source::Span;
 
 /// One of the two objects before it is measured.
 #[derive(Clone)]
@@ -106,10 +107,10 @@ pub(crate) fn pair(
     morph: &Morph,
     find: FindBox,
 ) -> Result<Pair, Stop> {
-    let from = side(model, solids, variation, morph.from, find)?;
-    let to = side(model, solids, variation, morph.to, find)?;
+    let from = side(model, solids, variation, morph, morph.from, find)?;
+    let to = side(model, solids, variation, morph, morph.to, find)?;
     if morph.mode.spec.by_level_sets {
-        stand_still(model, [&from, &to])?;
+        stand_still(model, morph, [&from, &to])?;
     }
     let over_shot = |side: &Object| {
         let frames = if side.motion.is_still() { vec![0.0] } else { sampled_frames(model.shot.range) };
@@ -139,7 +140,11 @@ pub(crate) fn pair(
 }
 
 /// OpenVDB's morph knows one target, and one place to start from.
-fn stand_still(model: &Model, objects: [&Object; 2]) -> Result<(), Problem> {
+fn stand_still(model: &Model, morph: &Morph, objects: [&Object; 2]) -> Result<(), Problem> {
+    if morph.placement.numbers().any(|number| model.varies(number)) {
+        let problem = "the morph is moved over time, which `mode = \"openvdb\"` does not do";
+        return Err(Problem::new(morph.span, problem).help("leave its motion out, or use another `mode`"));
+    }
     let Some(moving) = objects.into_iter().find(|object| !object.motion.is_still()) else { return Ok(()) };
     let shape = model.shape(moving.id);
     let problem = format!("`{}` moves, and in `mode = \"openvdb\"` both objects stand still", shape.name);
@@ -163,6 +168,7 @@ fn side(
     model: &Arc<Model>,
     solids: &mut Solids,
     variation: &Variation,
+    morph: &Morph,
     id: ShapeId,
     find: FindBox,
 ) -> Result<Object, Problem> {
@@ -180,7 +186,8 @@ fn side(
     let stage = if uniform { Stage::Own } else { Stage::Scaled };
     let field = solids.field(id, stage)?;
     let solid = find(field.as_ref()).map_err(|error| no_box(model, id, error))?;
-    Ok(Object { id, stage, field, solid, motion: motion(model, shape, uniform, variation.placed(id))? })
+    let motion = motion(model, shape, uniform, morph, variation.placed(id))?;
+    Ok(Object { id, stage, field, solid, motion })
 }
 
 /// Whether a shape is scaled alike along x, y and z; the problem where it is not, and that changes.
@@ -200,35 +207,45 @@ fn scale_is_uniform(model: &Model, shape: &Shape) -> Result<bool, Problem> {
     Ok(true)
 }
 
-/// Where a shape stands over scene time.
-fn motion(model: &Arc<Model>, shape: &Shape, scaled: bool, moves: bool) -> Result<Motion, Problem> {
-    let placement = move |shape: &Shape, moment: &Moment| -> Result<Similarity, Problem> {
-        let placement = &shape.placement;
-        let vector = |numbers: &[Number; 3]| -> Result<DVec3, Problem> {
-            Ok(DVec3::new(numbers[0].at(moment)?, numbers[1].at(moment)?, numbers[2].at(moment)?))
-        };
-        let scale = if scaled { placement.scale[0].at(moment)? } else { 1.0 };
-        Similarity::new(scale, vector(&placement.rotate)?, vector(&placement.translate)?).ok_or_else(|| {
-            Problem::new(shape.span, format!("`{}` cannot be placed: a number is out of range", shape.name))
-        })
+/// Where a shape of a morph stands over scene time.
+fn motion(model: &Arc<Model>, shape: &Shape, scaled: bool, morph: &Morph, moves: bool) -> Result<Motion, Problem> {
+    let own = (shape.placement.clone(), shape.span, format!("`{}`", shape.name));
+    let whole = (morph.placement.clone(), morph.span, "the morph".to_owned());
+    let moves = moves || morph.placement.numbers().any(|number| model.varies(number));
+    let placement = move |moment: &Moment| -> Result<Similarity, Problem> {
+        Ok(stands(&own, scaled, moment)?.moved(&stands(&whole, true, moment)?))
     };
     let range = model.shot.range;
     if !moves {
-        return Ok(Motion::still(placement(shape, &model.moment(range.first as f64))?));
+        return Ok(Motion::still(placement(&model.moment(range.first as f64))?));
     }
     // Every frame is tried now, so that errors come with their place; what lies between is held to the frames.
     let placements: Vec<Similarity> = sampled_frames(model.shot.range)
         .iter()
-        .map(|frame| placement(shape, &model.moment(*frame)))
+        .map(|frame| placement(&model.moment(*frame)))
         .collect::<Result<_, _>>()?;
-    let (model, shape) = (Arc::clone(model), shape.clone());
+    let model = Arc::clone(model);
     Ok(Motion::moving(move |time| {
         let moment = model.moment(model.shot.frame_at(time));
-        placement(&shape, &moment).unwrap_or_else(|_| {
+        placement(&moment).unwrap_or_else(|_| {
             let nearest = (time.clamp(0.0, 1.0) * (placements.len() - 1) as f64).round() as usize;
             placements[nearest]
         })
     }))
+}
+
+/// Where a placement puts what it is of; `scaled`: its scale is one number, and counts.
+fn stands(
+    (placement, span, what): &(Placement, Span, String),
+    scaled: bool,
+    moment: &Moment,
+) -> Result<Similarity, Problem> {
+    let vector = |numbers: &[Number; 3]| -> Result<DVec3, Problem> {
+        Ok(DVec3::new(numbers[0].at(moment)?, numbers[1].at(moment)?, numbers[2].at(moment)?))
+    };
+    let scale = if scaled { placement.scale[0].at(moment)? } else { 1.0 };
+    Similarity::new(scale, vector(&placement.rotate)?, vector(&placement.translate)?)
+        .ok_or_else(|| Problem::new(*span, format!("{what} cannot be placed: a number is out of range")))
 }
 
 /// How one of the two objects is painted.

@@ -3,6 +3,7 @@
 use glam::DVec3;
 
 use super::*;
+use crate::shot::frame_tests::sample;
 use crate::shot::prepared::Ready;
 use crate::shot::scalar_tests::{prepared, prepared_in_voxels, sampled, scalar, wrong};
 
@@ -140,6 +141,26 @@ fn without_a_master_gaps_take_the_nearest_pair() {
     });
 }
 
+#[test]
+fn a_master_of_its_own_has_the_gaps_colour_alone() {
+    let scene = prepared(&format!("{CROSSING}master_color = '#00ffff'\n"));
+    let content = scene.frame(4).unwrap();
+    let (t, unit) = (content.info.t, unit(&scene));
+    let colours = content.colour.as_ref().expect("parts have one");
+    let mut gaps = 0;
+    for i in 0..=40 {
+        let at = DVec3::new(f64::from(i) * 0.05 - 1.0, 0.5, 0.05);
+        let nearest = [0, 1].map(|place| pair(place, at, t, unit)[0]).into_iter().fold(f64::NEG_INFINITY, f64::max);
+        if nearest.abs() < 0.01 {
+            continue;
+        }
+        let found = sample(colours.as_ref(), at);
+        assert_eq!(found == [0.0, 1.0, 1.0], nearest < 0.0, "{found:?} at {at}, {nearest}");
+        gaps += usize::from(nearest < 0.0);
+    }
+    assert!((5..36).contains(&gaps), "{gaps}");
+}
+
 /// Crossing pairs, so that each colour comes from the other side; the second object moves besides.
 #[test]
 fn at_both_ends_each_part_has_its_own_attributes() {
@@ -212,6 +233,10 @@ fn wrong_pairs_are_named_with_their_place() {
             "31:10 `morph.pairs` must be \"auto\", or a list of pairs, such as [[\"head\", \"lid\"], [\"body\", \"bowl\"]]",
         ),
         ("[['a', 'd'], ['b', 'c']]\nmaster = 'one'", "32:11 `morph.master` is `one`, which is in none of `pairs`"),
+        (
+            "[['a', 'd'], ['b', 'c']]\nmaster = 'a'\nmaster_color = 'red'",
+            "33:1 `master` and `master_color` both say what holds where none of `pairs` is",
+        ),
         ("[['a', 'd'], ['b', 'c']]\nmaster = 'e'", "32:11 there is no `shape.e`"),
         ("[['a', 'd'], ['b', 'c']]\noverlap = 'blend'", "32:12 `morph.overlap` cannot be `blend`"),
     ] {

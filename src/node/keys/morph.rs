@@ -45,6 +45,22 @@ pub const MORPH: &[Key] = &[
         "For `carry = \"anchors\"`, which may be left out then (`\"none\"` leaves them aside): places of the first shape and what they become on the last, `[[[0, 0, 1], [3, 0, 2]], …]`, in the world, each as its shape stands at the first and at the last frame of `over`, and in or on it; with `through` lists with a place of each of its shapes. One moves; two turn besides, the least turn there is; three or more that are not on one line turn and move as fits them best. Sizes do not change.",
     )
     .unit("units"),
+    Key::new("scale", Kind::Number, Number(1.0), "How many times as large the whole morph is made, about the origin. One that changes over time makes both shapes grow, which is a change of shape.")
+        .limit(Limit::Positive),
+    Key::new(
+        "rotate",
+        Kind::Vector,
+        Number(0.0),
+        "The whole morph turned about the fixed x, then y, then z axis, as both of its shapes would be by a `rotate` of their own after all else.",
+    )
+    .unit("degrees"),
+    Key::new(
+        "move",
+        Kind::Vector,
+        Number(0.0),
+        "The whole morph moved along x, y and z, after `scale` and `rotate`. What stands in the world, `cut`, `fill` and `delay`, stays; `anchors` are places after it.",
+    )
+    .unit("units"),
     Key::new(
         "arc",
         Kind::Vector,
@@ -88,6 +104,12 @@ pub const MORPH: &[Key] = &[
         Kind::Shape,
         Nothing,
         "A part whose pair gives its colours where none of `pairs` is. Left out: the nearest pair, which suits surfaces; the whole's lies beside those of the pairs, so a master shows there, often over a whole part.",
+    ),
+    Key::new(
+        "master_color",
+        Kind::Colour,
+        Nothing,
+        "In place of `master`: a colour of its own where none of `pairs` is. Numbers are those of the nearest pair there.",
     ),
     Key::new(
         "over",

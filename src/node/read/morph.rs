@@ -12,7 +12,7 @@ use crate::node::argument::{Argument, Arguments};
 use crate::node::keys;
 use crate::node::list::MODES;
 use crate::node::model::{
-    Component, Content, DelaySource, Morph, MorphCarry, MorphDelay, MorphEase, MorphMode, Output, ShapeId,
+    Component, Content, DelaySource, Morph, MorphCarry, MorphDelay, MorphEase, MorphMode, Output, Placement, ShapeId,
 };
 use crate::node::morph_mode::{ModeSpec, SHARED};
 use crate::text::diagnostic::{Diagnostic, clip, listed};
@@ -55,6 +55,11 @@ impl<'r, 'a> Building<'r, 'a> {
             carry: MorphCarry::Left,
             carry_ease,
             arc: fields.value("arc").and_then(|value| self.fixed_vector("morph.arc", value)).unwrap_or_default(),
+            placement: Placement {
+                scale: [(); 3].map(|()| fields.required_number("scale")),
+                rotate: fields.required_vector("rotate"),
+                translate: fields.required_vector("move"),
+            },
             ease: ease.unwrap_or(MorphEase::Linear),
             octopus: fields.flag("octopus"),
             colour_space: fields.choice("color_space").unwrap_or("auto"),

@@ -4,7 +4,7 @@ use super::Building;
 use super::chain::Link;
 use crate::attribute::Overlap;
 use crate::node::argument::Argument;
-use crate::node::model::{Correspondence, Modifier, Pairs, ShapeId};
+use crate::node::model::{Correspondence, Master, Modifier, Pairs, ShapeId};
 use crate::node::spec::Carries;
 use crate::text::diagnostic::{Diagnostic, clip, listed};
 use crate::text::number::NumberValue;
@@ -38,7 +38,7 @@ impl<'r, 'a> Building<'r, 'a> {
         chain: Option<&[Link]>,
     ) -> Option<Vec<Correspondence>> {
         if fields.entry("pairs").is_none() {
-            for entry in ["overlap", "master"].into_iter().filter_map(|name| fields.entry(name)) {
+            for entry in ["overlap", "master", "master_color"].into_iter().filter_map(|name| fields.entry(name)) {
                 self.reader.say(Diagnostic::error(entry.key_span, format!("`{}` goes with `pairs`", entry.key)));
             }
             return None;
@@ -46,6 +46,7 @@ impl<'r, 'a> Building<'r, 'a> {
         let value = fields.value("pairs")?;
         let overlap = if fields.choice("overlap") == Some("mix") { Overlap::Mix } else { Overlap::Priority };
         let master = fields.value("master");
+        let colour = fields.value("master_color").map(|value| self.solid("morph.master_color", value));
         let chain = chain?;
         let wholes = self.wholes(fields, chain)?;
         if value.text() == Some("auto") {
@@ -57,14 +58,20 @@ impl<'r, 'a> Building<'r, 'a> {
             let of_link = |two: &[Whole<'_>; 2]| Correspondence {
                 pairs: Pairs::Nearest(two.each_ref().map(|whole| whole.parts.to_vec())),
                 overlap,
-                master: None,
+                master: colour.flatten().map(Master::Colour),
             };
             return Some(wholes.array_windows().map(of_link).collect());
         }
         let rows = self.rows(value, &wholes)?;
-        let master = match master {
-            Some(value) => Some(self.master(value, &rows)?),
-            None => None,
+        let master = match (master, colour) {
+            (Some(_), Some(_)) => {
+                let span = fields.entry("master_color").map_or(fields.span, |entry| entry.key_span);
+                let problem = "`master` and `master_color` both say what holds where none of `pairs` is";
+                self.reader.say(Diagnostic::error(span, problem).help("leave one of them out"));
+                return None;
+            }
+            (Some(value), None) => Some(Master::Pair(self.master(value, &rows)?)),
+            (None, colour) => colour.flatten().map(Master::Colour),
         };
         let of_link = |link| Correspondence {
             pairs: Pairs::Named(rows.iter().map(|row| [row[link], row[link + 1]]).collect()),
