@@ -18,7 +18,7 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 use glam::{DVec3, IVec3};
 use hfvdb::attribute::Colour;
-use hfvdb::distance::band::{MeasuredBlock, Settings, measure};
+use hfvdb::distance::band::{Feet, MeasuredBlock, Settings, measure};
 use hfvdb::distance::descent::{Scope, descend};
 use hfvdb::field::{Aabb, BATCH, Evaluator, Field, Gradients, Hint, Hints, Interval, Points, Slope};
 use hfvdb::shot::{FrameContent, Prepared};
@@ -165,6 +165,7 @@ fn samples(prepared: &Prepared, content: &FrameContent, colour: &Colour, times: 
         lattice: prepared.lattice,
         half_width: prepared.half_width,
         region: content.region,
+        feet: Feet::Nearest,
         cancel: &AtomicBool::new(false),
         progress: &|_| {},
     };

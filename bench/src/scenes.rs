@@ -6,7 +6,7 @@ use std::sync::atomic::AtomicBool;
 
 use glam::DVec3;
 use hfvdb::distance::accuracy::ball;
-use hfvdb::distance::band::{Measured, MeasuredBlock, Settings, measure};
+use hfvdb::distance::band::{Feet, Measured, MeasuredBlock, Settings, measure};
 use hfvdb::field::{Aabb, Expression, Graph, Node, SetSystem};
 use hfvdb::node::{Source, load};
 use hfvdb::shot::{FrameContent, PrepareOptions, Prepared};
@@ -60,6 +60,7 @@ pub fn band(prepared: &Prepared, content: &FrameContent) -> Measured<()> {
         lattice: prepared.lattice,
         half_width: prepared.half_width,
         region: content.region,
+        feet: Feet::Nearest,
         cancel: &cancel,
         progress: &|_| {},
     };

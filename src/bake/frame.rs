@@ -30,6 +30,7 @@ pub fn compute_frame(
         lattice: prepared.lattice,
         half_width: prepared.half_width,
         region: content.region,
+        feet: prepared.feet,
         cancel: interrupt.flag(),
         progress,
     };

@@ -268,7 +268,7 @@ mod tests {
 
     use super::*;
     use crate::{
-        distance::band::{MeasuredBlock, Settings, measure},
+        distance::band::{Feet, MeasuredBlock, Settings, measure},
         grid::{Lattice, VoxelSize},
     };
 
@@ -279,7 +279,8 @@ mod tests {
             let lattice = Lattice { voxel_size: VoxelSize::new(size).unwrap() };
             let cancel = AtomicBool::new(false);
             let region = case.solid.grown(4.0 * size);
-            let settings = Settings { lattice, half_width: 3.0, region, cancel: &cancel, progress: &|_| {} };
+            let settings =
+                Settings { lattice, half_width: 3.0, region, feet: Feet::Nearest, cancel: &cancel, progress: &|_| {} };
             let measured = measure(&case.field, &settings, || |_: &MeasuredBlock| ()).unwrap();
             let accuracy = compare(&measured.band, case.exact);
             eprintln!("{}: {accuracy:?}", case.name);

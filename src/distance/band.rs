@@ -34,10 +34,23 @@ pub struct Settings<'a> {
     /// Where to look, world units: all blocks with a voxel centre in it. Grow a shape's box by the half width and a
     /// voxel, or the band is cut.
     pub region: Aabb,
+    /// What the distances are to.
+    pub feet: Feet,
     /// Set it to stop: the result is then [`Error::Cancelled`].
     pub cancel: &'a AtomicBool,
     /// Told the share done, from 0 to 1, now and then.
     pub progress: &'a (dyn Fn(f64) + Sync),
+}
+
+/// What a band's distances are to.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Feet {
+    /// To the nearest point of the surface.
+    #[default]
+    Nearest,
+    /// To first order, |F|/|∇F|, in a fraction of the time: for pictures. The sign is right everywhere, and the surface where
+    /// it is smooth; at edges it may be off by a part of a voxel. Nothing is told of features thinner than a voxel.
+    FirstOrder,
 }
 
 /// What to tell the user about a band that was measured.
@@ -217,7 +230,7 @@ where
     V: FnMut(&MeasuredBlock) -> T + Send,
 {
     let scope = settings.scope();
-    let measuring = Measuring::new(field, &scope, settings.cancel);
+    let measuring = Measuring::new(field, &scope, settings.feet, settings.cancel);
     let mut pass = Pass::new(&measuring, visitor, blocks);
     pass.run(chunk, settings.progress)?;
     pass.redo()?;

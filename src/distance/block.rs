@@ -11,7 +11,7 @@ use crate::{
 };
 
 use super::{
-    band::Error,
+    band::{Error, Feet},
     descent::{NODE_EDGE, Scope},
     exchange,
     facing::{Offer, Seed, Side},
@@ -28,10 +28,16 @@ const NODE_EDGES: [i32; 2] = [NODE_EDGE, TASK_EDGE];
 /// See [`NODE_EDGES`].
 pub const TASK_EDGE: i32 = 32;
 
+/// Whether a voxel's distance follows from F there alone.
+pub fn by_itself(slope: Slope, sought: Feet) -> bool {
+    sought == Feet::FirstOrder || matches!(slope, Slope::Exact { inside: true, outside: true })
+}
+
 /// Measures blocks on one thread.
 pub struct Meter<'a> {
     evaluator: Box<dyn Evaluator + 'a>,
     slope: Slope,
+    sought: Feet,
     scope: Scope,
     background: f32,
     region: Aabb,
@@ -43,6 +49,7 @@ pub struct Meter<'a> {
     sides: Sides,
     open: Vec<Approach>,
     at_voxels: Box<Gradients>,
+    at_feet: Box<Gradients>,
     points: Points,
     feet: Box<Points>,
     /// Unsigned.
@@ -55,11 +62,12 @@ pub struct Meter<'a> {
 }
 
 impl<'a> Meter<'a> {
-    pub fn new(field: &'a dyn Field, scope: &Scope) -> Self {
+    pub fn new(field: &'a dyn Field, scope: &Scope, sought: Feet) -> Self {
         let empty = || Points::new(DVec3::ZERO);
         Self {
             evaluator: field.evaluator(),
             slope: field.slope(),
+            sought,
             scope: *scope,
             background: scope.background(),
             region: Aabb::new(DVec3::ZERO, DVec3::ZERO),
@@ -70,6 +78,7 @@ impl<'a> Meter<'a> {
             sides: Sides::new(),
             open: Vec::new(),
             at_voxels: Box::default(),
+            at_feet: Box::default(),
             points: Points::of_block(IVec3::ZERO, &scope.lattice),
             feet: Box::new(empty()),
             distances: Box::new([0.0; BLOCK_VOXELS]),
@@ -135,9 +144,9 @@ impl<'a> Meter<'a> {
         }
     }
 
-    /// Whether values are distances on both sides.
+    /// Whether no voxel's foot is sought.
     fn is_exact(&self) -> bool {
-        matches!(self.slope, Slope::Exact { inside: true, outside: true })
+        by_itself(self.slope, self.sought)
     }
 
     /// Lets the voxels take each other's feet, and signs the distances.
@@ -262,6 +271,9 @@ impl<'a> Meter<'a> {
         out.thin = 0;
         out.thin_at = None;
         out.thin_size = 0.0;
+        if self.sought == Feet::FirstOrder {
+            return;
+        }
         let voxel = self.voxel();
         let beside = lanes::beside_surface(&self.at_voxels.value, &self.distances, voxel);
         if beside == [0; 8] {

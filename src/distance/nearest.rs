@@ -81,6 +81,7 @@ impl<'a> FieldFeet<'a> {
                 lattice,
                 half_width: SEED_BAND,
                 region: region.grown(2.0 * spacing),
+                feet: band::Feet::Nearest,
                 cancel: watch.cancel,
                 progress: watch.progress,
             };

@@ -309,7 +309,7 @@ mod tests {
 
     use super::*;
     use crate::{
-        distance::band::measure,
+        distance::band::{Feet, measure},
         distance::{
             accuracy::exact,
             testing::{Joined, Leaf},
@@ -321,7 +321,7 @@ mod tests {
     fn around<'a>(field: &Joined, cancel: &'a AtomicBool) -> Settings<'a> {
         let lattice = Lattice { voxel_size: VoxelSize::new(1.0).unwrap() };
         let region = field.bounding_box().unwrap().grown(4.0);
-        Settings { lattice, half_width: 3.0, region, cancel, progress: &|_| {} }
+        Settings { lattice, half_width: 3.0, region, feet: Feet::Nearest, cancel, progress: &|_| {} }
     }
 
     /// Two balls and a crumb of three voxels beside them: without the small ones the band is that of the large ball.

@@ -18,6 +18,7 @@ fn measured(scene: &Prepared, frame: i64) -> Result<Band, band::Error> {
         lattice: scene.lattice,
         half_width: scene.half_width,
         region: content.region,
+        feet: band::Feet::Nearest,
         cancel: &AtomicBool::new(false),
         progress: &|_| {},
     };

@@ -7,7 +7,7 @@ use std::collections::VecDeque;
 use std::sync::atomic::AtomicBool;
 use std::sync::{Arc, Mutex, PoisonError};
 
-use crate::distance::band::{self, Settings, measure};
+use crate::distance::band::{self, Feet, Settings, measure};
 use crate::distance::method::{USUAL, named};
 use crate::distance::{Distance, SampledLevelSet};
 use crate::field::{Field, Interval};
@@ -64,7 +64,8 @@ impl LevelSets {
             let field = planned.morph.field(model.shot.range.share(frame as f64));
             let solid = box_of(field.as_ref()).map_err(|error| problem(error.to_string()))?;
             let region = solid.grown((f64::from(half_width) + 2.0) * voxel);
-            let settings = Settings { lattice, half_width, region, cancel: &cancel, progress: &|_| () };
+            let settings =
+                Settings { lattice, half_width, region, feet: Feet::Nearest, cancel: &cancel, progress: &|_| () };
             let measured = measure(field.as_ref(), &settings, || |_: &_| ()).map_err(|error| match error {
                 band::Error::Cancelled => Stop::Cancelled,
                 error => problem(error.to_string()),

@@ -6,6 +6,7 @@ use std::sync::atomic::AtomicBool;
 
 use rayon::prelude::*;
 
+use crate::distance::band::Feet;
 use crate::distance::extent;
 use crate::field::Aabb;
 use crate::grid::{Lattice, VoxelSize};
@@ -210,6 +211,7 @@ fn prepare(model: &Arc<Model>, options: &PrepareOptions<'_>, precision: Precisio
         content,
         base: solids,
         level_sets: None,
+        feet: Feet::Nearest,
         roughly: precision == Precision::Rough && matches!(model.content, Content::Morph(_)),
         cancel: Arc::clone(&options.cancel),
     };

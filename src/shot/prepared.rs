@@ -6,6 +6,7 @@ use std::sync::atomic::AtomicBool;
 use serde::{Deserialize, Serialize};
 
 use crate::attribute::{Colour, Scalar};
+use crate::distance::band::Feet;
 use crate::distance::method::{Method, Request, Rough, USUAL, named};
 use crate::distance::nearest::Watch;
 use crate::distance::octree::Settings;
@@ -57,6 +58,8 @@ pub struct Prepared {
     pub(crate) level_sets: Option<LevelSets>,
     /// Whether what it is made of was measured for estimates only.
     pub(crate) roughly: bool,
+    /// What the distances of frames are to.
+    pub feet: Feet,
     /// Set to stop.
     pub(crate) cancel: Arc<AtomicBool>,
 }

@@ -153,7 +153,7 @@ pub enum SliceOf {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Quality {
     /// In a fraction of a second: soft shadows at every other pixel, edges smoothed where pixels differ, voxels no finer
-    /// than a picture of its size shows
+    /// than a picture of its size shows, distances to first order
     Draft,
     /// All of it at every pixel
     Final,

@@ -15,6 +15,7 @@ use crate::cli::files;
 use crate::cli::job;
 use crate::cli::options::{Global, Sampling, SceneArguments};
 use crate::cli::progress::Progress;
+use crate::distance::band::Feet;
 use crate::field::{Aabb, Field};
 use crate::grid::{Band, Channel, block_origin, is_active, measure, node_origin, voxel_offset};
 use crate::render::{Fill, Up};
@@ -26,6 +27,8 @@ use crate::vdb::{self, MetadataValue, SparseBlocks, Voxels};
 const RESOLUTION: u32 = 128;
 /// The fewest voxels of a small draft.
 const LEAST_RESOLUTION: u32 = 48;
+/// Half the width, in voxels, of the band of a draft where nobody says otherwise: all that interpolation on the surface takes.
+const DRAFT_HALF_WIDTH: f64 = 2.0;
 /// Half the width, in voxels, of the band of a slice where nobody says otherwise: wide enough for lines of equal
 /// distance over most of an inside at [`RESOLUTION`].
 const SLICE_HALF_WIDTH: f64 = 16.0;
@@ -110,8 +113,9 @@ pub fn of_scene(
     let numbers = frames.numbers().to_vec();
     let progress = Progress::new(numbers.len(), global);
     let default = default_resolution(arguments, target, numbers.len());
-    let sampling = sampling(arguments);
-    let prepared = job::prepare(&model, &sampling, default, interrupt, &progress, global)?;
+    let sampling = sampling(arguments, target);
+    let mut prepared = job::prepare(&model, &sampling, default, interrupt, &progress, global)?;
+    prepared.feet = feet(arguments, target);
     let limit = job::limit(&sampling);
     let compute = |place: usize| {
         frame_of(arguments, &prepared, numbers[place], limit, interrupt, &|share| progress.at(place, share))
@@ -144,10 +148,23 @@ pub fn default_resolution(arguments: &Arguments, target: &Target, count: usize) 
     arguments.sampling.voxel_size.is_none().then_some(enough)
 }
 
+/// Whether all that is shown is a draft of the surface.
+fn is_draft(arguments: &Arguments, target: &Target) -> bool {
+    arguments.quality(target) == Quality::Draft && arguments.slice.is_none()
+}
+
+/// What frames are measured to.
+pub fn feet(arguments: &Arguments, target: &Target) -> Feet {
+    if is_draft(arguments, target) { Feet::FirstOrder } else { Feet::Nearest }
+}
+
 /// How finely a scene is sampled for pictures.
-pub fn sampling(arguments: &Arguments) -> Sampling {
-    let of_slice = arguments.slice.map(|_| SLICE_HALF_WIDTH);
-    let half_width = arguments.sampling.half_width.or(of_slice);
+pub fn sampling(arguments: &Arguments, target: &Target) -> Sampling {
+    let own = match arguments.slice {
+        Some(_) => Some(SLICE_HALF_WIDTH),
+        None => is_draft(arguments, target).then_some(DRAFT_HALF_WIDTH),
+    };
+    let half_width = arguments.sampling.half_width.or(own);
     Sampling { half_width, ..arguments.sampling.clone() }
 }
 

@@ -77,7 +77,7 @@ pub fn run(arguments: &Arguments, target: &Target, interrupt: &Interrupt, global
     }
     let all = combinations(&varied);
     let progress = Progress::new(all.len(), global);
-    let sampling = source::sampling(arguments);
+    let sampling = source::sampling(arguments, target);
     let default = source::default_resolution(arguments, target, all.len());
     let limit = job::limit(&sampling);
     let mut prepared: Vec<(Arc<Prepared>, i64)> = Vec::new();
@@ -94,7 +94,8 @@ pub fn run(arguments: &Arguments, target: &Target, interrupt: &Interrupt, global
         if arguments.frames.is_some() && frames.numbers().len() > 1 {
             return Err(Failure::usage("--vary shows one frame of each: name it with --frames"));
         }
-        let ready = job::prepare(&model, &sampling, default, interrupt, &progress, global).map_err(about)?;
+        let mut ready = job::prepare(&model, &sampling, default, interrupt, &progress, global).map_err(about)?;
+        ready.feet = source::feet(arguments, target);
         bounds = Some(bounds.map_or(ready.extent, |bounds| bounds.union(ready.extent)));
         prepared.push((Arc::new(ready), frames.numbers()[0]));
     }

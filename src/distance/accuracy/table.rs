@@ -6,7 +6,7 @@ use std::time::Instant;
 use serde::Serialize;
 
 use super::{Case, compare};
-use crate::distance::band::{self, MeasuredBlock, Settings, measure};
+use crate::distance::band::{self, Feet, MeasuredBlock, Settings, measure};
 use crate::distance::method::METHODS;
 use crate::distance::nearest::Watch;
 use crate::distance::octree::BuildError;
@@ -59,7 +59,8 @@ pub fn table(cases: &[Case], resolutions: &[u32], watch: &Watch<'_>) -> Result<V
             let lattice = Lattice { voxel_size: VoxelSize::new(edge).ok_or(BuildError::Settings)? };
             let region = case.solid.grown((f64::from(HALF_WIDTH) + 1.0) * edge);
             let Watch { cancel, .. } = *watch;
-            let settings = Settings { lattice, half_width: HALF_WIDTH, region, cancel, progress: &|_| {} };
+            let settings =
+                Settings { lattice, half_width: HALF_WIDTH, region, feet: Feet::Nearest, cancel, progress: &|_| {} };
             let start = Instant::now();
             let band: Result<_, band::Error> = measure(&case.field, &settings, || |_: &MeasuredBlock| ());
             let band = band?.band;

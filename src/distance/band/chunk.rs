@@ -6,12 +6,12 @@ use glam::IVec3;
 use rayon::prelude::*;
 
 use super::{
-    Error,
+    Error, Feet,
     pool::{Pool, Taken},
 };
 use crate::{
     distance::{
-        block::{Meter, TASK_EDGE},
+        block::{Meter, TASK_EDGE, by_itself},
         descent::{NODE_EDGE, Scope},
         staged::Staged,
     },
@@ -36,17 +36,19 @@ pub struct Chunk {
 pub struct Measuring<'a> {
     field: &'a dyn Field,
     scope: &'a Scope,
+    feet: Feet,
     cancel: &'a AtomicBool,
     meters: Pool<Meter<'a>>,
 }
 
 impl<'a> Measuring<'a> {
-    pub fn new(field: &'a dyn Field, scope: &'a Scope, cancel: &'a AtomicBool) -> Self {
-        Self { field, scope, cancel, meters: Pool::new() }
+    pub fn new(field: &'a dyn Field, scope: &'a Scope, feet: Feet, cancel: &'a AtomicBool) -> Self {
+        Self { field, scope, feet, cancel, meters: Pool::new() }
     }
 
-    pub fn field(&self) -> &'a dyn Field {
-        self.field
+    /// Whether blocks have nothing to offer to their neighbours: each knows its distances by itself.
+    pub fn by_itself(&self) -> bool {
+        by_itself(self.field.slope(), self.feet)
     }
 
     pub fn scope(&self) -> &'a Scope {
@@ -58,7 +60,7 @@ impl<'a> Measuring<'a> {
     }
 
     pub fn meter(&self) -> Taken<'_, Meter<'a>> {
-        self.meters.take(|| Meter::new(self.field, self.scope))
+        self.meters.take(|| Meter::new(self.field, self.scope, self.feet))
     }
 
     /// Measures blocks, chunk after chunk, into memory that others left.

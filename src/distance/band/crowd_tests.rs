@@ -81,7 +81,8 @@ fn errors(crowd: &Crowd) -> Vec<f64> {
     let cancel = AtomicBool::new(false);
     let lattice = Lattice { voxel_size: VoxelSize::new(1.0).unwrap() };
     let region = field.bounding_box().unwrap().grown(4.0);
-    let settings = Settings { lattice, half_width: 3.0, region, cancel: &cancel, progress: &|_| {} };
+    let settings =
+        Settings { lattice, half_width: 3.0, region, feet: Feet::Nearest, cancel: &cancel, progress: &|_| {} };
     let measured = measure(&field, &settings, || |_: &MeasuredBlock| ()).unwrap();
     let band = &measured.band;
     let mut errors = Vec::new();

@@ -11,10 +11,7 @@ use glam::IVec3;
 use rayon::prelude::*;
 use rustc_hash::FxHashMap;
 
-use crate::{
-    field::Slope,
-    grid::{BLOCK_EDGE, Band, InsideTile, block_order, place_of},
-};
+use crate::grid::{BLOCK_EDGE, Band, InsideTile, block_order, place_of};
 
 use super::{
     Error, Measured, MeasuredBlock, Report, Thin,
@@ -123,8 +120,7 @@ where
     /// Takes the next blocks all the way into the band.
     fn take(&mut self, chunk: &mut Chunk) -> Result<(), Error> {
         let staged = &mut chunk.staged;
-        // Blocks that know their distances by themselves have nothing to offer.
-        if !matches!(self.measuring.field().slope(), Slope::Exact { inside: true, outside: true }) {
+        if !self.measuring.by_itself() {
             let places = staged.iter().enumerate().map(|(place, block)| (block.origin, place)).collect();
             self.improve(staged, &places)?;
             self.keep_borders(staged, &places);

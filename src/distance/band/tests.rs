@@ -14,7 +14,7 @@ use crate::{
         testing::{Joined, Leaf, Saturated},
     },
     field::Points,
-    grid::{VoxelSize, mask},
+    grid::{VoxelSize, block_order, mask},
     node::{Source, load},
     shot::{PrepareOptions, Prepared},
     text::Overrides,
@@ -29,7 +29,8 @@ fn measure_at(field: &dyn Field, size: f64, chunk: usize) -> Measured<Vec<f32>> 
     let lattice = Lattice { voxel_size: VoxelSize::new(size).unwrap() };
     let region = field.bounding_box().unwrap().grown(4.0 * size);
     let cancel = AtomicBool::new(false);
-    let settings = Settings { lattice, half_width: 3.0, region, cancel: &cancel, progress: &|_| {} };
+    let settings =
+        Settings { lattice, half_width: 3.0, region, feet: Feet::Nearest, cancel: &cancel, progress: &|_| {} };
     let visitor = || {
         |block: &MeasuredBlock| {
             check_feet(block, size);
@@ -132,7 +133,8 @@ fn a_ball_smaller_than_a_voxel_is_found_and_reported() {
     let lattice = Lattice { voxel_size: VoxelSize::new(1.0).unwrap() };
     let cancel = AtomicBool::new(false);
     let region = Aabb::new(DVec3::splat(-9.0), DVec3::splat(9.0));
-    let settings = Settings { lattice, half_width: 3.0, region, cancel: &cancel, progress: &|_| {} };
+    let settings =
+        Settings { lattice, half_width: 3.0, region, feet: Feet::Nearest, cancel: &cancel, progress: &|_| {} };
     let measured = measure(&field, &settings, || |_: &MeasuredBlock| ()).unwrap();
     for (origin, distances) in measured.band.origins.iter().zip(&measured.band.distances) {
         let points = Points::of_block(*origin, &lattice);
@@ -172,7 +174,8 @@ fn what_cannot_be_measured_says_why() {
         let cancel = AtomicBool::new(stop);
         let region = Aabb::new(DVec3::splat(-half), DVec3::splat(half));
         let lattice = Lattice { voxel_size: VoxelSize::new(size).unwrap() };
-        let settings = Settings { lattice, half_width: 3.0, region, cancel: &cancel, progress: &|_| {} };
+        let settings =
+            Settings { lattice, half_width: 3.0, region, feet: Feet::Nearest, cancel: &cancel, progress: &|_| {} };
         measure(&field, &settings, || |_: &MeasuredBlock| ()).map(|measured| measured.report)
     };
     assert_eq!(run(0.1, 0.01, false).unwrap_err(), Error::Empty { solid: true });
@@ -208,7 +211,14 @@ fn measuring_a_block_again_brings_no_foot_farther() {
     let cancel = AtomicBool::new(false);
     for frame in [2, 3, 6] {
         let content = prepared.frame(frame).unwrap();
-        let settings = Settings { lattice, half_width, region: content.region, cancel: &cancel, progress: &|_| {} };
+        let settings = Settings {
+            lattice,
+            half_width,
+            region: content.region,
+            feet: Feet::Nearest,
+            cancel: &cancel,
+            progress: &|_| {},
+        };
         let visits = Mutex::new(HashMap::<IVec3, Vec<[f32; BLOCK_VOXELS]>>::new());
         let visitor =
             || |block: &MeasuredBlock| visits.lock().unwrap().entry(block.origin).or_default().push(*block.distances);
@@ -228,7 +238,14 @@ fn a_block_is_independent_of_the_blocks_before() {
     let Prepared { lattice, half_width, .. } = prepared;
     let cancel = AtomicBool::new(false);
     let content = prepared.frame(24).unwrap();
-    let settings = Settings { lattice, half_width, region: content.region, cancel: &cancel, progress: &|_| {} };
+    let settings = Settings {
+        lattice,
+        half_width,
+        region: content.region,
+        feet: Feet::Nearest,
+        cancel: &cancel,
+        progress: &|_| {},
+    };
     let scope = settings.scope();
     let blocks = descent::descend(&*content.field, &scope, &cancel).unwrap().blocks;
     let measure = |meter: &mut Meter, origin: IVec3| {
@@ -237,9 +254,39 @@ fn a_block_is_independent_of_the_blocks_before() {
         meter.measure(origin, &mut block).unwrap();
         (block.distances.map(f32::to_bits), block.normals.map(|normals| normals.map(f32::to_bits)))
     };
-    let mut meter = Meter::new(&*content.field, &scope);
+    let mut meter = Meter::new(&*content.field, &scope, Feet::Nearest);
     let forward: Vec<_> = blocks.iter().map(|origin| measure(&mut meter, *origin)).collect();
     for (origin, known) in blocks.iter().zip(&forward).rev() {
         assert!(measure(&mut meter, *origin) == *known, "{origin}");
+    }
+}
+
+/// To first order a torus by its polynomial is right to d² by its radius, with the same signs and, but at its edge, the same
+/// band.
+#[test]
+fn first_order_is_the_distance_of_what_is_smooth() {
+    let field = Joined::one(Leaf::Torus(0.8, 0.25));
+    let size = 0.02;
+    let lattice = Lattice { voxel_size: VoxelSize::new(size).unwrap() };
+    let region = field.bounding_box().unwrap().grown(4.0 * size);
+    let cancel = AtomicBool::new(false);
+    let of = |feet| {
+        let settings = Settings { lattice, half_width: 3.0, region, feet, cancel: &cancel, progress: &|_| {} };
+        measure(&field, &settings, || |_: &MeasuredBlock| ()).unwrap().band
+    };
+    let (nearest, first) = (of(Feet::Nearest), of(Feet::FirstOrder));
+    for (place, origin) in nearest.origins.iter().enumerate() {
+        let other = first.origins.binary_search_by_key(&block_order(*origin), |origin| block_order(*origin));
+        for i in mask::places(&nearest.active[place]) {
+            let exact = f64::from(nearest.distances[place][i]);
+            let Ok(other) = other else {
+                assert!(exact.abs() > 2.8 * size, "{exact}");
+                continue;
+            };
+            let nearly = f64::from(first.distances[other][i]);
+            assert_eq!(exact >= 0.0, nearly >= 0.0);
+            // The torus curves by its tube's radius, and its polynomial by no more.
+            assert!((exact - nearly).abs() <= exact * exact / 0.25 + 1e-5, "{exact} {nearly}");
+        }
     }
 }

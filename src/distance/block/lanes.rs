@@ -84,6 +84,24 @@ pub fn normals(
     }
 }
 
+/// Voxels that have a neighbour in the block on the other side of the surface.
+#[multiversion(targets = "simd")]
+pub fn beside_other_sign(values: &[f32; BLOCK_VOXELS]) -> BlockMask {
+    let mut inside = [0; BLOCK_VOXELS];
+    for i in 0..BLOCK_VOXELS {
+        inside[i] = u8::from(values[i] >= 0.0);
+    }
+    let inside = mask::pack(&inside);
+    let (by_inside, by_outside) = (mask::dilated(&inside), mask::dilated(&inside.map(|word| !word)));
+    std::array::from_fn(|x| if_inside(inside[x], by_outside[x], by_inside[x]))
+}
+
+/// Whether a voxel lies on one of the block's faces.
+#[inline(always)]
+pub fn is_on_border(i: usize) -> bool {
+    [i >> 6, i >> 3 & 7, i & 7].into_iter().any(|at| at == 0 || at == 7)
+}
+
 /// Distances to the surface below this, in voxels, count as on it: what lies no deeper is not held by its voxel.
 pub const ON_SURFACE: f32 = 0.05;
 

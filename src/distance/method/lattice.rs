@@ -101,7 +101,8 @@ impl<'a> Nodes<'a> {
 /// The band of a field that nodes take their seeds from.
 pub fn seed_band(field: &dyn Field, lattice: Lattice, region: Aabb, watch: &Watch<'_>) -> Result<Band, band::Error> {
     let Watch { cancel, progress } = *watch;
-    let settings = band::Settings { lattice, half_width: SEED_BAND, region, cancel, progress };
+    let settings =
+        band::Settings { lattice, half_width: SEED_BAND, region, feet: band::Feet::Nearest, cancel, progress };
     Ok(band::measure(field, &settings, || |_: &MeasuredBlock| ())?.band)
 }
 

@@ -61,7 +61,14 @@ fn band_of(field: &dyn Field, solid: Aabb, voxel: f64, method: &dyn Method, thre
         let cancel = AtomicBool::new(false);
         let lattice = Lattice { voxel_size: VoxelSize::new(voxel).expect("a size") };
         let region = solid.grown(4.0 * voxel);
-        let settings = band::Settings { lattice, half_width: 3.0, region, cancel: &cancel, progress: &|_| {} };
+        let settings = band::Settings {
+            lattice,
+            half_width: 3.0,
+            region,
+            feet: band::Feet::Nearest,
+            cancel: &cancel,
+            progress: &|_| {},
+        };
         let mut band = band::measure(field, &settings, || |_: &band::MeasuredBlock| ()).expect("a surface").band;
         method.measure_band(field, &mut band, &Watch { cancel: &cancel, progress: &|_| {} }).expect("a band");
         band
