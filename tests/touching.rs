@@ -6,7 +6,7 @@
 use std::sync::atomic::AtomicBool;
 
 use glam::{DAffine3, DVec3, IVec3};
-use hfvdb::distance::band::{Error, MeasuredBlock, Settings, measure};
+use hfvdb::distance::band::{Error, Feet, MeasuredBlock, Settings, measure};
 use hfvdb::field::{Aabb, Expression, Field, Formula, Graph, Names, Node, SetSystem};
 use hfvdb::grid::{BLOCK_VOXELS, Lattice, VoxelSize, is_active};
 use rayon::prelude::*;
@@ -77,7 +77,8 @@ fn fault(field: &Expression, voxel_size: f64, offset: usize) -> Result<usize, St
     let lattice = Lattice { voxel_size: VoxelSize::new(voxel_size).unwrap() };
     let cancel = AtomicBool::new(false);
     let region = Aabb::new(DVec3::splat(-0.9), DVec3::splat(0.9)).grown(4.0 * voxel_size);
-    let settings = Settings { lattice, half_width: 3.0, region, cancel: &cancel, progress: &|_| {} };
+    let settings =
+        Settings { lattice, half_width: 3.0, region, feet: Feet::Nearest, cancel: &cancel, progress: &|_| {} };
     let measured = match measure(field, &settings, || |block: &MeasuredBlock| *block.normals) {
         Ok(measured) => measured,
         Err(Error::Empty { solid: false }) => {
@@ -229,7 +230,8 @@ fn jumps_on_planes_of_voxels_are_surfaces_there() {
             let lattice = Lattice { voxel_size: VoxelSize::new(voxel_size).unwrap() };
             let cancel = AtomicBool::new(false);
             let region = Aabb::new(DVec3::splat(-1.7), DVec3::splat(1.7));
-            let settings = Settings { lattice, half_width: 3.0, region, cancel: &cancel, progress: &|_| {} };
+            let settings =
+                Settings { lattice, half_width: 3.0, region, feet: Feet::Nearest, cancel: &cancel, progress: &|_| {} };
             let band = measure(&Expression::new(&graph, node), &settings, || |_: &MeasuredBlock| ()).unwrap().band;
             let mut looked = 0;
             for (origin, distances) in band.origins.iter().zip(&band.distances) {

@@ -139,7 +139,7 @@ impl<'a> Meter<'a> {
         self.points.origin = Points::middle_of_block(origin, &self.scope.lattice);
         self.evaluator.enter(&self.region);
         self.evaluator.gradients(&self.points, &mut self.at_voxels);
-        if !self.is_exact() {
+        if !by_itself(self.slope, Feet::Nearest) {
             self.sides.settle(&mut *self.evaluator, self.resolution, &self.points, &mut self.at_voxels);
         }
     }

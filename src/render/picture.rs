@@ -73,8 +73,8 @@ impl Quality {
     /// Pixels between points of the ground that look for the lights: a shadow is soft by a share of the picture.
     fn ground_step(self, picture: usize) -> usize {
         let across = match self {
-            Self::Draft => 50,
-            Self::Final => 200,
+            Self::Draft => 100,
+            Self::Final => 300,
         };
         picture.div_ceil(across).max(2)
     }

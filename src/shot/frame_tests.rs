@@ -508,6 +508,23 @@ fn a_morph_moves_as_a_whole() {
     );
 }
 
+/// Balls that grow along a chain: what frames on both sides of a link change is all that was added.
+#[test]
+fn change_of_shape_goes_on_over_the_links_of_a_chain() {
+    let text = "frames = '1-9'\n[output]\nvoxel_size = 0.05\n[shape.a]\nsphere = 0.5\nmove = ['t', 0, 0]\n[shape.b]\n\
+                sphere = 0.8\nmove = ['t', 0, 0]\n[shape.c]\nsphere = 1.1\nmove = ['t', 0, 0]\n[morph]\n\
+                through = ['a', 'b', 'c']\n";
+    let scene = prepared(text);
+    let volume = |radius: f64| 4.0 / 3.0 * std::f64::consts::PI * radius.powi(3);
+    for (before, frame, wanted) in [(1, 5, volume(0.8) - volume(0.5)), (1, 9, volume(1.1) - volume(0.5))] {
+        let change = scene.change_of_shape(before, frame).unwrap();
+        assert!((change / wanted - 1.0).abs() < 0.03, "{change} {wanted}");
+    }
+    let [one, two, both] =
+        [(3, 5), (5, 7), (3, 7)].map(|(before, frame)| scene.change_of_shape(before, frame).unwrap());
+    assert!((one + two - both).abs() < 1e-9 && one > 0.1 && two > 0.1, "{one} {two} {both}");
+}
+
 #[test]
 fn linear_blending_and_the_plain_union() {
     let text = "frames = '1-9'\n[shape.a]\nsphere = 1\ncolor = 'red'\n[shape.b]\nbox = 1.4\ncolor = 'blue'\nmove = [0.6, 0, 0]\n\
@@ -694,4 +711,34 @@ fn depth_is_that_of_the_bent_shape() {
     let frame = scene.frame(1).unwrap();
     assert_eq!(colour(&frame, 1.2, 0.0, 0.0), from_srgb([1.0, 0.0, 0.0]));
     assert_eq!(colour(&frame, 0.3, 0.0, 0.0), from_srgb([0.0, 0.0, 1.0]));
+}
+
+/// A cube's corner, out of what has none: how far the surface is from it shrinks from frame to frame, and no frame does much
+/// more than its share.
+#[test]
+fn corners_come_back_evenly() {
+    const FRAMES: usize = 24;
+    for (from, way) in [("sphere = 1", DVec3::ONE), ("heart = 2.0", DVec3::ONE), ("heart = 2.0", DVec3::NEG_ONE)] {
+        let scene = prepared(&format!(
+            "frames = '1-{FRAMES}'\n[output]\nvoxel_size = 0.03\n[shape.a]\n{from}\n[shape.b]\nbox = 1.6\n[morph]\n\
+             from = 'a'\nto = 'b'\n"
+        ));
+        let gap = |frame: usize| {
+            let content = scene.frame(frame as i64).unwrap();
+            let (mut outside, mut inside) = (1.2, 0.1);
+            for _ in 0..40 {
+                let middle = 0.5 * (outside + inside);
+                let is_inside = content.field.reference(way * middle) >= 0.0;
+                *(if is_inside { &mut inside } else { &mut outside }) = middle;
+            }
+            0.8 - inside
+        };
+        let gaps: Vec<f64> = (1..=FRAMES).map(gap).collect();
+        let (whole, tenth) = (gaps[0], FRAMES / 10);
+        let greatest = gaps.array_windows().map(|[before, after]| before - after).fold(0.0, f64::max);
+        assert!(gaps.is_sorted_by(|before, after| before > after), "{gaps:?}");
+        assert!(whole > 0.2 && gaps[FRAMES - 1].abs() < 1e-3, "{gaps:?}");
+        assert!(gaps[FRAMES - 1 - tenth] < 0.2 * whole, "{gaps:?}");
+        assert!(greatest < 2.3 * whole / (FRAMES - 1) as f64, "{greatest} of {whole}");
+    }
 }

@@ -185,15 +185,20 @@ impl Prepared {
     }
 
     /// The volume that changed from one frame of a morph that moves to another, seen from a frame that moves with it;
-    /// `None` where the scene is none such.
+    /// `None` where the scene is none such. Of frames in several morphs of a chain the sum of what each changes.
     pub fn change_of_shape(&self, before: i64, frame: i64) -> Option<f64> {
-        let Ready::Morph(planned) = &self.content else { return None };
-        let morph = &planned[self.shown(before as f64)].morph;
+        let (Content::Morph(morphs), Ready::Morph(planned)) = (&self.model.content, &self.content) else { return None };
         if self.level_sets.is_some() || !planned.iter().any(|planned| planned.morph.moves()) {
             return None;
         }
-        let times = [before, frame].map(|frame| self.model.shot.range.share(frame as f64).clamp(0.0, 1.0));
-        morph.report(&times).frames.pop().map(|report| report.change)
+        let links = [before, frame].map(|frame| self.shown(frame as f64));
+        let of_link = |link: usize| {
+            let from = if link == links[0] { before } else { morphs[link].over.first };
+            let to = if link == links[1] { frame } else { morphs[link + 1].over.first };
+            let times = [from, to].map(|frame| self.model.shot.range.share(frame as f64).clamp(0.0, 1.0));
+            planned[link].morph.report(&times).frames.pop().map(|report| report.change)
+        };
+        (links[0]..=links[1]).map(of_link).sum()
     }
 
     /// Whether a frame is made without those before it: all but those that OpenVDB makes.

@@ -290,3 +290,47 @@ fn first_order_is_the_distance_of_what_is_smooth() {
         }
     }
 }
+
+/// Of a cone, sharp at its rim and its tip, first order is nearly the distance beside the surface.
+#[test]
+fn first_order_goes_around_edges() {
+    // Voxels lie on the base; stretched it knows no distance.
+    for text in ["cone = 0.6", "cone = 0.6\nscale = [1, 1, 1.01]"] {
+        let text = format!("[shape.a]\n{text}\nheight = 0.6\n");
+        let source = Source::Text { name: "cone".into(), text, folder: ".".into() };
+        let model = Arc::new(load(&source, &Overrides::default()).unwrap());
+        first_order_is_near(
+            &model.prepare(&PrepareOptions { resolution: Some(140), ..PrepareOptions::default() }).unwrap(),
+        );
+    }
+}
+
+fn first_order_is_near(scene: &Prepared) {
+    let content = scene.frame(1).unwrap();
+    let cancel = AtomicBool::new(false);
+    let voxel = scene.lattice.voxel_size.get();
+    let of = |feet| {
+        let settings = Settings {
+            lattice: scene.lattice,
+            half_width: 3.0,
+            region: content.region,
+            feet,
+            cancel: &cancel,
+            progress: &|_| {},
+        };
+        measure(&*content.field, &settings, || |_: &MeasuredBlock| ()).unwrap().band
+    };
+    let (nearest, first) = (of(Feet::Nearest), of(Feet::FirstOrder));
+    for (place, origin) in nearest.origins.iter().enumerate() {
+        let other = first.origins.binary_search_by_key(&block_order(*origin), |origin| block_order(*origin));
+        for i in mask::places(&nearest.active[place]) {
+            let exact = f64::from(nearest.distances[place][i]) / voxel;
+            let Ok(other) = other else {
+                assert!(exact.abs() > 2.0, "{exact}");
+                continue;
+            };
+            let nearly = f64::from(first.distances[other][i]) / voxel;
+            assert!(exact.abs() > 1.0 || (exact - nearly).abs() < 0.2, "{exact} {nearly} at {origin}");
+        }
+    }
+}

@@ -33,6 +33,9 @@ const BESIDE: f32 = 1.75;
 const STEPS: usize = 4;
 /// The step, in voxels, after which there is none.
 const SETTLED: f32 = 0.05;
+/// How far, in voxels, a foot may lie aside of the normal through its voxel, before it is sought as that of a frame is: it does
+/// so at edges.
+const ASIDE: f32 = 0.2;
 
 /// The edge in voxels of the least cube whose near feet are sought together.
 const LEAST_CUBE: usize = 2;
@@ -40,14 +43,14 @@ const LEAST_CUBE: usize = 2;
 impl Meter<'_> {
     /// Each voxel's own foot.
     pub(super) fn find_feet(&mut self) {
-        if self.sought == Feet::FirstOrder {
-            self.first_order();
-            return;
-        }
         let (outside, inside) = match self.slope {
             Slope::Exact { outside, inside } => (outside, inside),
             _ => (false, false),
         };
+        if self.sought == Feet::FirstOrder {
+            self.first_order(outside, inside);
+            return;
+        }
         let few_branches = self.evaluator.branches() <= FEW;
         if !outside && !inside && few_branches {
             let request = self.request();
@@ -80,14 +83,19 @@ impl Meter<'_> {
 
     /// The feet by one step of Newton's method, with distances to them (G. Taubin, Distance approximations for rasterizing
     /// implicit curves, 1994, eq. 5). Beside the surface, where pictures interpolate, more steps settle what F curves within a
-    /// voxel, as it does near the ends of a morph: the distance is that to the tangent plane there.
-    fn first_order(&mut self) {
+    /// voxel, as it does near the ends of a morph: the distance is that to the tangent plane there. At edges feet are polished.
+    fn first_order(&mut self, outside: bool, inside: bool) {
         let most = BESIDE * self.voxel();
         let crossed = lanes::beside_other_sign(&self.at_voxels.value);
         self.changed.fill(false);
         for i in 0..BLOCK_VOXELS {
-            let point = self.points.offset(i);
-            let Some((step, distance)) = newton(self.at_voxels.value[i], self.at_voxels.gradient(i)) else {
+            let (point, value, gradient) = (self.points.offset(i), self.at_voxels.value[i], self.at_voxels.gradient(i));
+            if value == 0.0 || if value < 0.0 { outside } else { inside } {
+                self.distances[i] = value.abs();
+                self.set_foot(i, point - gradient.normalize_or_zero() * value);
+                continue;
+            }
+            let Some((step, distance)) = newton(value, gradient) else {
                 // Without a slope nothing is known: as far as the band reaches.
                 self.distances[i] = f32::INFINITY;
                 self.set_foot(i, point);
@@ -104,16 +112,26 @@ impl Meter<'_> {
                 self.set_foot(i, point + if is_crossed { step.clamp_length_max(most) } else { step });
             }
         }
+        let mut aside = [false; BLOCK_VOXELS];
         for _ in 0..STEPS {
-            if !self.step_on(2.0 * most) {
+            if !self.step_on(2.0 * most, &mut aside) {
                 break;
             }
         }
+        for i in 0..BLOCK_VOXELS {
+            self.changed[i] |= aside[i];
+            // What is polished may come out farther.
+            if self.changed[i] {
+                self.distances[i] = 1.05 * (self.points.offset(i) - self.feet.offset(i)).length();
+            }
+        }
+        self.polish_changed();
     }
 
-    /// One more step of those feet that are `changed`; none is farther than `most`. Whether there were any.
-    fn step_on(&mut self, most: f32) -> bool {
-        let settled = SETTLED * self.voxel();
+    /// One more step of those feet that are `changed`; none is farther than `most`. Those left so have not come to the surface,
+    /// and those `aside` lie not straight below their voxel. Whether there were any.
+    fn step_on(&mut self, most: f32, aside: &mut [bool; BLOCK_VOXELS]) -> bool {
+        let (settled, beside) = (SETTLED * self.voxel(), ASIDE * self.voxel());
         (self.some_queries.origin, self.some_queries.len) = (self.points.origin, 0);
         for i in (0..BLOCK_VOXELS).filter(|&i| self.changed[i]) {
             self.some_queries.push(self.feet.offset(i));
@@ -136,7 +154,9 @@ impl Meter<'_> {
             };
             let point = self.points.offset(i);
             let foot = point + (self.feet.offset(i) + step - point).clamp_length_max(most);
-            self.distances[i] = (point - foot).dot(gradient.normalize()).abs();
+            let normal = gradient.normalize();
+            self.distances[i] = (point - foot).dot(normal).abs();
+            aside[i] = (point - foot).cross(normal).length() > beside;
             self.set_foot(i, foot);
             self.changed[i] = length > settled;
         }
