@@ -61,7 +61,7 @@ impl Model {
     /// SHA-256 of all in the scene that decides how a morph is planned: neither what is done with its frames nor, unless
     /// places wait, which may be by a colour, any colour.
     pub(crate) fn plan_hash(&self, morph: &Morph) -> Result<[u8; 32], (FileReference, std::io::Error)> {
-        const AFTERWARDS: [&str; 14] = [
+        const AFTERWARDS: [&str; 16] = [
             "alpha",
             "beta",
             "color_space",
@@ -70,6 +70,8 @@ impl Model {
             "colour_over",
             "octopus",
             "master",
+            "master_color",
+            "master_colour",
             "overlap",
             "cut",
             "fill",

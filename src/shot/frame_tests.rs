@@ -497,7 +497,7 @@ fn a_morph_moves_as_a_whole() {
     }
     let movement = moving.movement(1).ok().expect("a scene that moves has one");
     assert!(!movement.around.is_empty());
-    refused(&format!("{text}scale = '1 - 2*t'\n"), "`morph.scale`");
+    refused(&format!("{text}scale = '1 + t'\n"), "`morph.scale` changes over time");
     let problem = "the morph is moved over time";
     refused(
         &format!(

@@ -109,6 +109,11 @@ pub(crate) fn pair(
 ) -> Result<Pair, Stop> {
     let from = side(model, solids, variation, morph, morph.from, find)?;
     let to = side(model, solids, variation, morph, morph.to, find)?;
+    let scale = &morph.placement.scale[0];
+    if model.varies(scale) {
+        let problem = "`morph.scale` changes over time, and a morph is moved and turned only";
+        return Err(Problem::new(scale.span, problem).help("let both shapes grow, by a `scale` of their own").into());
+    }
     if morph.mode.spec.by_level_sets {
         stand_still(model, morph, [&from, &to])?;
     }

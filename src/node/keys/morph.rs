@@ -45,7 +45,7 @@ pub const MORPH: &[Key] = &[
         "For `carry = \"anchors\"`, which may be left out then (`\"none\"` leaves them aside): places of the first shape and what they become on the last, `[[[0, 0, 1], [3, 0, 2]], …]`, in the world, each as its shape stands at the first and at the last frame of `over`, and in or on it; with `through` lists with a place of each of its shapes. One moves; two turn besides, the least turn there is; three or more that are not on one line turn and move as fits them best. Sizes do not change.",
     )
     .unit("units"),
-    Key::new("scale", Kind::Number, Number(1.0), "How many times as large the whole morph is made, about the origin. One that changes over time makes both shapes grow, which is a change of shape.")
+    Key::new("scale", Kind::Number, Number(1.0), "How many times as large the whole morph is made, about the origin; it stands still. What grows over time changes its shape: by a `scale` of both shapes.")
         .limit(Limit::Positive),
     Key::new(
         "rotate",
@@ -109,8 +109,9 @@ pub const MORPH: &[Key] = &[
         "master_color",
         Kind::Colour,
         Nothing,
-        "In place of `master`: a colour of its own where none of `pairs` is. Numbers are those of the nearest pair there.",
-    ),
+        "In place of `master`: a colour of its own where none of `pairs` is, for insides: on surfaces it shows as a master does. Numbers are those of the nearest pair there.",
+    )
+    .also(&["master_colour"]),
     Key::new(
         "over",
         Kind::Frames,
