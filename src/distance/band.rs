@@ -43,10 +43,9 @@ pub struct Settings<'a> {
 }
 
 /// What a band's distances are to.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Feet {
     /// To the nearest point of the surface.
-    #[default]
     Nearest,
     /// To first order, |F|/|∇F|, in a fraction of the time: for pictures. The sign is right everywhere, and the surface where
     /// it is smooth; at edges it may be off by a part of a voxel. Nothing is told of features thinner than a voxel.

@@ -144,8 +144,8 @@ impl<'a> Meter<'a> {
         }
     }
 
-    /// Whether no voxel's foot is sought.
-    fn is_exact(&self) -> bool {
+    /// Whether its neighbours have nothing to offer to a block.
+    fn is_by_itself(&self) -> bool {
         by_itself(self.slope, self.sought)
     }
 

@@ -129,13 +129,6 @@ pub struct Placement {
     pub translate: [Number; 3],
 }
 
-impl Placement {
-    /// All of its numbers.
-    pub fn numbers(&self) -> impl Iterator<Item = &Number> {
-        [&self.scale, &self.rotate, &self.translate].into_iter().flatten()
-    }
-}
-
 impl Shape {
     /// What makes it, or, from 1 on, is done to it.
     pub(crate) fn step(&self, step: usize) -> (&'static Spec, &Arguments) {

@@ -1,7 +1,7 @@
 //! What of a scene changes over the shot, and what does not.
 
 use crate::node::argument::{Arguments, ScalarName};
-use crate::node::model::{Model, ShapeId};
+use crate::node::model::{Model, Placement, ShapeId};
 use crate::text::number::formula::Formula;
 use crate::text::number::{Number, NumberValue};
 use crate::text::sequence::FileSequence;
@@ -39,7 +39,7 @@ impl Variation {
                 variation.modifiers[id.0].push(alone);
             }
             variation.steps[id.0] = steps;
-            variation.placed[id.0] = varies || placement_varies(model, id);
+            variation.placed[id.0] = varies || model.placement_varies(&model.shape(id).placement);
             variation.painted[id.0] = variation.paint_varies(model, id);
         }
         variation
@@ -113,11 +113,13 @@ impl Variation {
     }
 }
 
-fn placement_varies(model: &Model, id: ShapeId) -> bool {
-    model.shape(id).placement.numbers().any(|number| model.varies(number))
-}
-
 impl Model {
+    /// Whether what a placement is of moves over the shot.
+    pub fn placement_varies(&self, placement: &Placement) -> bool {
+        let Placement { scale, rotate, translate } = placement;
+        [scale, rotate, translate].into_iter().flatten().any(|number| self.varies(number))
+    }
+
     /// The shapes that a shape is made from, directly.
     pub fn needs(&self, id: ShapeId) -> Vec<ShapeId> {
         let shape = self.shape(id);

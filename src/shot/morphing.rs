@@ -146,7 +146,7 @@ pub(crate) fn pair(
 
 /// OpenVDB's morph knows one target, and one place to start from.
 fn stand_still(model: &Model, morph: &Morph, objects: [&Object; 2]) -> Result<(), Problem> {
-    if morph.placement.numbers().any(|number| model.varies(number)) {
+    if model.placement_varies(&morph.placement) {
         let problem = "the morph is moved over time, which `mode = \"openvdb\"` does not do";
         return Err(Problem::new(morph.span, problem).help("leave its motion out, or use another `mode`"));
     }
@@ -216,7 +216,7 @@ fn scale_is_uniform(model: &Model, shape: &Shape) -> Result<bool, Problem> {
 fn motion(model: &Arc<Model>, shape: &Shape, scaled: bool, morph: &Morph, moves: bool) -> Result<Motion, Problem> {
     let own = (shape.placement.clone(), shape.span, format!("`{}`", shape.name));
     let whole = (morph.placement.clone(), morph.span, "the morph".to_owned());
-    let moves = moves || morph.placement.numbers().any(|number| model.varies(number));
+    let moves = moves || model.placement_varies(&morph.placement);
     let placement = move |moment: &Moment| -> Result<Similarity, Problem> {
         Ok(stands(&own, scaled, moment)?.moved(&stands(&whole, true, moment)?))
     };

@@ -234,7 +234,7 @@ impl Meter<'_> {
 
     /// Nearer feet of neighbours, until there are none.
     pub(super) fn exchange(&mut self) {
-        if self.is_exact() {
+        if self.is_by_itself() {
             return;
         }
         // Each round settles what the one before brought in; a foot hardly ever travels on after the second.

@@ -91,9 +91,7 @@ pub fn beside_other_sign(values: &[f32; BLOCK_VOXELS]) -> BlockMask {
     for i in 0..BLOCK_VOXELS {
         inside[i] = u8::from(values[i] >= 0.0);
     }
-    let inside = mask::pack(&inside);
-    let (by_inside, by_outside) = (mask::dilated(&inside), mask::dilated(&inside.map(|word| !word)));
-    std::array::from_fn(|x| if_inside(inside[x], by_outside[x], by_inside[x]))
+    beside_others(&mask::pack(&inside))
 }
 
 /// Whether a voxel lies on one of the block's faces.
@@ -121,9 +119,15 @@ pub fn beside_surface(values: &[f32; BLOCK_VOXELS], distances: &[f32; BLOCK_VOXE
     for i in 0..BLOCK_VOXELS {
         inside[i] = u8::from((values[i] >= 0.0) & (distances[i] >= ON_SURFACE * voxel));
     }
-    let inside = mask::pack(&inside);
-    let (by_inside, by_outside) = (mask::dilated(&inside), mask::dilated(&inside.map(|word| !word)));
-    std::array::from_fn(|x| near[x] & !(if_inside(inside[x], by_outside[x], by_inside[x])))
+    let crossed = beside_others(&mask::pack(&inside));
+    std::array::from_fn(|x| near[x] & !crossed[x])
+}
+
+/// The voxels that have one of the other kind for a neighbour in the block.
+#[inline(always)]
+fn beside_others(mask: &BlockMask) -> BlockMask {
+    let (by_set, by_clear) = (mask::dilated(mask), mask::dilated(&mask.map(|word| !word)));
+    std::array::from_fn(|x| if_inside(mask[x], by_clear[x], by_set[x]))
 }
 
 /// Bit by bit, `yes` where `mask` is set and `no` elsewhere.

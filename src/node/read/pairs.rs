@@ -46,7 +46,7 @@ impl<'r, 'a> Building<'r, 'a> {
         let value = fields.value("pairs")?;
         let overlap = if fields.choice("overlap") == Some("mix") { Overlap::Mix } else { Overlap::Priority };
         let master = fields.value("master");
-        let colour = fields.value("master_color").map(|value| self.solid("morph.master_color", value));
+        let colour = fields.value("master_color").and_then(|value| self.solid("morph.master_color", value));
         let chain = chain?;
         let wholes = self.wholes(fields, chain)?;
         if value.text() == Some("auto") {
@@ -58,20 +58,19 @@ impl<'r, 'a> Building<'r, 'a> {
             let of_link = |two: &[Whole<'_>; 2]| Correspondence {
                 pairs: Pairs::Nearest(two.each_ref().map(|whole| whole.parts.to_vec())),
                 overlap,
-                master: colour.flatten().map(Master::Colour),
+                master: colour.map(Master::Colour),
             };
             return Some(wholes.array_windows().map(of_link).collect());
         }
         let rows = self.rows(value, &wholes)?;
-        let master = match (master, colour) {
-            (Some(_), Some(_)) => {
-                let span = fields.entry("master_color").map_or(fields.span, |entry| entry.key_span);
-                let problem = "`master` and `master_color` both say what holds where none of `pairs` is";
-                self.reader.say(Diagnostic::error(span, problem).help("leave one of them out"));
-                return None;
-            }
-            (Some(value), None) => Some(Master::Pair(self.master(value, &rows)?)),
-            (None, colour) => colour.flatten().map(Master::Colour),
+        if let (Some(_), Some(entry)) = (master, fields.entry("master_color")) {
+            let problem = "`master` and `master_color` both say what holds where none of `pairs` is";
+            self.reader.say(Diagnostic::error(entry.key_span, problem).help("leave one of them out"));
+            return None;
+        }
+        let master = match master {
+            Some(value) => Some(Master::Pair(self.master(value, &rows)?)),
+            None => colour.map(Master::Colour),
         };
         let of_link = |link| Correspondence {
             pairs: Pairs::Named(rows.iter().map(|row| [row[link], row[link + 1]]).collect()),
