@@ -119,7 +119,7 @@ fn main() {
     let body = Arc::new(body);
     let (spread, feature) = timed(|| Feature::new(&body, source, &Method::Sight, &cancel).expect("it spreads"));
     let (front, dense) = timed(|| Wavefront::new(along as usize, SOURCE as f32 * along as f32));
-    let interior = Interior { body, goals: vec![Goal::Feature(Arc::new(feature))] };
+    let interior = Interior::new(body, vec![Goal::Feature(Arc::new(feature))]);
     let batches = QUERIES / BATCH;
     let exact = |place: Vec3| (place.length() - SOURCE as f32).max(0.0) * along as f32;
     let (asked, error) = timed(|| {

@@ -1,4 +1,5 @@
-//! `hfvdb accuracy`: how right the methods are that measure distances, on shapes whose distance is known exactly.
+//! `hfvdb accuracy`: how right the methods are that measure distances, on shapes whose distance is known exactly, through the
+//! air and along their inside.
 
 use std::sync::atomic::AtomicBool;
 
@@ -6,6 +7,7 @@ use clap::Args;
 
 use super::failure::Failure;
 use super::options::Global;
+use crate::attribute::conformal::accuracy;
 use crate::distance::accuracy::all_cases;
 use crate::distance::accuracy::table::{markdown, table};
 use crate::distance::nearest::Watch;
@@ -16,6 +18,9 @@ use crate::distance::nearest::Watch;
 Columns, one number a resolution each: mean and greatest error of the distance in voxels, mean of | |∇d| − 1 |, the order of
 convergence that fits the mean errors, voxels on the wrong side, seconds (of the first method the whole band, of the
 others what comes on top of that).
+
+A second table judges `interior` and `conformal`, at as many cells of their lattice (16 to 256): errors of the way along the
+inside in cells, and of a weight.
 
 Examples:
   hfvdb accuracy                          at 32, 64 and 128 voxels along the longest side
@@ -28,6 +33,9 @@ pub struct Arguments {
     resolution: Vec<u32>,
 }
 
+/// The lattices that insides are judged on: no coarser ones are taken, and finer ones do not hold all of the bodies.
+const CELLS: std::ops::RangeInclusive<u32> = 16..=256;
+
 /// Runs the command.
 pub fn run(arguments: &Arguments, global: &Global) -> Result<(), Failure> {
     let mut resolutions = arguments.resolution.clone();
@@ -36,8 +44,10 @@ pub fn run(arguments: &Arguments, global: &Global) -> Result<(), Failure> {
     let cancel = AtomicBool::new(false);
     let rows = table(&all_cases(), &resolutions, &Watch { cancel: &cancel, progress: &|_| {} })
         .map_err(|error| Failure::work(error.to_string()))?;
+    let cells: Vec<u32> = resolutions.into_iter().filter(|cells| CELLS.contains(cells)).collect();
+    let inside = accuracy::table(&cells, &cancel).map_err(|error| Failure::work(error.to_string()))?;
     if global.json {
-        return super::print_json(&serde_json::json!({ "accuracy": rows }));
+        return super::print_json(&serde_json::json!({ "accuracy": rows, "inside": inside }));
     }
-    super::print(&markdown(&rows, true))
+    super::print(&format!("{}\n{}", markdown(&rows, true), accuracy::markdown(&inside, true)))
 }

@@ -26,7 +26,7 @@ pub(crate) const LATTICE: Key = Key::new(
     Kind::Whole,
     Number(96.0),
     "Cells along the longest side of the shape, of a lattice of its own on which ways are sought: the same whatever the \
-     voxels are. A way is too long by a fraction of a cell for each corner that it goes around; arms that are both thinner \
+     voxels are. A way is right to a few hundredths of a cell for each corner that it goes around; arms that are both thinner \
      and nearer to each other than a cell may be taken for one. Walls between rooms are seen down to a twenty-fifth of a \
      cell; of thinner ones a warning tells.",
 )
@@ -52,6 +52,20 @@ pub(crate) const SPEED: Key = Key::new(
 )
 .limit(Limit::Positive)
 .unit("units/s");
+
+/// What holds outside.
+pub(crate) const OUTSIDE: Key = Key::new(
+    "outside",
+    Kind::Choice(&["nearest", "smooth"]),
+    Text("nearest"),
+    "What holds outside of the shape: what the nearest place of its surface has, which jumps where two places are as near, \
+     or the same averaged there, for morphs, which look far outside. The surface and the inside are the same.",
+);
+
+/// Whether nothing is to jump outside.
+pub(crate) fn is_smooth_outside<const N: usize>(source: &dyn Sourcing<N>) -> bool {
+    source.arguments().choice("outside") == Some(&"smooth")
+}
 
 /// `speed` goes with one of the methods.
 pub(crate) fn speed_is_used(fields: &Fields<'_, '_>, _has_cells: bool) -> Option<Diagnostic> {
@@ -135,5 +149,6 @@ pub(crate) fn conformal<const N: usize, M: Mix<N> + 'static>(
     let plain = |paint: &Paint<N>| paint.solid.unwrap_or_else(|| source.absent());
     let mixes = paints.array_windows().map(|[one, two]| mix(plain(one), plain(two))).collect();
     let members: Vec<Member<N>> = features.into_iter().zip(paints.into_iter().map(|paint| paint.attribute)).collect();
-    Ok(Paint::of(Conformal { body, members, zones, mixes }))
+    let conformal = Conformal::new(body, members, zones, mixes);
+    Ok(if is_smooth_outside(source) { Paint::of(conformal.smooth()) } else { Paint::of(conformal) })
 }

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use super::feature::Feature;
 use super::lookup::Lookup;
 use super::nodes::Body;
+use super::outside::Outside;
 use super::weights::{Zones, nearest};
 use crate::attribute::{Attribute, Mix, Sampler};
 use crate::field::{Aabb, BATCH, Evaluator, Interval, Points};
@@ -22,6 +23,33 @@ pub struct Conformal<const N: usize, M> {
     pub zones: Zones,
     /// How all before each feature but the first are mixed with it: one fewer than members.
     pub mixes: Vec<M>,
+    outside: Option<Outside>,
+}
+
+impl<const N: usize, M> Conformal<N, M> {
+    /// With one fewer mix than there are members. Outside of the body weights are those of the nearest place of its surface.
+    pub fn new(body: Arc<Body>, members: Vec<Member<N>>, zones: Zones, mixes: Vec<M>) -> Self {
+        Self { body, members, zones, mixes, outside: None }
+    }
+
+    /// The same with weights that do not jump outside of the body.
+    pub fn smooth(mut self) -> Self {
+        let (body, count) = (&self.body, self.zones.count());
+        let sampler = || {
+            let mut distances = Distances::new(body, self.members.iter().map(|(feature, _)| feature.as_ref()));
+            let mut weights = vec![0.0; count];
+            let zones = &self.zones;
+            move |points: &Points, out: &mut [f32]| {
+                distances.find(points);
+                for (i, out) in out.chunks_exact_mut(count).enumerate() {
+                    zones.weigh(distances.of(i), &mut weights);
+                    out.iter_mut().zip(&weights).for_each(|(out, weight)| *out = *weight as f32);
+                }
+            }
+        };
+        self.outside = Some(Outside::new(body, count, sampler));
+        self
+    }
 }
 
 /// The number of the nearest feature, from 0.
@@ -73,6 +101,7 @@ impl<const N: usize, M: Mix<N>> Attribute<N> for Conformal<N, M> {
             distances: Distances::new(&self.body, self.members.iter().map(|(feature, _)| feature.as_ref())),
             samplers: self.members.iter().map(|(_, attribute)| attribute.sampler()).collect(),
             of_point: vec![0.0; count],
+            mixed: vec![0.0; count],
             weights: vec![[0.0; BATCH]; count],
             sums: [0.0; BATCH],
             shares: [0.0; BATCH],
@@ -86,6 +115,7 @@ struct ConformalSampler<'a, const N: usize, M> {
     distances: Distances<'a>,
     samplers: Vec<Box<dyn Sampler<N> + 'a>>,
     of_point: Vec<f64>,
+    mixed: Vec<f32>,
     weights: Vec<[f32; BATCH]>,
     sums: [f32; BATCH],
     shares: [f32; BATCH],
@@ -97,8 +127,13 @@ impl<const N: usize, M: Mix<N>> ConformalSampler<'_, N, M> {
         self.distances.find(points);
         for i in 0..points.len {
             self.conformal.zones.weigh(self.distances.of(i), &mut self.of_point);
-            for (weights, weight) in self.weights.iter_mut().zip(&self.of_point) {
-                weights[i] = *weight as f32;
+            self.mixed.iter_mut().zip(&self.of_point).for_each(|(mixed, weight)| *mixed = *weight as f32);
+            let away = self.distances.lookup.away(i);
+            if let Some(outside) = self.conformal.outside.as_ref().filter(|_| away > 0.0) {
+                outside.mix(points.position(i), away, &mut self.mixed);
+            }
+            for (weights, weight) in self.weights.iter_mut().zip(&self.mixed) {
+                weights[i] = *weight;
             }
         }
     }
@@ -119,7 +154,9 @@ impl<const N: usize, M: Mix<N>> Sampler<N> for ConformalSampler<'_, N, M> {
             if k > 0 && weights.iter().all(|weight| *weight == 0.0) {
                 continue;
             }
-            sampler.sample(self.distances.lookup.points(), &mut self.values);
+            // Places that jump are none for what is not to jump.
+            let at = if self.conformal.outside.is_some() { points } else { self.distances.lookup.points() };
+            sampler.sample(at, &mut self.values);
             if k == 0 {
                 out[..len].copy_from_slice(&self.values[..len]);
                 self.sums[..len].copy_from_slice(weights);
@@ -135,12 +172,12 @@ impl<const N: usize, M: Mix<N>> Sampler<N> for ConformalSampler<'_, N, M> {
     }
 
     /// Straight mixes lie between the features' values.
-    fn bounds(&mut self, _region: &Aabb) -> [Interval; N] {
+    fn bounds(&mut self, region: &Aabb) -> [Interval; N] {
         if !self.conformal.mixes.iter().all(Mix::is_straight) {
             return [Interval::ALL; N];
         }
         // Points outside of the body are looked up at its surface, anywhere.
-        let anywhere = self.conformal.body.aabb();
+        let anywhere = self.conformal.body.aabb().union(*region);
         let all = self.samplers.iter_mut().map(|sampler| sampler.bounds(&anywhere));
         let both = |a: [Interval; N], b: [Interval; N]| std::array::from_fn(|i| a[i].union(b[i]));
         all.reduce(both).unwrap_or([Interval::ALL; N])

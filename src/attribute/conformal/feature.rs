@@ -1,5 +1,6 @@
 //! What is known of one feature at a body's nodes.
 
+use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
@@ -10,10 +11,13 @@ use super::eikonal::{self, Solved};
 use super::nodes::{Body, NONE};
 use super::sight::Sight;
 use super::spread::{Compass, Piece, Spread, at_nodes};
+use super::taut::{Bend, tighten};
 use crate::field::Field;
 
 /// The root of a node whose way is straight to the feature.
 pub(super) const FEATURE: u32 = NONE - 1;
+/// The root of a node where the eikonal equation was solved.
+const SOLVED: u32 = NONE - 2;
 
 /// How the length of ways is found.
 #[derive(Clone)]
@@ -38,7 +42,8 @@ impl Method {
         match self {
             Self::Eikonal { speed: None } => CELLS.max(OF_BODY * body.along()),
             // Straight ways are quickest only where the speed hardly changes.
-            Self::Eikonal { speed: Some(_) } | Self::Sight => CELLS,
+            Self::Eikonal { speed: Some(_) } => CELLS,
+            Self::Sight => f32::INFINITY,
         }
     }
 }
@@ -49,8 +54,9 @@ pub struct Feature {
     field: Arc<dyn Field>,
     /// Of each node, in cells; with a speed times a second a unit.
     values: Vec<f32>,
-    /// The next bend of each node's way: a node, or [`FEATURE`]; itself where the eikonal equation was solved.
+    /// The next bend of each node's way: its number, [`FEATURE`], or [`SOLVED`].
     roots: Vec<u32>,
+    bends: Vec<Bend>,
     /// Of the eikonal equation.
     solved: Option<Solved>,
     /// Whether all of the feature is outside of the body: its ways go straight through the air to the surface first.
@@ -69,30 +75,46 @@ impl Feature {
             Method::Eikonal { speed: Some(speed) } => slowness(body, speed.as_ref())?,
             Method::Eikonal { speed: None } | Method::Sight => Vec::new(),
         };
-        let (values, roots, slopes, is_outside, apart) = {
-            let mut spread = Spread::new(body, field.as_ref(), &slowness)?;
-            spread.seed(method.seeded(body));
-            let is_outside = spread.is_empty();
-            if is_outside {
-                spread.seed_through_air();
-            }
-            let slopes = match method {
-                Method::Sight => None,
-                Method::Eikonal { .. } => Some(eikonal::march(&mut spread, cancel)?),
-            };
-            spread.run(cancel)?;
-            let apart = spread.bridge();
-            let (values, roots): (Vec<f32>, Vec<u32>) =
-                spread.nodes.iter().map(|known| (known.value, known.root)).unzip();
-            (values, roots, slopes, is_outside, apart)
+        let mut spread = Spread::new(body, field.as_ref(), &slowness)?;
+        let is_outside = !spread.seed(method.seeded(body));
+        match method {
+            _ if is_outside => spread.seed_through_air(),
+            Method::Sight => spread.settle_seen(),
+            Method::Eikonal { .. } => spread.queue_seen(),
+        }
+        let slopes = match method {
+            Method::Sight => None,
+            Method::Eikonal { .. } => Some(eikonal::march(&mut spread, cancel)?),
         };
+        spread.run(cancel)?;
+        let taut = if slopes.is_none() { tighten(&mut spread, cancel)? } else { BTreeMap::new() };
+        let apart = spread.bridge();
+        let (values, mut roots): (Vec<f32>, Vec<u32>) =
+            spread.nodes.iter().map(|known| (known.value, known.root)).unzip();
+        drop(spread);
+        if slopes.is_some() {
+            (0u32..).zip(&mut roots).filter(|(node, root)| node == *root).for_each(|(_, root)| *root = SOLVED);
+        }
+        let mut bends = Vec::new();
+        let mut numbers = BTreeMap::new();
+        for root in roots.iter_mut().filter(|root| **root < SOLVED) {
+            let node = *root;
+            *root = *numbers.entry(node).or_insert_with(|| {
+                let at_node = || Bend { place: body.place(node), value: values[node as usize] };
+                bends.push(taut.get(&node).copied().unwrap_or_else(at_node));
+                bends.len() as u32 - 1
+            });
+        }
         let solved = slopes.map(|slopes| Solved { slowness, slopes });
-        Ok(Self { field, values, roots, solved, is_outside, apart })
+        Ok(Self { field, values, roots, bends, solved, is_outside, apart })
     }
 
     /// The memory that it holds, bytes.
     pub fn bytes(&self) -> usize {
-        size_of_val(&self.values[..]) + size_of_val(&self.roots[..]) + self.solved.as_ref().map_or(0, Solved::bytes)
+        size_of_val(&self.values[..])
+            + size_of_val(&self.roots[..])
+            + size_of_val(&self.bends[..])
+            + self.solved.as_ref().map_or(0, Solved::bytes)
     }
 
     /// The distance to the feature, positive inside, units.
@@ -115,22 +137,34 @@ impl Feature {
     /// The value at a place that is `reach` from the feature, by the root of a node.
     #[inline(always)]
     pub(super) fn through(&self, body: &Body, node: u32, place: Vec3, reach: f32) -> f32 {
-        let root = self.roots[node as usize];
-        match &self.solved {
-            Some(solved) if root == node => {
-                let onward = solved.slope(node).dot(place - body.place(node));
-                (self.value(node) + onward).max(0.0)
-            }
+        match self.roots[node as usize] {
             // Through the air lengths count, not times.
-            _ if root == FEATURE => {
-                if self.is_outside {
-                    reach
-                } else {
-                    reach * self.of_cell(node)
-                }
+            FEATURE if self.is_outside => reach,
+            FEATURE => reach * self.of_cell(node),
+            SOLVED => {
+                let slope = self.solved.as_ref().map_or(Vec3::ZERO, |solved| solved.slope(node));
+                (self.value(node) + slope.dot(place - body.place(node))).max(0.0)
             }
-            _ => self.value(root) + place.distance(body.place(root)) * self.of_cell(node),
+            root => {
+                let Bend { place: bend, value } = self.bends[root as usize];
+                value + place.distance(bend) * self.of_cell(node)
+            }
         }
+    }
+
+    /// The next bend of the ways of some nodes, [`FEATURE`] for none, where it is the same for all and the way there is
+    /// straight.
+    #[inline(always)]
+    pub(super) fn shared(&self, mut nodes: impl Iterator<Item = u32>) -> Option<u32> {
+        let root = nodes.next().map(|node| self.roots[node as usize])?;
+        let is_straight = root != SOLVED && self.solved.is_none();
+        (is_straight && nodes.all(|node| self.roots[node as usize] == root)).then_some(root)
+    }
+
+    /// The value at a place that is `reach` from the feature and sees a bend that several nodes share.
+    #[inline(always)]
+    pub(super) fn over(&self, bend: u32, place: Vec3, reach: f32) -> f32 {
+        if bend == FEATURE { reach } else { self.bends[bend as usize].from(place) }
     }
 
     /// Whether all ways to another feature are as long.
@@ -156,18 +190,21 @@ impl Feature {
             return (over_node, self.of_cell(node));
         }
         let (mut one, mut two) = (Compass::new(body, self.field()), Compass::new(body, other.field()));
-        let (start, from, to, end) = match (self.roots[node as usize], other.roots[node as usize]) {
-            (FEATURE, FEATURE) => {
-                let [from, to] = between(&mut one, &mut two, body.place(node));
-                (0.0, from, to, 0.0)
+        let mut ends = [Bend { place: body.place(node), value: 0.0 }; 2];
+        for (end, feature) in ends.iter_mut().zip([self, other]) {
+            if let Some(bend) = feature.bends.get(feature.roots[node as usize] as usize) {
+                *end = *bend;
             }
-            (root, FEATURE) => (self.value(root), body.place(root), two.nearest(body.place(root)), 0.0),
-            (FEATURE, root) => (0.0, one.nearest(body.place(root)), body.place(root), other.value(root)),
-            (first, second) => (self.value(first), body.place(first), body.place(second), other.value(second)),
+        }
+        let [start, end] = match (self.roots[node as usize], other.roots[node as usize]) {
+            (FEATURE, FEATURE) => between(&mut one, &mut two, body.place(node)).map(|place| Bend { place, value: 0.0 }),
+            (FEATURE, _) => [Bend { place: one.nearest(ends[1].place), value: 0.0 }, ends[1]],
+            (_, FEATURE) => [ends[0], Bend { place: two.nearest(ends[0].place), value: 0.0 }],
+            _ => ends,
         };
         // The node may be the bend itself: what is drawn taut may leave the body.
-        let taut = start + from.distance(to) + end;
-        let is_shorter = taut < over_node && Sight::new(body).is_clear(from, to);
+        let taut = start.from(end.place) + end.value;
+        let is_shorter = taut < over_node && Sight::new(body).is_clear(start.place, end.place);
         (if is_shorter { taut } else { over_node }, 1.0)
     }
 }

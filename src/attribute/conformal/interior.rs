@@ -5,6 +5,7 @@ use std::sync::Arc;
 use super::feature::Feature;
 use super::lookup::Lookup;
 use super::nodes::Body;
+use super::outside::Outside;
 use crate::attribute::{Attribute, Sampler};
 use crate::field::{Aabb, BATCH, Evaluator, Interval, Points};
 
@@ -18,12 +19,31 @@ pub enum Goal {
 }
 
 /// The length of the shortest way inside of a body to the nearest of some goals, units: 0 in them, nowhere negative. Outside
-/// of the body that of the nearest place of its surface.
+/// of the body that of the nearest place of its surface, or what does not jump between such.
 pub struct Interior {
-    /// The body.
-    pub body: Arc<Body>,
-    /// At least one goal.
-    pub goals: Vec<Goal>,
+    body: Arc<Body>,
+    goals: Vec<Goal>,
+    outside: Option<Outside>,
+}
+
+impl Interior {
+    /// To at least one goal.
+    pub fn new(body: Arc<Body>, goals: Vec<Goal>) -> Self {
+        Self { body, goals, outside: None }
+    }
+
+    /// The same without jumps outside of the body.
+    pub fn smooth(mut self) -> Self {
+        let sampler = || {
+            let (mut sampler, mut out) = (self.sampler(), [[0.0]; BATCH]);
+            move |points: &Points, values: &mut [f32]| {
+                sampler.sample(points, &mut out);
+                values.iter_mut().zip(&out).for_each(|(value, [out])| *value = *out);
+            }
+        };
+        self.outside = Some(Outside::new(&self.body, 1, sampler));
+        self
+    }
 }
 
 impl Attribute<1> for Interior {
@@ -57,7 +77,7 @@ struct InteriorSampler<'a> {
 
 impl InteriorSampler<'_> {
     fn greatest(&self) -> f64 {
-        let Interior { body, goals } = self.interior;
+        let Interior { body, goals, .. } = self.interior;
         /// A place is no further from a node around it than the diagonal of a cell and a node's own way from its middle.
         const BESIDE: f32 = 3.0;
         let of_goal = |goal: &Goal| match goal {
@@ -76,7 +96,7 @@ impl Sampler<1> for InteriorSampler<'_> {
     fn leave(&mut self) {}
 
     fn sample(&mut self, points: &Points, out: &mut [[f32; 1]; BATCH]) {
-        let Interior { body, goals } = self.interior;
+        let Interior { body, goals, outside } = self.interior;
         self.lookup.begin(points);
         out[..points.len].fill([f32::INFINITY]);
         let edge = body.edge() as f32;
@@ -98,6 +118,11 @@ impl Sampler<1> for InteriorSampler<'_> {
                 let value = value * scale;
                 // What is not a number stays so, and is told.
                 out[0] = if value < out[0] || value.is_nan() { value } else { out[0] };
+            }
+        }
+        if let Some(outside) = outside {
+            for i in (0..points.len).filter(|i| self.lookup.away(*i) > 0.0) {
+                outside.mix(points.position(i), self.lookup.away(i), &mut out[i]);
             }
         }
     }

@@ -55,6 +55,8 @@ pub(super) struct Lookup<'b> {
     corners: [Corners; BATCH],
     /// Whether a wall is near, and the sight of the corners was not looked up yet.
     is_open: [bool; BATCH],
+    /// How far outside the points were, units.
+    away: [f32; BATCH],
     /// Points near a wall, and where they are in the batch.
     near: Points,
     at: Vec<usize>,
@@ -73,6 +75,7 @@ impl<'b> Lookup<'b> {
             places: [Vec3::ZERO; BATCH],
             corners: [Corners::NONE; BATCH],
             is_open: [false; BATCH],
+            away: [0.0; BATCH],
             near: Points::new(body.origin()),
             at: Vec::with_capacity(BATCH),
             gradients: Box::default(),
@@ -85,9 +88,15 @@ impl<'b> Lookup<'b> {
         &self.points
     }
 
+    /// How far outside a point of the batch was, units; 0 inside.
+    pub fn away(&self, i: usize) -> f32 {
+        self.away[i]
+    }
+
     /// Takes a batch of points: all that is the same for every feature.
     pub fn begin(&mut self, points: &Points) {
         self.points.clone_from(points);
+        self.away[..points.len].fill(0.0);
         self.at.clear();
         for i in 0..points.len {
             self.places[i] = self.body.on_lattice(points.position(i));
@@ -110,11 +119,9 @@ impl<'b> Lookup<'b> {
         let cell = place.floor();
         let (share, cell) = (place - cell, cell.as_ivec3());
         let mut corners = Corners::NONE;
-        for i in 0..8 {
-            let way = IVec3::new(i >> 2, i >> 1 & 1, i & 1);
-            let node = self.body.node(cell + way);
+        for (i, node) in self.body.corners(cell).into_iter().enumerate() {
             if node != NONE {
-                let along = |axis: usize| if way[axis] == 1 { share[axis] } else { 1.0 - share[axis] };
+                let along = |axis: usize| if i >> (2 - axis) & 1 == 1 { share[axis] } else { 1.0 - share[axis] };
                 corners.push(node, along(0) * along(1) * along(2));
             }
         }
@@ -160,6 +167,7 @@ impl<'b> Lookup<'b> {
             if value >= -1e-3 * self.body.edge() as f32 {
                 continue;
             }
+            self.away[i] -= value;
             let moved = self.points.offset(i) - self.gradients.gradient(j).normalize_or_zero() * value;
             (self.points.x[i], self.points.y[i], self.points.z[i]) = moved.into();
             self.places[i] = self.body.on_lattice(self.points.position(i));
@@ -177,11 +185,19 @@ impl<'b> Lookup<'b> {
         let scale = self.body.edge().recip() as f32;
         for i in 0..self.points.len {
             let reach = (-self.reaches[i] * scale).max(0.0);
+            if reach == 0.0 {
+                out[i] = 0.0;
+                continue;
+            }
+            if let Some(bend) = feature.shared(self.corners[i].iter().map(|(node, _)| node)) {
+                out[i] = feature.over(bend, self.places[i], reach);
+                continue;
+            }
             if self.is_open[i] && self.is_suspect(feature, i, reach) {
                 self.is_open[i] = false;
                 self.keep_seen(i);
             }
-            out[i] = if reach == 0.0 { 0.0 } else { self.mean(feature, i, reach) };
+            out[i] = self.mean(feature, i, reach);
         }
     }
 

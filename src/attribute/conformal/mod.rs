@@ -7,12 +7,13 @@
 //! the nodes around ([`Interior`], [`Conformal`]). All is in the body's space; signs are those of the crate: F positive
 //! inside.
 //!
-//! Guaranteed: finite everywhere; exact in convex bodies; the same bits for any number of threads. Elsewhere a way
-//! bends up to about a cell beside the corner that it should touch, so that it is too long by a fraction of a cell a bend.
+//! Guaranteed: finite everywhere; exact in convex bodies; the same bits for any number of threads. Elsewhere bends are
+//! drawn taut against the corners that they go around, to a few hundredths of a cell each.
 //! Walls between parts of it are seen down to a twenty-fifth of a cell; [`Body::leak`] finds thinner ones.
 //! Parts of the body that are thinner than a cell hold nodes too; two of them that pass through one cell are told apart
 //! only where one is in sight.
 
+pub mod accuracy;
 #[cfg(test)]
 mod accuracy_tests;
 mod blend;
@@ -23,9 +24,10 @@ mod interior;
 mod leaks;
 mod lookup;
 mod nodes;
-
+mod outside;
 mod sight;
 mod spread;
+mod taut;
 #[cfg(test)]
 mod tests;
 mod weights;
@@ -37,6 +39,8 @@ pub use leaks::Leak;
 pub use nodes::Body;
 pub use spread::Piece;
 pub use weights::{Ease, Zones};
+
+use std::fmt;
 
 use glam::DVec3;
 
@@ -64,3 +68,19 @@ pub enum Error {
         speed: f32,
     },
 }
+
+impl fmt::Display for Error {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Cancelled => f.write_str("stopped"),
+            Self::TooMany { nodes, most } => {
+                write!(f, "the lattice takes about {nodes} nodes, and {most} are the most")
+            }
+            Self::Empty => f.write_str("nothing is inside of the body"),
+            Self::NotANumber(at) => write!(f, "the distance to the feature is not a number at {at}"),
+            Self::Speed { at, speed } => write!(f, "the speed at {at} is {speed}: it must be finite and positive"),
+        }
+    }
+}
+
+impl std::error::Error for Error {}

@@ -230,6 +230,32 @@ impl Body {
         block.first[within.x as usize] + (mask & ((1 << bit) - 1)).count_ones()
     }
 
+    /// The nodes of a cell and of the seven after it, z before y before x.
+    #[inline(always)]
+    pub(super) fn corners(&self, cell: IVec3) -> [u32; 8] {
+        let within = cell & 7;
+        let is_apart = within.cmpeq(IVec3::splat(7)) | cell.cmplt(IVec3::ZERO) | cell.cmpge(self.counts);
+        if is_apart.any() {
+            return std::array::from_fn(|i| {
+                self.node(cell + IVec3::new(i as i32 >> 2, i as i32 >> 1 & 1, i as i32 & 1))
+            });
+        }
+        let mut corners = [NONE; 8];
+        let block = self.table[block_number(cell >> 3, self.blocks_along)];
+        if block != NONE {
+            let (block, bit) = (&self.blocks[block as usize], within.y << 3 | within.z);
+            for (row, pair) in corners.chunks_exact_mut(2).enumerate() {
+                let (x, bit) = (within.x as usize + (row >> 1), bit + ((row as i32 & 1) << 3));
+                let mask = block.mask[x];
+                let first = block.first[x] + (mask & ((1 << bit) - 1)).count_ones();
+                let [here, after] = [mask >> bit & 1, mask >> bit >> 1 & 1];
+                pair[0] = if here == 1 { first } else { NONE };
+                pair[1] = if after == 1 { first + here as u32 } else { NONE };
+            }
+        }
+        corners
+    }
+
     /// A position in units as one of the lattice.
     #[inline(always)]
     pub(super) fn on_lattice(&self, position: DVec3) -> Vec3 {
@@ -249,6 +275,11 @@ impl Body {
     /// A box around the lattice, units.
     pub fn aabb(&self) -> Aabb {
         Aabb::new(self.origin, self.to_units(self.counts.as_vec3()))
+    }
+
+    /// Whether a position of the lattice is on it.
+    pub(super) fn holds(&self, place: Vec3) -> bool {
+        place.cmpge(Vec3::NEG_ONE).all() && place.cmple(self.counts.as_vec3()).all()
     }
 
     /// The memory that it holds, bytes.

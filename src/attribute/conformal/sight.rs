@@ -25,6 +25,28 @@ const OPPOSITE: f32 = -0.5;
 /// How far the two sides of a wall may seem to overlap, in cells, by the errors of measured distances.
 const OVERLAP: f32 = 0.005;
 
+/// A place sees all eight nodes around it where it is so far from the surface, in cells: the diagonal of a cell, and a little.
+const AROUND: f32 = 1.75;
+
+/// A place on a way that sees the eight nodes around it, and how far it is from the end.
+pub(super) struct Stop {
+    place: Vec3,
+    left: f32,
+}
+
+impl Stop {
+    /// Whether what is known of the nodes around, all at most so far from the end, tells it: those that see the end and those
+    /// that do not, where they agree.
+    pub fn by_nodes(&self, body: &Body, within: f32, sees: impl Fn(u32) -> bool) -> Option<bool> {
+        if self.left + AROUND > within {
+            return None;
+        }
+        let [first, others @ ..] = body.corners(self.place.floor().as_ivec3());
+        let is_seen = sees(first);
+        others.into_iter().all(|node| sees(node) == is_seen).then_some(is_seen)
+    }
+}
+
 /// Looks along ways in one body, on one thread.
 pub(super) struct Sight<'b> {
     body: &'b Body,
@@ -57,6 +79,13 @@ impl<'b> Sight<'b> {
         self.point.origin = self.body.to_units(place);
         self.evaluator.values(&self.point, &mut self.value);
         self.value[0] * self.scale
+    }
+
+    /// The distance to the surface, in cells, and the direction away from it.
+    pub fn clearance(&mut self, place: Vec3) -> (f32, Vec3) {
+        self.point.origin = self.body.to_units(place);
+        self.evaluator.gradients(&self.point, &mut self.gradient);
+        (self.gradient.value[0] * self.scale, self.gradient.gradient(0).normalize_or_zero())
     }
 
     /// F/|∇F|, in cells, and the direction of ∇F.
@@ -97,6 +126,25 @@ impl<'b> Sight<'b> {
         after < -TOLERANCE || (leaving > 0.0 && inward.dot(out) < OPPOSITE && left > entered - OVERLAP)
     }
 
+    /// Where a straight way that is inside passes nearest to the surface between its ends, if it is nearer there than at both.
+    pub fn narrows(&mut self, from: Vec3, to: Vec3) -> Option<Vec3> {
+        /// Finer: places are found better than bends are moved; coarser: corners beside the ends are missed.
+        const STEP: f32 = 1.0 / 64.0;
+        let length = from.distance(to);
+        let least = self.distance(from).min(self.distance(to));
+        let (mut nearest, mut gone) = ((least, None), STEP);
+        while gone < length {
+            let place = from.lerp(to, gone / length);
+            let free = self.distance(place);
+            if free < nearest.0 {
+                nearest = (free, Some(place));
+            }
+            // No place on the next part of the way is nearer than the nearest.
+            gone += (free - nearest.0).max(STEP);
+        }
+        nearest.1
+    }
+
     /// How far the surface is at least, by the nearest node.
     fn at_least(&self, place: Vec3) -> f32 {
         let node = self.body.node((place + 0.5).as_ivec3());
@@ -105,6 +153,11 @@ impl<'b> Sight<'b> {
 
     /// Whether the straight way from one place to another stays inside: by steps no longer than the surface is away.
     pub fn is_clear(&mut self, from: Vec3, to: Vec3) -> bool {
+        self.is_clear_or(from, to, |_| None)
+    }
+
+    /// The same, where `known` may tell it of a stop on the way.
+    pub fn is_clear_or(&mut self, from: Vec3, to: Vec3, known: impl Fn(Stop) -> Option<bool>) -> bool {
         let way = to - from;
         let length = way.length();
         if length == 0.0 {
@@ -122,6 +175,11 @@ impl<'b> Sight<'b> {
             }
             if left == 0.0 || free >= left.max(NEAR) {
                 return true;
+            }
+            if free >= AROUND
+                && let Some(is_clear) = known(Stop { place, left })
+            {
+                return is_clear;
             }
             let step = free.max(LEAST_STEP);
             if free < NEAR && self.meets_wall(place, direction, step.min(left)) {

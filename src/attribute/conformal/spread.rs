@@ -1,25 +1,29 @@
 //! The interior distance of a body's nodes from one feature (CONFORMAL, Algorithm 1), found by a wavefront.
 //!
 //! A node's way to the feature is straight to its root, and from there on the root's own. A root is the feature itself or a
-//! node that was reached before. A node is offered the roots of its neighbours; whether it sees the root is looked up
-//! once, when it is the next to be settled (the paper looks for every pair of neighbours). Where it does not, the best of
-//! its settled neighbours that it sees becomes its root.
+//! node that was reached before. Nodes that see the feature are found first, all others start from those. A node is offered
+//! the roots of its neighbours; whether it sees the root is looked up once, when it is the next to be settled (the paper
+//! looks for every pair of neighbours). Where it does not, the best of its settled neighbours that it sees becomes its root.
 
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use glam::{DVec3, IVec3, Vec3};
+use rayon::prelude::*;
 
 use super::Error;
 use super::envelope::Envelope;
 use super::feature::FEATURE;
 use super::nodes::{Body, NONE};
-use super::sight::Sight;
+use super::sight::{Sight, Stop};
 use crate::field::{BATCH, Evaluator, Field, Gradients, Points};
 
 /// Nodes no deeper than this, in cells, stand for the surface.
 const AT_SURFACE: f32 = 1.0;
+/// How thick the layers are, in cells, that are looked for a feature at once. Thinner ones make more rounds, in thicker ones
+/// ways are longer to where nodes nearer to the feature tell the rest.
+const LAYER: f32 = 4.0;
 /// So many nodes are settled between two looks at whether to stop.
 const BETWEEN_LOOKS: usize = 4096;
 
@@ -45,6 +49,19 @@ impl<'f> Compass<'f> {
         let mut point = Points::new(DVec3::ZERO);
         point.len = 1;
         Self { body, evaluator: field.evaluator(), point, out: Box::default() }
+    }
+
+    /// The nearest places of the feature to some nodes that are so far from it, in cells; at most a batch.
+    fn feet(&mut self, nodes: impl Iterator<Item = (u32, f32)> + Clone) -> Vec<Vec3> {
+        let first = nodes.clone().next().map_or(Vec3::ZERO, |(node, _)| self.body.place(node));
+        let mut points = Points::new(self.body.to_units(first));
+        let edge = self.body.edge() as f32;
+        nodes.clone().for_each(|(node, _)| points.push((self.body.place(node) - first) * edge));
+        self.evaluator.gradients(&points, &mut self.out);
+        let foot = |(i, (node, reach)): (usize, (u32, f32))| {
+            self.body.place(node) + self.out.gradient(i).normalize_or_zero() * reach
+        };
+        nodes.enumerate().map(foot).collect()
     }
 
     /// The nearest place of the feature; the place itself inside of it.
@@ -79,8 +96,9 @@ pub(super) struct Known {
 /// A wavefront on its way.
 pub(super) struct Spread<'b> {
     pub body: &'b Body,
-    sight: Sight<'b>,
-    compass: Compass<'b>,
+    field: &'b dyn Field,
+    pub sight: Sight<'b>,
+    pub compass: Compass<'b>,
     /// How far each node is from the feature, in cells, whatever lies between.
     reaches: Vec<f32>,
     /// What a cell takes at each node; empty where that is 1.
@@ -96,6 +114,7 @@ impl<'b> Spread<'b> {
         Ok(Self {
             body,
             sight: Sight::new(body),
+            field,
             compass: Compass::new(body, field),
             reaches: reaches(body, field)?,
             slowness,
@@ -108,11 +127,6 @@ impl<'b> Spread<'b> {
         let known = &mut self.nodes[node as usize];
         *known = Known { value, root, state, ..*known };
         self.heap.push(Reverse((value.to_bits(), node)));
-    }
-
-    /// Whether nothing is left to settle.
-    pub fn is_empty(&self) -> bool {
-        self.heap.is_empty()
     }
 
     /// What a cell takes at a node.
@@ -129,13 +143,50 @@ impl<'b> Spread<'b> {
         self.offer(node);
     }
 
-    /// Nodes in the feature, and so many cells beside it in its sight.
-    pub fn seed(&mut self, beside: f32) {
-        for node in 0..self.body.len() as u32 {
-            let reach = self.reaches[node as usize];
-            if reach <= beside && self.sees(node, FEATURE) {
-                self.set(node, reach * self.of_cell(node), FEATURE, State::Seen);
-            }
+    /// Finds the nodes no more than so many cells from the feature that see it, itself included; whether there are any.
+    pub fn seed(&mut self, beside: f32) -> bool {
+        let near = (0u32..).zip(&self.reaches).filter(|(_, reach)| **reach <= beside);
+        let mut nodes: Vec<(u32, u32)> = near.map(|(node, reach)| ((reach / LAYER) as u32, node)).collect();
+        nodes.par_sort_unstable();
+        let mut seen = vec![false; self.nodes.len()];
+        for nodes in nodes.chunk_by(|one, two| one.0 == two.0) {
+            let (body, reaches, within) = (self.body, &self.reaches, nodes[0].0 as f32 * LAYER);
+            let look = |(sight, compass): &mut (Sight<'_>, Compass<'_>), nodes: &[(u32, u32)]| {
+                let feet = compass.feet(nodes.iter().map(|(_, node)| (*node, reaches[*node as usize])));
+                let sees = |(&(_, node), foot): (&(u32, u32), Vec3)| {
+                    let by_nodes = |stop: Stop| stop.by_nodes(body, within, |node| seen[node as usize]);
+                    (body.holds(foot) && sight.is_clear_or(body.place(node), foot, by_nodes)).then_some(node)
+                };
+                nodes.iter().zip(feet).filter_map(sees).collect::<Vec<u32>>()
+            };
+            let new = || (Sight::new(body), Compass::new(body, self.field));
+            let found: Vec<Vec<u32>> = nodes.par_chunks(BATCH).map_init(new, look).collect();
+            found.into_iter().flatten().for_each(|node| seen[node as usize] = true);
+        }
+        for node in (0..seen.len()).filter(|node| seen[*node]) {
+            let value = self.reaches[node] * self.of_cell(node as u32);
+            self.nodes[node] = Known { value, root: FEATURE, state: State::Seen, ..self.nodes[node] };
+        }
+        seen.contains(&true)
+    }
+
+    /// Goes on from the nodes that were seen, all of them at once: their ways are straight, and no others are shorter.
+    pub fn settle_seen(&mut self) {
+        let is_seen = |node: u32| self.nodes[node as usize].state == State::Seen;
+        let all = (0..self.nodes.len() as u32).into_par_iter();
+        let border = all.filter(|node| !is_seen(*node) && neighbours(self.body, *node).any(is_seen));
+        let border: Vec<u32> = border.collect();
+        self.nodes.iter_mut().filter(|known| known.state == State::Seen).for_each(|known| known.state = State::Settled);
+        for node in border {
+            self.nodes[node as usize].hidden = FEATURE;
+            self.set(node, self.reaches[node as usize], FEATURE, State::Open);
+        }
+    }
+
+    /// Goes on from the nodes that were seen, the nearest first.
+    pub fn queue_seen(&mut self) {
+        for (node, known) in (0u32..).zip(&self.nodes).filter(|(_, known)| known.state == State::Seen) {
+            self.heap.push(Reverse((known.value.to_bits(), node)));
         }
     }
 
@@ -148,19 +199,28 @@ impl<'b> Spread<'b> {
 
     fn sees(&mut self, node: u32, root: u32) -> bool {
         let place = self.body.place(node);
-        let there = if root == FEATURE { self.compass.nearest(place) } else { self.body.place(root) };
-        self.sight.is_clear(place, there)
+        if root == FEATURE {
+            let foot = self.compass.nearest(place);
+            return self.sight.is_clear(place, foot);
+        }
+        let has_root = |node: u32| {
+            let Known { root: its, state, .. } = self.nodes[node as usize];
+            its == root && state == State::Settled
+        };
+        // Those that have another root may see this one too.
+        let by_nodes = |stop: Stop| stop.by_nodes(self.body, f32::INFINITY, has_root).filter(|sees| *sees);
+        self.sight.is_clear_or(place, self.body.place(root), by_nodes)
     }
 
     pub fn run(&mut self, cancel: &AtomicBool) -> Result<(), Error> {
         let mut settled = 0;
         while let Some(Reverse((bits, node))) = self.heap.pop() {
             let at = node as usize;
-            let Known { value, root, state, .. } = self.nodes[at];
+            let Known { value, root, state, hidden } = self.nodes[at];
             if state == State::Settled || value.to_bits() != bits {
                 continue;
             }
-            if state == State::Open && !self.sees(node, root) {
+            if state == State::Open && (hidden == root || !self.sees(node, root)) {
                 self.nodes[at].hidden = root;
                 if !self.turn(node, bits) {
                     continue;
@@ -297,22 +357,21 @@ fn reaches(body: &Body, field: &dyn Field) -> Result<Vec<f32>, Error> {
 pub(super) fn at_nodes(
     body: &Body,
     field: &dyn Field,
-    of: impl Fn(DVec3, f32) -> Result<f32, Error>,
+    of: impl Fn(DVec3, f32) -> Result<f32, Error> + Sync,
 ) -> Result<Vec<f32>, Error> {
-    let mut evaluator = field.evaluator();
-    let (mut points, mut out) = (Points::new(body.origin()), [0.0; BATCH]);
-    let mut all = Vec::with_capacity(body.len());
     let nodes: Vec<u32> = (0..body.len() as u32).collect();
-    for batch in nodes.chunks(BATCH) {
-        points.len = 0;
+    let of_batch = |evaluator: &mut Box<dyn Evaluator + '_>, batch: &[u32]| {
         // Nodes of a batch are neighbours: offsets from the first are small.
-        points.origin = body.to_units(body.place(batch[0]));
-        let offset = |node: &u32| (body.place(*node) - body.place(batch[0])) * body.edge() as f32;
-        batch.iter().for_each(|node| points.push(offset(node)));
+        let first = body.place(batch[0]);
+        let (mut points, mut out) = (Points::new(body.to_units(first)), [0.0; BATCH]);
+        batch.iter().for_each(|node| points.push((body.place(*node) - first) * body.edge() as f32));
         evaluator.values(&points, &mut out);
-        for i in 0..points.len {
-            all.push(of(points.position(i), out[i])?);
-        }
+        (0..points.len).map(|i| of(points.position(i), out[i])).collect::<Result<Vec<f32>, Error>>()
+    };
+    let batches: Vec<_> = nodes.par_chunks(BATCH).map_init(|| field.evaluator(), of_batch).collect();
+    let mut all = Vec::with_capacity(nodes.len());
+    for batch in batches {
+        all.extend(batch?);
     }
     Ok(all)
 }

@@ -6,7 +6,8 @@ use std::sync::atomic::AtomicBool;
 
 use glam::{DVec2, DVec3};
 
-use super::{Body, Conformal, Ease, Error, Feature, Goal, Interior, Method, Nearest, Zones};
+use super::accuracy::{ell, extruded, polygon, sampled, way_around, you};
+use super::{Body, Conformal, Ease, Error, Feature, Goal, Interior, Member, Method, Nearest, Zones};
 use crate::attribute::{Attribute, Constant, Straight};
 use crate::field::tests::Samples;
 use crate::field::{Aabb, BATCH, Evaluator, Field, Gradients, Hint, Hints, Interval, Points};
@@ -61,37 +62,17 @@ impl<F: Fn(DVec3) -> f64 + Send + Sync> Evaluator for ExactEvaluator<'_, F> {
     }
 }
 
-pub(super) fn exact(aabb: Aabb, distance: impl Fn(DVec3) -> f64 + Send + Sync + 'static) -> Arc<dyn Field> {
+fn exact(aabb: Aabb, distance: impl Fn(DVec3) -> f64 + Send + Sync + 'static) -> Arc<dyn Field> {
     Arc::new(Exact { distance, aabb })
 }
 
-pub(super) fn ball(centre: DVec3, radius: f64) -> Arc<dyn Field> {
+fn ball(centre: DVec3, radius: f64) -> Arc<dyn Field> {
     exact(Aabb::new(centre - radius, centre + radius), move |p| radius - p.distance(centre))
 }
 
-/// The distance of a solid that is as tall as twice `half` on an outline, by the outline's.
-pub(super) fn extruded(flat: f64, z: f64, half: f64) -> f64 {
-    let above = half - z.abs();
-    if flat < 0.0 && above < 0.0 { -flat.hypot(above) } else { flat.min(above) }
-}
+const HALF: f64 = 0.12;
 
-pub(super) const HALF: f64 = 0.12;
-
-/// A polygon's distance, positive inside.
-pub(super) fn polygon(corners: &[DVec2], p: DVec2) -> f64 {
-    let (mut nearest, mut inside) = (f64::INFINITY, false);
-    for (i, a) in corners.iter().enumerate() {
-        let b = corners[(i + 1) % corners.len()];
-        let way = b - a;
-        let share = ((p - a).dot(way) / way.length_squared()).clamp(0.0, 1.0);
-        nearest = nearest.min(p.distance(a + way * share));
-        let crosses = (a.y > p.y) != (b.y > p.y) && p.x < (b.x - a.x) * (p.y - a.y) / (b.y - a.y) + a.x;
-        inside ^= crosses;
-    }
-    if inside { nearest } else { -nearest }
-}
-
-pub(super) fn prism(corners: Vec<DVec2>) -> Arc<dyn Field> {
+fn prism(corners: Vec<DVec2>) -> Arc<dyn Field> {
     let min = corners.iter().copied().reduce(DVec2::min).unwrap();
     let max = corners.iter().copied().reduce(DVec2::max).unwrap();
     exact(Aabb::new(min.extend(-HALF), max.extend(HALF)), move |p| extruded(polygon(&corners, p.truncate()), p.z, HALF))
@@ -118,49 +99,31 @@ fn way_in_polygon(corners: &[DVec2], from: DVec2, to: DVec2) -> f64 {
     ways[0]
 }
 
-/// The shortest way outside of a circle between two points: straight, or by tangents and an arc.
-pub(super) fn way_around(radius: f64, from: DVec2, to: DVec2) -> f64 {
-    let (a, b) = (from.length(), to.length());
-    let angle = (from.dot(to) / (a * b)).clamp(-1.0, 1.0).acos();
-    let arc = angle - (radius / a).acos() - (radius / b).acos();
-    if arc <= 0.0 {
-        return from.distance(to);
-    }
-    (a * a - radius * radius).sqrt() + (b * b - radius * radius).sqrt() + radius * arc
-}
-
 fn never() -> AtomicBool {
     AtomicBool::new(false)
 }
 
-pub(super) fn body(field: &Arc<dyn Field>, along: u32) -> Arc<Body> {
+fn body(field: &Arc<dyn Field>, along: u32) -> Arc<Body> {
     let body = Body::new(Arc::clone(field), Arc::clone(field), field.bounding_box().unwrap(), along, &never());
     Arc::new(body.expect("a body"))
+}
+
+/// A feature with a value.
+fn valued(feature: &Arc<Feature>, value: f32) -> Member<1> {
+    (Arc::clone(feature), Arc::new(Constant::new([value])))
 }
 
 fn feature(body: &Body, field: Arc<dyn Field>) -> Arc<Feature> {
     Arc::new(Feature::new(body, field, &Method::Sight, &never()).expect("a feature"))
 }
 
-pub(super) fn sampled<const N: usize>(attribute: &dyn Attribute<N>, positions: &[DVec3]) -> Vec<[f32; N]> {
-    let mut sampler = attribute.sampler();
-    let mut all = Vec::new();
-    for batch in positions.chunks(BATCH) {
-        let (mut points, mut out) = (Points::new(batch[0]), [[f32::NAN; N]; BATCH]);
-        batch.iter().for_each(|position| points.push((*position - batch[0]).as_vec3()));
-        sampler.sample(&points, &mut out);
-        all.extend_from_slice(&out[..points.len]);
-    }
-    all
-}
-
-pub(super) fn distances(body: &Arc<Body>, feature: &Arc<Feature>, positions: &[DVec3]) -> Vec<f64> {
-    let interior = Interior { body: Arc::clone(body), goals: vec![Goal::Feature(Arc::clone(feature))] };
+fn distances(body: &Arc<Body>, feature: &Arc<Feature>, positions: &[DVec3]) -> Vec<f64> {
+    let interior = Interior::new(Arc::clone(body), vec![Goal::Feature(Arc::clone(feature))]);
     sampled(&interior, positions).into_iter().map(|[value]| f64::from(value)).collect()
 }
 
 /// Points of a field's inside.
-pub(super) fn inside(field: &dyn Field, count: usize) -> Vec<DVec3> {
+fn inside(field: &dyn Field, count: usize) -> Vec<DVec3> {
     let (mut samples, aabb) = (Samples::new(31), field.bounding_box().unwrap());
     let mut all = Vec::new();
     while all.len() < count {
@@ -190,29 +153,6 @@ fn errors(field: &Arc<dyn Field>, along: u32, from: DVec3, way: impl Fn(DVec3) -
     let mean = sum / positions.len() as f64;
     eprintln!("{along} cells: mean {mean:.3}, greatest {greatest:.3}");
     (mean, greatest)
-}
-
-pub(super) fn corners(list: &[[f64; 2]]) -> Vec<DVec2> {
-    list.iter().copied().map(DVec2::from).collect()
-}
-
-pub(super) fn ell() -> Vec<DVec2> {
-    corners(&[[0.0, 0.0], [2.0, 0.0], [2.0, 0.6], [0.6, 0.6], [0.6, 2.0], [0.0, 2.0]])
-}
-
-/// Two arms, so far apart.
-pub(super) fn you(gap: f64) -> Vec<DVec2> {
-    let right = 0.4 + gap;
-    corners(&[
-        [0.0, 0.0],
-        [right + 0.4, 0.0],
-        [right + 0.4, 1.6],
-        [right, 1.6],
-        [right, 0.4],
-        [0.4, 0.4],
-        [0.4, 1.6],
-        [0.0, 1.6],
-    ])
 }
 
 fn errors_in_polygon(outline: Vec<DVec2>, along: u32, from: DVec3) -> (f64, f64) {
@@ -300,18 +240,9 @@ fn in_a_convex_body_ways_are_straight() {
     let apart = at[0].distance(at[1]) - 0.3;
     let both = [features[0].as_ref(), features[1].as_ref()];
     for (spread, ease) in [(1.0, Ease::Linear), (0.5, Ease::Linear), (0.5, Ease::Smooth)] {
-        let conformal = Conformal {
-            body: Arc::clone(&body),
-            members: features
-                .iter()
-                .zip([0.0, 1.0])
-                .map(|(feature, value)| {
-                    (Arc::clone(feature), Arc::new(Constant::new([value])) as Arc<dyn Attribute<1>>)
-                })
-                .collect(),
-            zones: Zones::new(&body, &both, spread, ease),
-            mixes: vec![Straight],
-        };
+        let members = features.iter().zip([0.0, 1.0]).map(|(feature, value)| valued(feature, value)).collect();
+        let zones = Zones::new(&body, &both, spread, ease);
+        let conformal = Conformal::new(Arc::clone(&body), members, zones, vec![Straight]);
         for ([found], p) in sampled(&conformal, &positions).into_iter().zip(&positions) {
             let [one, two] = at.map(|at| (p.distance(at) - 0.15).max(0.0));
             let share = ((one - two + spread * apart) / (2.0 * spread * apart)).clamp(0.0, 1.0);
@@ -331,12 +262,9 @@ fn a_narrow_spread_gives_cells() {
     let features = at.map(|at| feature(&body, ball(at, 0.1)));
     let positions = inside(cube.as_ref(), 400);
     let cells = sampled(&Nearest { body: Arc::clone(&body), features: features.to_vec() }, &positions);
-    let members = features
-        .iter()
-        .zip([0.0, 1.0, 2.0])
-        .map(|(feature, value)| (Arc::clone(feature), Arc::new(Constant::new([value])) as Arc<dyn Attribute<1>>));
+    let members = features.iter().zip([0.0, 1.0, 2.0]).map(|(feature, value)| valued(feature, value));
     let zones = Zones::new(&body, &[&features[0], &features[1], &features[2]], 1e-6, Ease::Linear);
-    let sharp = Conformal { body: Arc::clone(&body), members: members.collect(), zones, mixes: vec![Straight; 2] };
+    let sharp = Conformal::new(Arc::clone(&body), members.collect(), zones, vec![Straight; 2]);
     let mut apart = 0;
     for (([cell], [sharp]), p) in cells.into_iter().zip(sampled(&sharp, &positions)).zip(&positions) {
         let mut ways = at.map(|at| p.distance(at));
@@ -459,7 +387,7 @@ fn a_piece_without_the_feature() {
 fn the_own_surface_as_a_goal_is_the_depth() {
     let cube = cube();
     let body = body(&cube, 16);
-    let interior = Interior { body: Arc::clone(&body), goals: vec![Goal::Surface] };
+    let interior = Interior::new(Arc::clone(&body), vec![Goal::Surface]);
     let positions = inside(cube.as_ref(), 200);
     for ([found], p) in sampled(&interior, &positions).into_iter().zip(&positions) {
         assert!((f64::from(found) - (1.0 - p.abs().max_element())).abs() < 1e-6);
@@ -492,11 +420,39 @@ fn two_features_at_one_place() {
     let cube = cube();
     let body = body(&cube, 24);
     let features = [0.2, 0.2].map(|radius| feature(&body, ball(DVec3::ZERO, radius)));
-    let members = features
-        .iter()
-        .zip([0.0, 1.0])
-        .map(|(feature, value)| (Arc::clone(feature), Arc::new(Constant::new([value])) as Arc<dyn Attribute<1>>));
+    let members = features.iter().zip([0.0, 1.0]).map(|(feature, value)| valued(feature, value));
     let zones = Zones::new(&body, &[&features[0], &features[1]], 1.0, Ease::Linear);
-    let both = Conformal { body: Arc::clone(&body), members: members.collect(), zones, mixes: vec![Straight] };
+    let both = Conformal::new(Arc::clone(&body), members.collect(), zones, vec![Straight]);
     assert_eq!(sampled(&both, &[DVec3::ZERO, DVec3::new(0.5, 0.1, 0.0)]), [[1.0], [0.5]]);
+}
+
+/// Across the gap of a U, between its arms, what the nearest places have jumps; averaged it does not, and is the same inside
+/// and at the surface.
+#[test]
+fn outside_it_can_go_without_jumps() {
+    let field = prism(you(0.5));
+    let body = body(&field, 48);
+    let features = [[0.2, 1.4, 0.0], [1.1, 1.4, 0.0]].map(|at| feature(&body, ball(DVec3::from(at), 0.05)));
+    let zones = || Zones::new(&body, &[&features[0], &features[1]], 1.0, Ease::Linear);
+    let members = || features.iter().zip([0.0, 1.0]).map(|(feature, value)| valued(feature, value)).collect();
+    let weights = || Conformal::new(Arc::clone(&body), members(), zones(), vec![Straight]);
+    let ways = || Interior::new(Arc::clone(&body), vec![Goal::Feature(Arc::clone(&features[0]))]);
+    let across: Vec<DVec3> = (0..=600).map(|i| DVec3::new(0.35 + f64::from(i) * 1e-3, 1.2, 0.0)).collect();
+    let leap = |attribute: &dyn Attribute<1>| {
+        let found = sampled(attribute, &across);
+        found.array_windows().map(|[[one], [two]]| (one - two).abs()).fold(0.0, f32::max)
+    };
+    let [weight, way] = [leap(&weights()), leap(&ways())];
+    assert!(weight > 0.8 && way > 2.0, "{weight}, {way}");
+    let [weight, way] = [leap(&weights().smooth()), leap(&ways().smooth())];
+    assert!(weight < 0.02 && way < 0.05, "{weight}, {way}");
+    let mut here = inside(field.as_ref(), 200);
+    here.extend([0.4 - 1e-9, 0.4, 0.4 + 1e-6].map(|x| DVec3::new(x, 1.2, 0.0)));
+    for (one, two) in sampled(&weights(), &here).into_iter().zip(sampled(&weights().smooth(), &here)) {
+        assert!((one[0] - two[0]).abs() < 1e-5, "{one:?} {two:?}");
+    }
+    // Far away, where there is no lattice.
+    for [value] in sampled(&weights().smooth(), &[DVec3::splat(1e6), DVec3::splat(-50.0)]) {
+        assert!((0.0..=1.0).contains(&value), "{value}");
+    }
 }

@@ -1,7 +1,7 @@
 //! The colours of features, along the inside of the shape.
 
 use crate::attribute::{ColourSpace, Mixer};
-use crate::node::conformal::{EASE, LATTICE, METHOD, SPEED, SPREAD, conformal, speed_is_used};
+use crate::node::conformal::{EASE, LATTICE, METHOD, OUTSIDE, SPEED, SPREAD, conformal, speed_is_used};
 use crate::node::pattern::SPACE;
 use crate::node::source::Source;
 use crate::text::key::Absent::Required;
@@ -18,7 +18,7 @@ pub const NODE: Source<3> = Source {
          Features stand in the shape's own space, as it is before what bends that, and do not change its form; a ball \
          stands for a point.",
     ),
-    parameters: &[SPREAD, EASE, SPACE, LATTICE, METHOD, SPEED],
+    parameters: &[SPREAD, EASE, SPACE, LATTICE, METHOD, SPEED, OUTSIDE],
     formula: "Σ wₖcₖ / Σ wₖ, wₖ = Π max(dⱼ − dₖ + sₖⱼ, 0), sₖⱼ = spread · way between k and j (CONFORMAL, eq. 5, 9 to 11)",
     example: "{ conformal = [\"a\", \"b\"] }",
     is_conformal: true,

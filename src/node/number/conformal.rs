@@ -2,7 +2,9 @@
 
 use crate::attribute::Straight;
 use crate::attribute::conformal::Nearest;
-use crate::node::conformal::{EASE, LATTICE, METHOD, SPEED, SPREAD, conformal, features, inside, speed_is_used};
+use crate::node::conformal::{
+    EASE, LATTICE, METHOD, OUTSIDE, SPEED, SPREAD, conformal, features, inside, speed_is_used,
+};
 use crate::node::painted::Paint;
 use crate::node::source::Source;
 use crate::text::key::Absent::{Required, Text};
@@ -29,6 +31,7 @@ pub const NODE: Source<1> = Source {
         LATTICE,
         METHOD,
         SPEED,
+        OUTSIDE,
     ],
     formula: "Σ wₖaₖ / Σ wₖ, wₖ = Π max(dⱼ − dₖ + sₖⱼ, 0), sₖⱼ = spread · way between k and j (CONFORMAL, eq. 5, 9 to 11)",
     example: "{ conformal = [\"a\", \"b\"], show = \"cell\" }",
