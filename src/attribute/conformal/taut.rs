@@ -138,7 +138,7 @@ impl Pull<'_, '_> {
 }
 
 /// Moves the bends, those nearest to the feature first, and gives all nodes the values of their ways over them; the bends by
-/// their nodes. A bend whose next is hidden from it stays, and its ways go over where that was.
+/// their nodes. A bend whose next is hidden from it stays, and its ways go over where that was, if they were not shorter before.
 ///
 /// # Errors
 /// [`Error::Cancelled`].
@@ -178,11 +178,16 @@ pub(super) fn tighten(spread: &mut Spread<'_>, cancel: &AtomicBool) -> Result<BT
         };
         let asked = some(bends_of).chain(some(others)).map(|user| spread.body.place(user)).collect();
         let best = Pull { spread, next, users: asked, start }.best();
-        let bend = match next.filter(|next| !spread.sight.is_clear(best.place, next.place)) {
-            None => best,
-            Some(next) => {
-                let was = spread.body.place(root);
-                Bend { place: start, value: next.from(was) + was.distance(start) }
+        let Some(next) = next else {
+            bends.insert(*node, best);
+            continue;
+        };
+        let seen = [best.place, start].into_iter().find(|place| spread.sight.is_clear(*place, next.place));
+        let bend = match seen {
+            Some(place) => Bend { place, value: next.from(place) },
+            None => {
+                let (was, value) = (spread.body.place(root), spread.nodes[*node as usize].value);
+                Bend { place: start, value: value.min(next.from(was) + was.distance(start)) }
             }
         };
         bends.insert(*node, bend);
