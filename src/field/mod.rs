@@ -13,6 +13,7 @@ mod candidates;
 pub mod cells;
 mod combine;
 mod copies;
+mod darts;
 mod distances;
 mod drawing;
 mod eigen;
@@ -51,6 +52,7 @@ mod tape;
 pub(crate) mod testing;
 #[cfg(test)]
 pub(crate) mod tests;
+mod walls;
 mod width;
 
 pub use balls::Balls;
@@ -58,6 +60,7 @@ pub use batch::{BATCH, Gradients, Points};
 pub use bent::{Bent, Folded};
 pub use combine::{Blend, BlendBounds, Kernel, SetSystem};
 pub use copies::{Copies, CopyPlace};
+pub use darts::{Dart, DartError, Darts, WIDEST, shares_at};
 pub use distances::Side;
 pub use drawing::{Drawing, Fill, outline};
 pub(crate) use eigen::{eigen, eigen_descending};
@@ -75,6 +78,7 @@ pub use place::{NotInvertible, rotation, rotation_about};
 pub use seeds::Seeds;
 pub use spine::Spine;
 pub use struts::{Strut, Struts};
+pub use walls::Walls;
 pub use width::VectorWidth;
 
 use glam::DVec3;

@@ -89,22 +89,33 @@ impl PartTree {
     pub fn best(&self, parts: &impl Parts, point: DVec3) -> (u32, Sample) {
         let mut best = (f64::NEG_INFINITY, DVec3::ZERO);
         let mut chosen = u32::MAX;
+        self.visit(point, best.0, |part| {
+            let sample = parts.part(part as usize, point);
+            if sample.0 > best.0 || sample.0 == best.0 && part < chosen {
+                (best, chosen) = (sample, part);
+            }
+            best.0
+        });
+        (chosen, best)
+    }
+
+    /// All parts whose value at a point may be `least` or more, the more promising before others. Each gives what that is from
+    /// there on.
+    #[inline]
+    pub fn visit(&self, point: DVec3, mut least: f64, mut each: impl FnMut(u32) -> f64) {
         let mut open = [(0.0, 0); DEEPEST];
         let mut height = 1;
         open[0] = (self.nodes[0].bound(point), 0_u32);
         while height > 0 {
             height -= 1;
             let (bound, index) = open[height];
-            if bound < best.0 {
+            if bound < least {
                 continue;
             }
             let node = &self.nodes[index as usize];
             if node.second == 0 {
                 for part in self.parts_of(node) {
-                    let sample = parts.part(*part as usize, point);
-                    if sample.0 > best.0 || sample.0 == best.0 && *part < chosen {
-                        (best, chosen) = (sample, *part);
-                    }
+                    least = each(*part);
                 }
                 continue;
             }
@@ -116,7 +127,6 @@ impl PartTree {
             (open[height], open[height + 1]) = (later, next);
             height += 2;
         }
-        (chosen, best)
     }
 
     /// All parts whose value at a point may be `least` or more, into `found`, in their own order; false where they are

@@ -2,6 +2,7 @@
 
 use glam::{DVec3, I64Vec3};
 
+use super::Aabb;
 use super::noise::hash::{cells_around, of_cell, shares};
 use super::part::Sample;
 
@@ -24,7 +25,23 @@ const NEAREST_AROUND: i64 = 2;
 /// and so is the position from the wall.
 const WALL_AROUND: i64 = 4;
 
+/// Whole numbers of cubes are exact below.
+const FARTHEST: f64 = 9e15;
+
 impl Seeds {
+    /// The points of the cubes that meet a box, at most so many; `None` of more.
+    pub fn within(&self, around: &Aabb, most: usize) -> Option<Vec<DVec3>> {
+        let (low, high) = ((around.min / self.edge).floor(), (around.max / self.edge).floor());
+        let count = high - low + 1.0;
+        // Not a number is too many, too.
+        if !(count.element_product() <= most as f64 && low.abs().max(high.abs()).max_element() < FARTHEST) {
+            return None;
+        }
+        let (low, count) = (low.as_i64vec3(), count.as_i64vec3());
+        let cube = |i: i64| low + I64Vec3::new(i / (count.y * count.z), i / count.z % count.y, i % count.z);
+        Some((0..count.element_product()).map(|i| self.point(cube(i)) * self.edge).collect())
+    }
+
     /// Minus the distance to the nearest point.
     pub fn to_nearest(&self, position: DVec3) -> Sample {
         let Some((_, way)) = self.nearest(position) else { return (f64::NAN, DVec3::NAN) };
@@ -68,8 +85,6 @@ impl Seeds {
 
     /// The cube of the nearest point and the way from that to a position, in edges; `None` where the position is none.
     fn nearest(&self, position: DVec3) -> Option<(I64Vec3, DVec3)> {
-        /// Whole numbers of cubes are exact below.
-        const FARTHEST: f64 = 9e15;
         let at = position / self.edge;
         if !at.is_finite() || at.abs().max_element() >= FARTHEST {
             return None;

@@ -90,13 +90,18 @@ pub(crate) fn no_greatest(span: Span, name: &str, shape: &str) -> Problem {
 
 /// `solid` where (1 − ω)·a + ω·b is not negative (STTI, section 6.5). `size` is about how large the solid is.
 pub(crate) fn filled(graph: &mut Graph, solid: Node, structures: [Node; 2], omega: Arc<Scalar>, size: f64) -> Node {
-    let mixed = structures_mixed(graph, structures, omega, size);
+    let mixed = structures_mixed(graph, structures, mixing(omega, size));
     graph.min(solid, mixed)
 }
 
+/// A scalar that mixes structures in a solid, as a field.
+pub(crate) fn mixing(omega: Arc<Scalar>, size: f64) -> Arc<dyn Field> {
+    Arc::new(ScalarField { scalar: omega, most: f64::INFINITY, step: GRADIENT_STEP * size })
+}
+
 /// (1 − ω)·a + ω·b.
-pub(crate) fn structures_mixed(graph: &mut Graph, [a, b]: [Node; 2], omega: Arc<Scalar>, size: f64) -> Node {
-    let omega = graph.field(Arc::new(ScalarField { scalar: omega, most: f64::INFINITY, step: GRADIENT_STEP * size }));
+pub(crate) fn structures_mixed(graph: &mut Graph, [a, b]: [Node; 2], omega: Arc<dyn Field>) -> Node {
+    let omega = graph.field(omega);
     let change = graph.sub(b, a);
     let added = graph.mul(omega, change);
     graph.add(a, added)

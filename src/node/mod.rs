@@ -21,6 +21,7 @@ pub(crate) mod direct;
 pub(crate) mod displacement;
 mod example;
 pub(crate) mod extent;
+pub(crate) mod grading;
 pub(crate) mod grain;
 mod hash;
 pub(crate) mod id;
@@ -64,6 +65,8 @@ mod volume;
 mod conformal_tests;
 #[cfg(test)]
 mod damage_tests;
+#[cfg(test)]
+mod grading_tests;
 #[cfg(test)]
 mod import_tests;
 #[cfg(test)]

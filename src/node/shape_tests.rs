@@ -22,7 +22,7 @@ fn loaded(text: &str) -> Result<Model, String> {
 }
 
 /// What is wrong with a shape of some keys, when it is read or when it is built.
-fn problem(keys: &str) -> String {
+pub(super) fn problem(keys: &str) -> String {
     let model = match loaded(&format!("hfvdb = 1\n[shape.s]\n{keys}\n")) {
         Ok(model) => Arc::new(model),
         Err(problems) => return problems,
@@ -45,7 +45,7 @@ fn problem(keys: &str) -> String {
     }
 }
 
-fn field(keys: &str) -> Expression {
+pub(super) fn field(keys: &str) -> Expression {
     let text = format!("hfvdb = 1\n[output]\nshape = \"s\"\n[shape.s]\n{keys}\n");
     let (mut solids, id) = solids(&text);
     solids.values(id).unwrap_or_else(|problem| panic!("{problem:?}\n{keys}"))

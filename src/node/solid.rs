@@ -12,7 +12,7 @@ use crate::field::cells::{CellOptions, Cells};
 use crate::field::facet::Pieces;
 use crate::field::{Aabb, Expression, Field, Graph, Interval, Node, SetSystem, rotation};
 use crate::morph::Morph;
-use crate::node::argument::{Argument, Arguments};
+use crate::node::argument::{Argument, Arguments, ScalarName};
 use crate::node::assets::Assets;
 use crate::node::attributes::{Paints, TheScalar};
 use crate::node::bend::Bend;
@@ -198,6 +198,11 @@ impl Solids {
         Ok(Arc::new(Expression::new(&self.graph, node)))
     }
 
+    /// A node as a field of its own.
+    pub(super) fn field_of(&self, node: Node) -> Arc<dyn Field> {
+        Arc::new(Expression::new(&self.graph, node))
+    }
+
     /// About how many voxels go along the longest side of what is baked.
     pub fn resolution(&self) -> f64 {
         self.resolution
@@ -340,6 +345,19 @@ impl Solids {
         }
         self.made.insert(made, node);
         Ok(node)
+    }
+
+    /// What is made of a shape's own keys in place of its field, where a map has it.
+    pub(super) fn made_by(
+        &mut self,
+        id: ShapeId,
+        map: &DAffine3,
+        make: impl FnOnce(&mut dyn Build) -> Result<Node, Problem>,
+    ) -> Result<Node, Problem> {
+        let model = self.model();
+        let shape = model.shape(id);
+        let made = make(&mut Making::new(self, id, shape, 0, "the field"))?;
+        self.transformed(made, map, shape)
     }
 
     /// The cells of a shape that can take colours each, of its copies, else of what it is; and the step that they are of.
@@ -583,6 +601,15 @@ impl Build for Making<'_> {
 
     fn shape(&mut self, id: ShapeId) -> Result<Node, Problem> {
         self.solids.node(id, Stage::Placed)
+    }
+
+    fn graded(
+        &mut self,
+        ends: [ShapeId; 2],
+        by: (&ScalarName, Arc<dyn Field>),
+        solid: (Node, Aabb),
+    ) -> Result<Option<Node>, Problem> {
+        self.solids.graded(ends, by, solid)
     }
 
     fn distance(&mut self, solid: Node, levels: Interval, key: &'static str) -> Result<Node, Problem> {

@@ -13,8 +13,9 @@ use crate::field::facet::Pieces;
 use crate::field::{Aabb, Field, Graph, Interval, Node};
 use crate::mesh::NumberOf;
 use crate::morph::Morph;
-use crate::node::argument::Arguments;
+use crate::node::argument::{Arguments, ScalarName};
 use crate::node::bend::Bend;
+use crate::node::grading::GradedOf;
 use crate::node::id::{CellsId, ShapeId};
 use crate::node::reading::Reading;
 use crate::text::diagnostic::Diagnostic;
@@ -62,6 +63,8 @@ pub struct Spec {
     pub bend: Option<BendOf>,
     /// What it reads from its file.
     pub import: Option<ImportOf>,
+    /// How it goes over into another one of its row, where that is not a mean of both values.
+    pub graded: Option<GradedOf>,
     /// Its field at a moment.
     pub build: fn(&mut dyn Build) -> Result<Node, Problem>,
 }
@@ -81,6 +84,7 @@ impl Spec {
         cells: None,
         bend: None,
         import: None,
+        graded: None,
         build: |build| build.inner(),
     };
 
@@ -207,6 +211,13 @@ pub trait Build {
     fn bend(&mut self) -> Result<Arc<dyn Bend>, Problem>;
     /// A shape where it stands.
     fn shape(&mut self, id: ShapeId) -> Result<Node, Problem>;
+    /// Two structures as one that goes over from the first to the second by ω in a solid with its box, where their row knows how.
+    fn graded(
+        &mut self,
+        ends: [ShapeId; 2],
+        by: (&ScalarName, Arc<dyn Field>),
+        solid: (Node, Aabb),
+    ) -> Result<Option<Node>, Problem>;
     /// The distance of a node wherever it is one of `levels`, positive inside: its own value where that is one.
     fn distance(&mut self, solid: Node, levels: Interval, key: &'static str) -> Result<Node, Problem>;
     /// The same of a shape where it stands. What moves without changing is measured once.
@@ -255,9 +266,14 @@ impl dyn Build + '_ {
 
     /// The number of a key at the moment; where it is left out, its share of the key that its default refers to.
     pub fn number(&self, key: &str) -> Result<f64, Problem> {
-        match (self.arguments().number(key), self.key(key).default) {
+        self.number_of(self.arguments(), key)
+    }
+
+    /// The same of other values of the row's keys.
+    pub fn number_of(&self, arguments: &Arguments, key: &str) -> Result<f64, Problem> {
+        match (arguments.number(key), self.key(key).default) {
             (Some(number), _) => Ok(number.at(self.moment())?),
-            (None, Absent::Of(other, share)) => Ok(share * self.number(other)?),
+            (None, Absent::Of(other, share)) => Ok(share * self.number_of(arguments, other)?),
             (None, default) => unreachable!("`{key}` has no value by itself, but {default:?}"),
         }
     }

@@ -23,7 +23,7 @@ pub(in crate::field) fn cells_around(ring: i64, mut each: impl FnMut(I64Vec3)) {
     }
 }
 
-pub(super) fn mixed(bits: u64) -> u64 {
+pub(in crate::field) fn mixed(bits: u64) -> u64 {
     let mut bits = bits.wrapping_add(0x9e37_79b9_7f4a_7c15);
     bits = (bits ^ (bits >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
     bits = (bits ^ (bits >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);

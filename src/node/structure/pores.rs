@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use crate::field::{Joined, Procedure, Seeds, Slope};
+use crate::field::{Balls, Joined, Procedure, Seeds, Slope};
 use crate::node::keys::seed;
 use crate::node::spec::Spec;
 use crate::text::key::Absent::{Number, Of, Required};
@@ -24,6 +24,14 @@ pub const NODE: Spec = Spec {
     formula: "|p − c| − r, c the nearest pore's middle",
     example: "pores = 0.5\nbounds = { box = 1.5, cut = true }",
     is_endless: true,
+    graded: Some(|build, grading| {
+        let (edge, radius) = (grading.ends(build, "pores")?, grading.ends(build, "radius")?);
+        let cells = grading.cells(build, "pores", edge)?;
+        let balls = cells.into_iter().map(|cell| (cell.at, radius.at(cell.share))).collect();
+        let graph = build.graph();
+        let pores = graph.field(Joined::shared(Balls::new(balls)));
+        Ok(graph.neg(pores))
+    }),
     build: |build| {
         let (edge, radius) = (build.number("pores")?, build.number("radius")?);
         let jitter = build.constant("jitter");

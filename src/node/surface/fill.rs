@@ -1,7 +1,9 @@
 //! A shape filled with a structure.
 
+use std::sync::Arc;
+
 use crate::field::{Interval, Node};
-use crate::node::displacement::structures_mixed;
+use crate::node::displacement::{mixing, structures_mixed};
 use crate::node::spec::{Build, Spec};
 use crate::text::key::Absent::{Nothing, Number};
 use crate::text::key::{Key, Kind, Limit};
@@ -22,7 +24,9 @@ pub const NODE: Spec = Spec {
             Kind::Shape,
             Nothing,
             "What `fill` goes over into, by `fill_by`: another structure, or the same one thicker. Sheets of one `gyroid` that differ \
-             in `thickness` are as thick as the mean of both by ω.",
+             in `thickness` are as thick as the mean of both by ω. Two `foam`s or two `pores` are one whose cells go over from the \
+             size of the first to that of the second, up to 64 times as large; each has the wall or the radius of its middle, and \
+             the `seed` is the first one's.",
         ),
         Key::new(
             "fill_by",
@@ -46,9 +50,7 @@ pub const NODE: Spec = Spec {
     measures: |_| true,
     build: |build| {
         let solid = build.inner()?;
-        let structure = *build.arguments().shape("fill").expect("it must be there");
-        let structure = build.shape(structure)?;
-        let structure = mixed(build, solid, structure)?;
+        let structure = structure(build, solid)?;
         let (skin, ever) = (build.number("skin")?, build.ever("skin")?);
         let inside = if ever.hi > 0.0 {
             let distance = build.distance(solid, Interval::new(0.0, ever.hi), "skin")?;
@@ -64,11 +66,12 @@ pub const NODE: Spec = Spec {
     ..Spec::PLAIN
 };
 
-/// A structure that goes over into `fill_to`, where there is one.
-fn mixed(build: &mut dyn Build, solid: Node, structure: Node) -> Result<Node, Problem> {
+/// What it is filled with, which goes over into `fill_to` where there is one.
+fn structure(build: &mut dyn Build, solid: Node) -> Result<Node, Problem> {
+    let from = *build.arguments().shape("fill").expect("it must be there");
     let (to, by) = (build.arguments().shape("fill_to").copied(), build.arguments().scalar("fill_by").cloned());
     let (to, by) = match (to, by) {
-        (None, None) => return Ok(structure),
+        (None, None) => return build.shape(from),
         (Some(to), Some(by)) => (to, by),
         (Some(_), None) => {
             let problem = build.wrong("fill_to", "`fill_to` goes with `fill_by`");
@@ -80,7 +83,11 @@ fn mixed(build: &mut dyn Build, solid: Node, structure: Node) -> Result<Node, Pr
         }
     };
     let aabb = build.solid_box(solid)?;
-    let to = build.shape(to)?;
-    let Some(scalar) = build.scalar(&by.name, aabb)? else { return Ok(structure) };
-    Ok(structures_mixed(build.graph(), [structure, to], scalar, aabb.size().max_element()))
+    let Some(scalar) = build.scalar(&by.name, aabb)? else { return build.shape(from) };
+    let omega = mixing(scalar, aabb.size().max_element());
+    if let Some(graded) = build.graded([from, to], (&by, Arc::clone(&omega)), (solid, aabb))? {
+        return Ok(graded);
+    }
+    let structures = [build.shape(from)?, build.shape(to)?];
+    Ok(structures_mixed(build.graph(), structures, omega))
 }
