@@ -116,6 +116,11 @@ const SCENES: &[BuiltIn] = &[
         text: include_str!("../../scenes/graded.toml"),
         line: "an arm of gyroid, cut open, from thin to thick sheets along the inside",
     },
+    BuiltIn {
+        name: "horn",
+        text: include_str!("../../scenes/horn.toml"),
+        line: "a horn of foam, cut open, whose cells grow along the inside",
+    },
     BuiltIn { name: "crawl", text: include_str!("../../scenes/crawl.toml"), line: "a change that crawls along a vine" },
     BuiltIn {
         name: "gears",
