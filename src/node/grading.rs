@@ -7,16 +7,13 @@ use std::sync::Arc;
 
 use glam::{DAffine3, DVec3};
 
-use super::argument::{Arguments, ScalarName};
+use super::argument::ScalarName;
 use super::id::{ShapeId, Stage};
 use super::solid::Solids;
-use super::spec::Build;
+use super::spec::{Build, Grading};
 use crate::field::{Aabb, Dart, DartError, Darts, Expression, Field, Graph, Node, Seeds, WIDEST, shares_at};
 use crate::text::key::Absent;
 use crate::text::problem::Problem;
-
-/// The node of a row that goes over into another one of it. What is built is the first.
-pub type GradedOf = fn(&mut dyn Build, &Grading<'_>) -> Result<Node, Problem>;
 
 /// The most cells of a lattice.
 const MOST: usize = 1 << 22;
@@ -24,25 +21,16 @@ const MOST: usize = 1 << 22;
 /// Largest cells around the box of what is filled: a cell within is made by those around it.
 const AROUND: f64 = 3.0;
 
-/// What a structure goes over into, and by what.
-pub struct Grading<'a> {
-    /// The keys of the other one.
-    pub to: &'a Arguments,
-    /// ω, in the structure's own space.
-    pub by: Arc<dyn Field>,
-    /// What it fills, in the structure's own space.
-    pub solid: Arc<dyn Field>,
-    /// The box of that.
-    pub around: Aabb,
-    /// What the scene calls ω.
-    pub name: &'a ScalarName,
-}
-
 /// A number that goes over from one to another.
 #[derive(Clone, Copy, Debug)]
 pub struct Ends(pub [f64; 2]);
 
 impl Ends {
+    /// Whether it stays the same.
+    pub fn is_same(self) -> bool {
+        self.0[0] == self.0[1]
+    }
+
     /// By a share from 0 to 1.
     pub fn at(self, share: f64) -> f64 {
         let Self([from, to]) = self;
@@ -82,7 +70,8 @@ impl Grading<'_> {
                 Ok(points.into_iter().zip(shares).map(|(at, share)| Dart { at, share }).collect())
             })
         } else {
-            self.are_gradable(build, key, [smallest, largest])?;
+            self.are_within_reach(build, key, [smallest, largest])?;
+            self.has_no_lattice(build, key)?;
             Darts { around, solid: self.solid.as_ref(), sizes, by: self.by.as_ref(), seed }.thrown()
         };
         made.map_err(|error| match error {
@@ -100,19 +89,24 @@ impl Grading<'_> {
         })
     }
 
-    /// Refuses sizes that cannot go over into one another.
-    fn are_gradable(&self, build: &dyn Build, key: &str, [smallest, largest]: [f64; 2]) -> Result<(), Problem> {
-        if largest > WIDEST * smallest {
-            let problem = format!("cells of `{key}` from {smallest} to {largest} differ by more than {WIDEST} times");
-            return Err(self.wrong(build, key, problem).help("sizes that are nearer to one another"));
+    /// Refuses sizes that are too different to go over into one another.
+    pub fn are_within_reach(&self, build: &dyn Build, key: &str, sizes: [f64; 2]) -> Result<(), Problem> {
+        let [smallest, largest] = sizes;
+        if largest <= WIDEST * smallest {
+            return Ok(());
         }
+        let problem = format!("cells of `{key}` from {smallest} to {largest} differ by more than {WIDEST} times");
+        Err(self.wrong(build, key, problem).help("sizes that are nearer to one another"))
+    }
+
+    /// Refuses a number that is about cells of one size.
+    fn has_no_lattice(&self, build: &dyn Build, key: &str) -> Result<(), Problem> {
         let jitter = build.constant("jitter");
-        if !matches!(build.key("jitter").default, Absent::Number(default) if default == jitter) {
-            let problem =
-                format!("`jitter` has no meaning where the size of `{key}` changes: no lattice has such cells");
-            return Err(build.wrong("jitter", problem).help("leave it out, or give both the same size"));
+        if matches!(build.key("jitter").default, Absent::Number(default) if default == jitter) {
+            return Ok(());
         }
-        Ok(())
+        let problem = format!("`jitter` has no meaning where the size of `{key}` changes: no lattice has such cells");
+        Err(build.wrong("jitter", problem).help("leave it out, or give both the same size"))
     }
 }
 
@@ -145,7 +139,7 @@ impl Solids {
         let around = corners.into_iter().map(|corner| Aabb::new(corner, corner)).reduce(Aabb::union).unwrap_or(around);
         let [by, solid] = [by, self.field_of(solid)].map(|field| read_through(field, &map));
         let grading = Grading { to: &second.arguments, by, solid, around, name };
-        self.made_by(from, &map, |build| graded(build, &grading)).map(Some)
+        self.made_by(from, &map, |build| graded(build, &grading))
     }
 }
 

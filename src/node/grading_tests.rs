@@ -105,6 +105,71 @@ fn share(from: &str, to: &str, side: f64) -> f64 {
     inside as f64 / COUNT as f64
 }
 
+/// The ends of a lattice or a surface that goes over are it at both sizes, and between them is that of every half, where its size
+/// is the wanted one.
+#[test]
+fn lattices_go_over_by_halves() {
+    for (row, of) in [
+        ("octet", "radius = R"),
+        ("bcc", "radius = R"),
+        ("kelvin", "radius = R"),
+        ("gyroid", "thickness = R"),
+        ("schwarz_p", "fraction = 0.3"),
+    ] {
+        let keys = |edge: f64| format!("{row} = {edge}, {}", of.replace('R', &(0.08 * edge).to_string()));
+        let graded = field(&format!(
+            "box = 4\nfill = {{ {} }}\nfill_to = {{ {} }}\nfill_by = 'w'\nattribute.w = '0.5 + x'",
+            keys(1.6),
+            keys(0.4)
+        ));
+        // By halves of the size at the middle of the borders: 1.6 to 0.4 along x from −0.5 to 0.5.
+        let x = |size: f64| (1.0 - size) / 1.2;
+        for (edge, low, high) in [(1.6, -2.0, x(1.6)), (0.8, x(0.8), x(0.73)), (0.4, x(0.4), 2.0)] {
+            let plain = field(&format!("box = 4\nfill = {{ {} }}", keys(edge)));
+            let mut samples = Samples::new(43);
+            let region = Aabb::new(DVec3::new(low, -2.0, -2.0), DVec3::new(high, 2.0, 2.0));
+            let mut inside = 0;
+            for _ in 0..4000 {
+                let at = samples.within(&region);
+                let (found, wanted) = (graded.reference(at), plain.reference(at));
+                inside += usize::from(wanted > 0.0);
+                assert!(wanted <= 0.0 || (found - wanted).abs() < 1e-6, "{row} of {edge} at {at}: {found}, {wanted}");
+                assert!(wanted > 0.0 || found <= 1e-6, "{row} of {edge} at {at}: {found}, {wanted}");
+            }
+            assert!(inside > 100, "{row}: {inside}");
+        }
+    }
+}
+
+/// Where two sizes meet, both are there: no cut across the solid is free of material.
+#[test]
+fn octaves_overlap() {
+    let graded = field(
+        "box = 4\nfill = { cubic = 0.8, radius = 0.08 }\nfill_to = { cubic = 0.4, radius = 0.04 }\nfill_by = 'w'\n\
+         attribute.w = '0.5 + 0.5*x'",
+    );
+    for i in 0..200 {
+        let x = -1.0 + 0.01 * f64::from(i);
+        // Along the lines of both lattices.
+        assert!(graded.reference(DVec3::new(x, 0.0, 0.0)) > 0.01, "{x}");
+    }
+    let mut samples = Samples::new(47);
+    let mut evaluator = graded.evaluator();
+    for _ in 0..60 {
+        let size = 0.5_f64.powf(6.0 * samples.next());
+        let min = samples.within(&Aabb::new(CUBE.min, CUBE.max - size));
+        let region = Aabb::new(min, min + size);
+        evaluator.enter(&region);
+        let bounds = evaluator.bounds();
+        evaluator.leave();
+        for _ in 0..50 {
+            let at = samples.within(&region);
+            let value = graded.reference(at);
+            assert!(bounds.contains(value), "{at}: {value} not in {bounds:?}");
+        }
+    }
+}
+
 /// Others are mixed by their values, as ever.
 #[test]
 fn structures_of_different_rows_are_mixed() {
@@ -145,6 +210,13 @@ fn what_cannot_go_over_is_an_error_with_a_way_out() {
         ("fill = { pores = 0.001 }\nfill_to = { pores = 0.001, radius = 0.0001 }", "too many cells to place them"),
         ("fill = { pores = 0.1, jitter = 0 }\nfill_to = { pores = 0.2 }", "different `jitter`s"),
         ("fill = { pores = 0.1, jitter = 0 }\nfill_to = { pores = 0.2, jitter = 0 }", "`jitter` has no meaning"),
+        ("fill = { octet = 0.001 }\nfill_to = { octet = 0.3 }", "differ by more than 64 times"),
+        ("fill = { octet = 0.1, radius = '0.01 + x' }\nfill_to = { octet = 0.3 }", "`radius` is a formula"),
+        (
+            "fill = { gyroid = 0.1, thickness = 0.01 }\nfill_to = { gyroid = 0.3, fraction = 0.2 }",
+            "and the other one a `fraction`",
+        ),
+        ("fill = { gyroid = 0.1, thickness = 0.01 }\nfill_to = { gyroid = 0.3 }", "neither `thickness` nor `fraction`"),
     ] {
         let found = problem(&format!("box = 2\n{keys}\n{by}"));
         assert!(found.contains(words), "{keys}\n{found}");

@@ -2,11 +2,14 @@
 
 use glam::DVec3;
 
-use super::argument::{Argument, Component};
-use super::spec::Build;
-use crate::field::{Joined, Node, Strut, Struts};
+use super::argument::{Argument, Arguments, Component};
+use super::grading::Ends;
+use super::octaves::octaves;
+use super::spec::{Build, Grading};
+use crate::field::{Graph, Joined, Node, Strut, Struts};
 use crate::text::key::Absent::Of;
 use crate::text::key::{Key, Kind, Limit};
+use crate::text::number::formula::Formula;
 use crate::text::problem::Problem;
 
 /// A line between two points.
@@ -22,18 +25,15 @@ pub const fn radius(cell: &'static str) -> Key {
 /// of r, so that the surface is where the lines are as far away as r says there.
 pub fn lattice(build: &mut dyn Build, key: &str, lines: &[Line]) -> Result<Node, Problem> {
     let edge = build.number(key)?;
-    let given = match build.arguments().get("radius") {
-        Some(Argument::Components(components)) => components.first().cloned(),
-        _ => None,
+    let (radius, added) = match formula_of(build.arguments()) {
+        Some(formula) => {
+            let formula = formula.clone();
+            (0.0, Some(build.reading(&formula)?))
+        }
+        None => (radius_of(build, build.arguments())?, None),
     };
-    let (radius, added) = match given {
-        Some(Component::Formula(formula)) => (0.0, Some(build.reading(&formula)?)),
-        Some(Component::Number(number)) => (number.at(build.moment())?, None),
-        None => (build.number("radius")?, None),
-    };
-    let struts: Vec<Strut> = lines.iter().map(|[a, b]| Strut::new(*a * edge, *b * edge, [radius; 2])).collect();
     let graph = build.graph();
-    let solid = graph.field(Joined::shared(Struts::periodic(&struts, edge)));
+    let solid = struts(graph, lines, edge, radius);
     Ok(match added {
         Some(reading) => {
             let radius = reading.node(graph);
@@ -41,6 +41,55 @@ pub fn lattice(build: &mut dyn Build, key: &str, lines: &[Line]) -> Result<Node,
         }
         None => solid,
     })
+}
+
+/// The row's node that goes over into another one of it.
+pub fn graded(
+    build: &mut dyn Build,
+    grading: &Grading<'_>,
+    key: &str,
+    lines: &[Line],
+) -> Result<Option<Node>, Problem> {
+    let size = grading.ends(build, key)?;
+    if [build.arguments(), grading.to].into_iter().any(|arguments| formula_of(arguments).is_some()) {
+        if size.is_same() {
+            return Ok(None);
+        }
+        let problem = format!("`radius` is a formula, and the cells of `{key}` go over from a size to another");
+        return Err(build.wrong(key, problem).help("a number at both: it goes over, too"));
+    }
+    let radius = Ends([radius_of(build, build.arguments())?, radius_of(build, grading.to)?]);
+    octaves(build, grading, key, |build, octave| {
+        let radius = radius.at(octave.share) * octave.scale;
+        Ok((struts(build.graph(), lines, octave.edge, radius), radius))
+    })
+}
+
+fn struts(graph: &mut Graph, lines: &[Line], edge: f64, radius: f64) -> Node {
+    let struts: Vec<Strut> = lines.iter().map(|[a, b]| Strut::new(*a * edge, *b * edge, [radius; 2])).collect();
+    graph.field(Joined::shared(Struts::periodic(&struts, edge)))
+}
+
+/// The radius where it is a formula.
+fn formula_of(arguments: &Arguments) -> Option<&Formula> {
+    match arguments.get("radius") {
+        Some(Argument::Components(components)) => match components.first() {
+            Some(Component::Formula(formula)) => Some(formula),
+            _ => None,
+        },
+        _ => None,
+    }
+}
+
+/// The radius where it is a number.
+fn radius_of(build: &dyn Build, arguments: &Arguments) -> Result<f64, Problem> {
+    match arguments.get("radius") {
+        Some(Argument::Components(components)) => match components.first() {
+            Some(Component::Number(number)) => Ok(number.at(build.moment())?),
+            _ => build.number_of(arguments, "radius"),
+        },
+        _ => build.number_of(arguments, "radius"),
+    }
 }
 
 const HALF: f64 = 0.5;

@@ -3,7 +3,10 @@
 //! A sheet is |g| ≤ t/2·|∇g|: to first order all that is within t/2 of g = 0, so that its thickness is a length, whatever g
 //! is in. Where g is flat there is no sheet, and nothing is divided by its slope.
 
-use super::spec::Build;
+use super::argument::Arguments;
+use super::grading::Ends;
+use super::octaves::octaves;
+use super::spec::{Build, Grading};
 use crate::field::{Graph, Node, Slope};
 use crate::text::key::Absent::Nothing;
 use crate::text::key::{Key, Kind, Limit};
@@ -120,9 +123,52 @@ pub const SHEET_OR_SOLID: &[Key] = &[
     .limit(Limit::Within(0.01, 0.99)),
 ];
 
+/// Which part of space is filled.
+#[derive(Clone, Copy, Debug)]
+enum Part {
+    /// A sheet of a thickness.
+    Sheet(f64),
+    /// The side that is so much of space.
+    Solid(f64),
+}
+
 /// The row's node: a sheet of `thickness`, or the side that `fraction` fills.
 pub fn surface(build: &mut dyn Build, key: &'static str, terms: &[Term]) -> Result<Node, Problem> {
-    let given = |name: &str| build.arguments().number(name).is_some();
+    let part = part_of(build, build.arguments(), key, |at, problem| build.wrong(at, problem))?;
+    let edge = build.number(key)?;
+    Ok(sized(build.graph(), terms, edge, part).0)
+}
+
+/// The row's node that goes over into another one of it.
+pub fn graded(
+    build: &mut dyn Build,
+    grading: &Grading<'_>,
+    key: &'static str,
+    terms: &[Term],
+) -> Result<Option<Node>, Problem> {
+    let from = part_of(build, build.arguments(), key, |at, problem| build.wrong(at, problem))?;
+    let to = part_of(build, grading.to, key, |at, problem| grading.wrong(build, at, problem))?;
+    octaves(build, grading, key, |build, octave| {
+        let part = match (from, to) {
+            (Part::Sheet(from), Part::Sheet(to)) => Part::Sheet(Ends([from, to]).at(octave.share) * octave.scale),
+            (Part::Solid(from), Part::Solid(to)) => Part::Solid(Ends([from, to]).at(octave.share)),
+            _ => {
+                let problem = format!("one `{key}` has a `thickness` and the other one a `fraction`");
+                return Err(grading.wrong(build, key, problem).help("the same of them for both"));
+            }
+        };
+        Ok(sized(build.graph(), terms, octave.edge, part))
+    })
+}
+
+/// The part of space that keys say.
+fn part_of(
+    build: &dyn Build,
+    arguments: &Arguments,
+    key: &'static str,
+    wrong: impl Fn(&str, String) -> Problem,
+) -> Result<Part, Problem> {
+    let given = |name: &str| arguments.number(name).is_some();
     let (sheet, solid) = (given("thickness"), given("fraction"));
     if sheet == solid {
         let (at, problem) = if sheet {
@@ -130,34 +176,45 @@ pub fn surface(build: &mut dyn Build, key: &'static str, terms: &[Term]) -> Resu
         } else {
             (key, format!("`{key}` has neither `thickness` nor `fraction`"))
         };
-        return Err(build.wrong(at, problem).help(
+        return Err(wrong(at, problem).help(
             "exactly one of `thickness`, for a sheet in units, and `fraction`, for a solid that fills so much of space",
         ));
     }
-    let wave = std::f64::consts::TAU / build.number(key)?;
+    Ok(if sheet {
+        Part::Sheet(build.number_of(arguments, "thickness")?)
+    } else {
+        Part::Solid(build.number_of(arguments, "fraction")?)
+    })
+}
+
+/// The surface of cells of an edge, and its greatest value: half of a sheet's thickness.
+fn sized(graph: &mut Graph, terms: &[Term], edge: f64, part: Part) -> (Node, f64) {
+    let wave = std::f64::consts::TAU / edge;
     let (mut values, mean) = counted(terms);
     let scale = 1.0 / (wave * mean);
     // Bounds of |∇g| and of how fast that changes, in waves.
     let derived = |by: &[usize]| terms.iter().map(|term| term.bound(by)).sum::<f64>();
     let first = length((0..3).map(|i| derived(&[i])));
     let second = length((0..9).map(|i| derived(&[i / 3, i % 3])));
-    let half = if sheet { build.number("thickness")? / 2.0 * wave } else { 0.0 };
-    let fraction = if solid { build.number("fraction")? } else { 0.0 };
-    let graph = build.graph();
     let angles = glam::DVec3::AXES.map(|axis| graph.affine(axis * wave, 0.0));
     let value = sum(graph, terms, angles, None);
-    let (node, steepest) = if sheet {
-        let by = [0, 1, 2].map(|axis| sum(graph, terms, angles, Some(axis)));
-        let slope = graph.length(&by);
-        let (slope, from) = (graph.linear(slope, half * scale, 0.0), graph.abs(value));
-        let from = graph.linear(from, scale, 0.0);
-        (graph.sub(slope, from), first + half * second)
-    } else {
-        let at = ((fraction * values.len() as f64) as usize).min(values.len() - 1);
-        let (_, level, _) = values.select_nth_unstable_by(at, f64::total_cmp);
-        (graph.linear(value, -scale, scale * *level), first)
+    let (node, steepest, depth) = match part {
+        Part::Sheet(thickness) => {
+            let half = thickness / 2.0 * wave;
+            let by = [0, 1, 2].map(|axis| sum(graph, terms, angles, Some(axis)));
+            let slope = graph.length(&by);
+            let (slope, from) = (graph.linear(slope, half * scale, 0.0), graph.abs(value));
+            let from = graph.linear(from, scale, 0.0);
+            (graph.sub(slope, from), first + half * second, thickness / 2.0)
+        }
+        Part::Solid(fraction) => {
+            let at = ((fraction * values.len() as f64) as usize).min(values.len() - 1);
+            let (below, level, _) = values.select_nth_unstable_by(at, f64::total_cmp);
+            let least = below.iter().fold(*level, |least, value| least.min(*value));
+            (graph.linear(value, -scale, scale * *level), first, scale * (*level - least))
+        }
     };
-    Ok(graph.sloped(node, Slope::Lipschitz(scale * wave * steepest * (1.0 + 1e-9)), None))
+    (graph.sloped(node, Slope::Lipschitz(scale * wave * steepest * (1.0 + 1e-9)), None), depth)
 }
 
 /// The length of a vector, the same bits on every machine.

@@ -38,6 +38,7 @@ pub(crate) mod minimal;
 pub(crate) mod model;
 pub(crate) mod morph_mode;
 pub(crate) mod morphed;
+pub(crate) mod octaves;
 pub(crate) mod operation;
 mod origin;
 pub(crate) mod own_box;

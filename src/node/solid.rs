@@ -352,12 +352,12 @@ impl Solids {
         &mut self,
         id: ShapeId,
         map: &DAffine3,
-        make: impl FnOnce(&mut dyn Build) -> Result<Node, Problem>,
-    ) -> Result<Node, Problem> {
+        make: impl FnOnce(&mut dyn Build) -> Result<Option<Node>, Problem>,
+    ) -> Result<Option<Node>, Problem> {
         let model = self.model();
         let shape = model.shape(id);
         let made = make(&mut Making::new(self, id, shape, 0, "the field"))?;
-        self.transformed(made, map, shape)
+        made.map(|node| self.transformed(node, map, shape)).transpose()
     }
 
     /// The cells of a shape that can take colours each, of its copies, else of what it is; and the step that they are of.

@@ -15,7 +15,6 @@ use crate::mesh::NumberOf;
 use crate::morph::Morph;
 use crate::node::argument::{Arguments, ScalarName};
 use crate::node::bend::Bend;
-use crate::node::grading::GradedOf;
 use crate::node::id::{CellsId, ShapeId};
 use crate::node::reading::Reading;
 use crate::text::diagnostic::Diagnostic;
@@ -35,6 +34,10 @@ pub type BendOf = fn(&mut dyn Build) -> Result<Arc<dyn Bend>, Problem>;
 
 /// What a node reads from its file.
 pub type ImportOf = fn(&Import<'_>) -> Result<Imported, Problem>;
+
+/// The node of a row that goes over into another one of it, of which the first is built; `None` where a mean of both values is
+/// what is meant.
+pub type GradedOf = fn(&mut dyn Build, &Grading<'_>) -> Result<Option<Node>, Problem>;
 
 /// What a shape can be, or what can be done to one.
 #[derive(Clone, Copy)]
@@ -160,6 +163,20 @@ impl Import<'_> {
     pub fn file(&self, key: &str) -> &FileReference {
         self.arguments.file_at(key, self.frame).expect("it must be there")
     }
+}
+
+/// What a structure goes over into, and by what.
+pub struct Grading<'a> {
+    /// The keys of the other one.
+    pub to: &'a Arguments,
+    /// ω, in the structure's own space.
+    pub by: Arc<dyn Field>,
+    /// What it fills, in the structure's own space.
+    pub solid: Arc<dyn Field>,
+    /// The box of that.
+    pub around: Aabb,
+    /// What the scene calls ω.
+    pub name: &'a ScalarName,
 }
 
 /// A file's colours, for voxels with an edge.

@@ -1,6 +1,6 @@
 //! A body-centred lattice.
 
-use crate::node::lattice::{lattice, radius, space_diagonals};
+use crate::node::lattice::{graded, lattice, radius, space_diagonals};
 use crate::node::spec::Spec;
 use crate::text::key::Absent::Required;
 use crate::text::key::Key;
@@ -16,6 +16,7 @@ pub const NODE: Spec = Spec {
     formula: "the greatest over the struts of r − |p − q|, q the nearest of the strut",
     example: "bcc = 1\nbounds = { box = 2.2, cut = true }",
     is_endless: true,
+    graded: Some(|build, grading| graded(build, grading, "bcc", &space_diagonals())),
     build: |build| lattice(build, "bcc", &space_diagonals()),
     ..Spec::PLAIN
 };

@@ -1,6 +1,6 @@
 //! A face-centred lattice.
 
-use crate::node::lattice::{face_diagonals, lattice, radius};
+use crate::node::lattice::{face_diagonals, graded, lattice, radius};
 use crate::node::spec::Spec;
 use crate::text::key::Absent::Required;
 use crate::text::key::Key;
@@ -16,6 +16,7 @@ pub const NODE: Spec = Spec {
     formula: "the greatest over the struts of r − |p − q|, q the nearest of the strut",
     example: "fcc = 1\nbounds = { box = 2.2, cut = true }",
     is_endless: true,
+    graded: Some(|build, grading| graded(build, grading, "fcc", &face_diagonals())),
     build: |build| lattice(build, "fcc", &face_diagonals()),
     ..Spec::PLAIN
 };

@@ -1,6 +1,6 @@
 //! Fischer and Koch's S surface.
 
-use crate::node::minimal::{SHEET_OR_SOLID, Term, Wave::Cos, Wave::Sin, surface};
+use crate::node::minimal::{SHEET_OR_SOLID, Term, Wave::Cos, Wave::Sin, graded, surface};
 use crate::node::spec::Spec;
 use crate::text::key::Absent::Required;
 use crate::text::key::Key;
@@ -17,6 +17,7 @@ pub const NODE: Spec = Spec {
     source: "Fischer and Koch, 1987; its usual approximation by waves",
     example: "fischer_koch_s = 1\nthickness = 0.15\nbounds = { box = 2, cut = true }",
     is_endless: true,
+    graded: Some(|build, grading| graded(build, grading, "fischer_koch_s", TERMS)),
     build: |build| surface(build, "fischer_koch_s", TERMS),
     ..Spec::PLAIN
 };

@@ -1,6 +1,6 @@
 //! The bonds of fluorite.
 
-use crate::node::lattice::{fluorite_bonds, lattice, radius};
+use crate::node::lattice::{fluorite_bonds, graded, lattice, radius};
 use crate::node::spec::Spec;
 use crate::text::key::Absent::Required;
 use crate::text::key::Key;
@@ -16,6 +16,7 @@ pub const NODE: Spec = Spec {
     formula: "the greatest over the struts of r − |p − q|, q the nearest of the strut",
     example: "fluorite = 1\nbounds = { box = 2.2, cut = true }",
     is_endless: true,
+    graded: Some(|build, grading| graded(build, grading, "fluorite", &fluorite_bonds())),
     build: |build| lattice(build, "fluorite", &fluorite_bonds()),
     ..Spec::PLAIN
 };

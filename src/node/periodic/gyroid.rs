@@ -1,6 +1,6 @@
 //! Schoen's gyroid.
 
-use crate::node::minimal::{SHEET_OR_SOLID, Term, Wave::Cos, Wave::Sin, surface};
+use crate::node::minimal::{SHEET_OR_SOLID, Term, Wave::Cos, Wave::Sin, graded, surface};
 use crate::node::spec::Spec;
 use crate::text::key::Absent::Required;
 use crate::text::key::Key;
@@ -17,6 +17,7 @@ pub const NODE: Spec = Spec {
     source: "Schoen, Infinite Periodic Minimal Surfaces without Self-Intersections, 1970; its usual approximation by waves",
     example: "gyroid = 1\nthickness = 0.15\nbounds = { box = 2, cut = true }",
     is_endless: true,
+    graded: Some(|build, grading| graded(build, grading, "gyroid", TERMS)),
     build: |build| surface(build, "gyroid", TERMS),
     ..Spec::PLAIN
 };

@@ -1,6 +1,6 @@
 //! Schoen's I-WP surface.
 
-use crate::node::minimal::{SHEET_OR_SOLID, Term, Wave::Cos, surface};
+use crate::node::minimal::{SHEET_OR_SOLID, Term, Wave::Cos, graded, surface};
 use crate::node::spec::Spec;
 use crate::text::key::Absent::Required;
 use crate::text::key::Key;
@@ -18,6 +18,7 @@ pub const NODE: Spec = Spec {
     source: "Schoen, Infinite Periodic Minimal Surfaces without Self-Intersections, 1970; its usual approximation by waves",
     example: "i_wp = 1\nthickness = 0.15\nbounds = { box = 2, cut = true }",
     is_endless: true,
+    graded: Some(|build, grading| graded(build, grading, "i_wp", TERMS)),
     build: |build| surface(build, "i_wp", TERMS),
     ..Spec::PLAIN
 };

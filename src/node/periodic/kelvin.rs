@@ -1,6 +1,6 @@
 //! Kelvin's foam.
 
-use crate::node::lattice::{lattice, radius, truncated_octahedra};
+use crate::node::lattice::{graded, lattice, radius, truncated_octahedra};
 use crate::node::spec::Spec;
 use crate::text::key::Absent::Required;
 use crate::text::key::Key;
@@ -16,6 +16,7 @@ pub const NODE: Spec = Spec {
     formula: "the greatest over the struts of r − |p − q|, q the nearest of the strut",
     example: "kelvin = 1\nbounds = { box = 2.2, cut = true }",
     is_endless: true,
+    graded: Some(|build, grading| graded(build, grading, "kelvin", &truncated_octahedra())),
     build: |build| lattice(build, "kelvin", &truncated_octahedra()),
     ..Spec::PLAIN
 };

@@ -1,6 +1,6 @@
 //! Lidin's surface.
 
-use crate::node::minimal::{SHEET_OR_SOLID, Term, Wave::Cos, Wave::Sin, surface};
+use crate::node::minimal::{SHEET_OR_SOLID, Term, Wave::Cos, Wave::Sin, graded, surface};
 use crate::node::spec::Spec;
 use crate::text::key::Absent::Required;
 use crate::text::key::Key;
@@ -17,6 +17,7 @@ pub const NODE: Spec = Spec {
     source: "Lidin and Larsson, 1990; its usual approximation by waves",
     example: "lidinoid = 1\nthickness = 0.15\nbounds = { box = 2, cut = true }",
     is_endless: true,
+    graded: Some(|build, grading| graded(build, grading, "lidinoid", TERMS)),
     build: |build| surface(build, "lidinoid", TERMS),
     ..Spec::PLAIN
 };

@@ -1,6 +1,6 @@
 //! Neovius' surface.
 
-use crate::node::minimal::{SHEET_OR_SOLID, Term, Wave::Cos, surface};
+use crate::node::minimal::{SHEET_OR_SOLID, Term, Wave::Cos, graded, surface};
 use crate::node::spec::Spec;
 use crate::text::key::Absent::Required;
 use crate::text::key::Key;
@@ -17,6 +17,7 @@ pub const NODE: Spec = Spec {
     source: "Neovius, 1883; its usual approximation by waves",
     example: "neovius = 1\nthickness = 0.15\nbounds = { box = 2, cut = true }",
     is_endless: true,
+    graded: Some(|build, grading| graded(build, grading, "neovius", TERMS)),
     build: |build| surface(build, "neovius", TERMS),
     ..Spec::PLAIN
 };

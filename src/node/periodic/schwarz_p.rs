@@ -1,6 +1,6 @@
 //! Schwarz' P surface.
 
-use crate::node::minimal::{SHEET_OR_SOLID, Term, Wave::Cos, surface};
+use crate::node::minimal::{SHEET_OR_SOLID, Term, Wave::Cos, graded, surface};
 use crate::node::spec::Spec;
 use crate::text::key::Absent::Required;
 use crate::text::key::Key;
@@ -18,6 +18,7 @@ pub const NODE: Spec = Spec {
     source: "Schwarz, 1865; its usual approximation by waves",
     example: "schwarz_p = 1\nthickness = 0.15\nbounds = { box = 2, cut = true }",
     is_endless: true,
+    graded: Some(|build, grading| graded(build, grading, "schwarz_p", TERMS)),
     build: |build| surface(build, "schwarz_p", TERMS),
     ..Spec::PLAIN
 };

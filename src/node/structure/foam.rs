@@ -38,7 +38,7 @@ pub const NODE: Spec = Spec {
         let cells = grading.cells(build, "foam", edge)?;
         let walls = Walls::new(cells.into_iter().map(|cell| (cell.at, wall.at(cell.share))).collect());
         let Some(walls) = walls else { return Err(build.wrong("foam", "there are fewer than two cells")) };
-        Ok(build.graph().field(foam(move |p| walls.at(p))))
+        Ok(Some(build.graph().field(foam(move |p| walls.at(p)))))
     }),
     build: |build| {
         let (edge, wall) = (build.number("foam")?, build.number("wall")?);

@@ -30,7 +30,7 @@ pub const NODE: Spec = Spec {
         let balls = cells.into_iter().map(|cell| (cell.at, radius.at(cell.share))).collect();
         let graph = build.graph();
         let pores = graph.field(Joined::shared(Balls::new(balls)));
-        Ok(graph.neg(pores))
+        Ok(Some(graph.neg(pores)))
     }),
     build: |build| {
         let (edge, radius) = (build.number("pores")?, build.number("radius")?);
