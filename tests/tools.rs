@@ -123,6 +123,27 @@ fn slices_of_f_go_beyond_the_band() {
     place.hfvdb("preview ball.vdb --slice z=0 --slice-of f -o f.png").fails(2, &["F of a scene"]);
 }
 
+/// Of 4³ pores all are closed; where they meet and come to the surface none is.
+#[test]
+fn closed_hollows_are_counted() {
+    let place = Workplace::new();
+    let pores = |radius: f64| format!("[shape.s]\nbox = 2\nfill = {{ pores = 0.5, radius = {radius}, jitter = 0 }}\n");
+    place.write("closed.toml", pores(0.15));
+    place.write("open.toml", pores(0.3));
+    let closed = place.hfvdb("check closed.toml -v --resolution 64").ok().stdout;
+    assert!(closed.contains("\n64 closed hollows in frame 1, "), "{closed}");
+    let open = place.hfvdb("check open.toml -v --resolution 64").ok().stdout;
+    assert!(open.contains("\nno closed hollows in frame 1\n"), "{open}");
+    let document = json(&place.hfvdb("check closed.toml -v --resolution 64 --json").ok().stdout);
+    assert_eq!(document["hollows"]["count"], 64);
+    let exact = 64.0 * 4.0 / 3.0 * std::f64::consts::PI * 0.15_f64.powi(3);
+    let volume = document["hollows"]["volume"].as_f64().unwrap();
+    assert!((volume / exact - 1.0).abs() < 0.05, "{volume} for {exact}");
+    // Without being asked, and where there are no structures, nothing is baked for it.
+    assert!(!place.hfvdb("check closed.toml --resolution 64").ok().stdout.contains("hollow"));
+    assert!(!place.hfvdb("check sphere -v --resolution 64").ok().stdout.contains("hollow"));
+}
+
 /// The papers' objects have as many operations as the papers say, and each is checked.
 #[test]
 fn set_operations_are_counted() {

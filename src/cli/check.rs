@@ -12,6 +12,7 @@ use super::paths;
 use super::progress::Progress;
 use super::{check_mesh, files, job};
 use crate::bake;
+use crate::grid;
 use crate::node::Model;
 use crate::shot;
 use crate::shot::MorphReport;
@@ -26,7 +27,8 @@ use crate::vdb::{self, Client, Finding, Lint, Severity};
 Examples:
   hfvdb check cubism                              a scene: errors with their line, voxels, memory
   hfvdb check cubism -v                           each value, and whether the scene gave it; a morph is measured,
-                                                  and each of its frames told of
+                                                  and each of its frames told of; closed hollows of structures
+                                                  are counted
   hfvdb check cubism --no-estimate                errors alone
   hfvdb check any.0001.vdb                        a file: what all programs would show wrong
   hfvdb check any.0001.vdb --for blender,houdini  and what these two ask for
@@ -208,10 +210,18 @@ fn of_scene(arguments: &Arguments, global: &Global) -> Result<(), Failure> {
     } else {
         Vec::new()
     };
-    drop(progress);
-    let voxel_size = prepared.lattice.voxel_size.get();
     let limit = job::limit(&arguments.sampling);
     let Some(estimate) = largest else { return Ok(()) };
+    // Of a frame that is made for it, so only where it is asked for, too.
+    let hollows = if global.verbose && model.has_structures() && estimate.memory <= limit {
+        progress.stage("counting hollows");
+        let computed = bake::compute_frame(&prepared, shot.first, 1, limit, &interrupt, &|_| {})?;
+        Some(grid::measure::hollows(computed.band))
+    } else {
+        None
+    };
+    drop(progress);
+    let voxel_size = prepared.lattice.voxel_size.get();
     if global.json {
         let mut document = json!({
             "scene": scene.scene,
@@ -236,6 +246,10 @@ fn of_scene(arguments: &Arguments, global: &Global) -> Result<(), Failure> {
         if !numbers.is_empty() {
             document["morph"] =
                 numbers.iter().map(|(frame, report)| json!({ "frame": frame, "report": report })).collect();
+        }
+        if let Some(hollows) = &hollows {
+            let volume: f64 = hollows.iter().sum();
+            document["hollows"] = json!({ "frame": shot.first, "count": hollows.len(), "volume": volume });
         }
         super::print_json(&document)?;
     } else {
@@ -262,6 +276,19 @@ fn of_scene(arguments: &Arguments, global: &Global) -> Result<(), Failure> {
         );
         if let count @ 1.. = model.set_operations() {
             let _ = writeln!(text, "{count} set operation{}", if count == 1 { "" } else { "s" });
+        }
+        if let Some(hollows) = &hollows {
+            let volume: f64 = hollows.iter().sum();
+            let _ = match hollows.len() {
+                0 => writeln!(text, "no closed hollows in frame {}", shot.first),
+                count => writeln!(
+                    text,
+                    "{count} closed hollow{} in frame {}, {volume:.3e} {}³ in all: a printer's powder or resin stays in them",
+                    if count == 1 { "" } else { "s" },
+                    shot.first,
+                    model.unit
+                ),
+            };
         }
         text.push_str(&table(&numbers, model.shot.fps));
         super::print(&text)?;

@@ -471,6 +471,12 @@ impl Output {
 }
 
 impl Model {
+    /// Whether it has shapes that are made of cells, or filled: hollows that nobody would count by hand.
+    pub fn has_structures(&self) -> bool {
+        let is_filled = |shape: &Shape| shape.modifiers.iter().any(|modifier| modifier.spec.key.name == "fill");
+        self.shapes.iter().any(|shape| shape.spec.graded.is_some() || is_filled(shape))
+    }
+
     /// The operations that join, cut or blend shapes in all that is baked: of n operands n − 1, each shape as often as it is
     /// used, copies as one.
     pub fn set_operations(&self) -> u64 {

@@ -5,10 +5,12 @@
 //! exact for a plane across an axis; a sphere of radius r voxels reads 1/(4r²) too large.
 
 mod edges;
+mod hollows;
 mod lookup;
 mod pieces;
 mod soundness;
 
+pub use hollows::hollows;
 pub use lookup::{Lookup, Place, Surroundings, local_of};
 pub use pieces::{pieces, voxels_of_pieces};
 pub use soundness::{Pairs, SlopeError, slope_error, steep_steps, tears};

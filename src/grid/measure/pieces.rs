@@ -43,7 +43,7 @@ pub fn voxels_of_pieces(band: &Band, mut dropped: impl FnMut(usize, f64) -> bool
 }
 
 /// Which piece everything inside belongs to. Nodes are the pieces of single blocks, then the tiles.
-struct Pieces {
+pub(super) struct Pieces {
     /// The voxels of each piece, by block.
     of_blocks: Vec<Vec<BlockMask>>,
     first_node: Vec<usize>,
@@ -55,12 +55,19 @@ struct Pieces {
 }
 
 impl Pieces {
-    fn volumes(&self, band: &Band) -> Vec<f64> {
+    /// The rank of the piece that a tile belongs to.
+    pub fn of_tile(&self, index: usize) -> usize {
+        self.rank[self.first_tile + index]
+    }
+
+    /// As [`pieces`].
+    pub fn volumes(&self, band: &Band) -> Vec<f64> {
         let cubed = band.lattice.voxel_size.get().powi(3);
         self.sizes.iter().map(|&size| size as f64 * cubed).collect()
     }
 
-    fn of(band: &Band) -> Self {
+    /// Those of a band.
+    pub fn of(band: &Band) -> Self {
         let of_blocks: Vec<Vec<BlockMask>> = band.distances.par_iter().map(pieces_of_block).collect();
         let mut first_node = Vec::with_capacity(of_blocks.len());
         let mut sizes: Vec<u64> = Vec::new();
