@@ -224,7 +224,8 @@ impl Board {
             }
             let at = |i: usize| darts.size(shares[18 * (i / 4) + 6 * (i / 2 % 2) + 2 * (i % 2)]);
             let sizes = std::array::from_fn(|i| at(i) as f32);
-            let mean = (0..8).map(|i| (edge / at(i)).powi(3)).sum::<f64>() / 8.0;
+            let volume = |i: usize| edge / at(i) * (edge / at(i)) * (edge / at(i));
+            let mean = (0..8).map(volume).sum::<f64>() / 8.0;
             let phase = shares_of(*cube, darts.seed, level, u64::MAX).0.x;
             self.leaves.push(Leaf { node: *node, level, cube: *cube, sizes, throws: THROWS * mean, phase });
         }

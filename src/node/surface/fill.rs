@@ -26,8 +26,9 @@ pub const NODE: Spec = Spec {
             "What `fill` goes over into, by `fill_by`: another structure, or the same one thicker. Sheets of one `gyroid` that differ \
              in `thickness` are as thick as the mean of both by ω. Two `foam`s or two `pores` are one whose cells go over from the \
              size of the first to that of the second, up to 64 times as large; each has the wall or the radius of its middle, and \
-             the `seed` is the first one's. Two lattices of struts, or two minimal surfaces, of one row go \
-             over by halves of the larger cell: each half stands where the wanted size is next to its own.",
+             the `seed` is the first one's; an ω that changes over time makes other cells. Two lattices of \
+             struts, or two minimal surfaces, of one row go over by halves of the larger cell: each half stands where the wanted \
+             size is next to its own.",
         ),
         Key::new(
             "fill_by",
