@@ -267,11 +267,18 @@ impl Board {
         let last = self.low + self.count - 1;
         let low = ((at - reach) / self.edge).floor().as_i64vec3().clamp(self.low, last);
         let high = ((at + reach) / self.edge).floor().as_i64vec3().clamp(self.low, last);
+        let own = (at / self.edge).floor().as_i64vec3().clamp(self.low, last);
+        let is_free =
+            |cube: I64Vec3| self.is_free_of(self.root(cube), cube.as_dvec3() * self.edge, self.edge, (at, radius));
+        // Most are too near to one beside them, which is found first.
+        if !is_free(own) {
+            return false;
+        }
         for x in low.x..=high.x {
             for y in low.y..=high.y {
                 for z in low.z..=high.z {
                     let cube = I64Vec3::new(x, y, z);
-                    if !self.is_free_of(self.root(cube), cube.as_dvec3() * self.edge, self.edge, (at, radius)) {
+                    if cube != own && !is_free(cube) {
                         return false;
                     }
                 }
@@ -291,7 +298,10 @@ impl Board {
         }
         if children != NONE {
             let half = edge / 2.0;
+            let [x, y, z] = (at - corner).to_array().map(|along| u32::from(along >= half));
+            let nearest = 4 * x + 2 * y + z;
             return (0..8)
+                .map(|i| i ^ nearest)
                 .all(|i| self.is_free_of((children + i) as usize, corner + octant(i).as_dvec3() * half, half, dart));
         }
         while other != NONE {
