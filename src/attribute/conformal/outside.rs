@@ -1,16 +1,18 @@
 //! Values outside of a body that do not jump: those of the nearest places of its surface, which do where two places are as
-//! near, averaged on a lattice of their own.
+//! near, carried on and averaged on a lattice of their own.
 
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
 use super::nodes::Body;
-use crate::field::{BATCH, Points};
+use crate::field::{BATCH, Evaluator, Points};
 
 /// Cells along the body's longest side.
 const ALONG: f64 = 64.0;
 /// How far the lattice goes beyond the body, in its longest side. Farther away values are those of its border.
 const MARGIN: f64 = 0.25;
+/// How far from the surface nearest places are looked for, in cells. Farther away nodes have what those nearer to it have.
+const FOUND: f64 = 2.0;
 /// How often each node outside becomes the mean of its neighbours: jumps go over some five cells then.
 const ROUNDS: usize = 8;
 /// How far from the surface only the lattice counts, in its cells: at the surface it is the nearest place alone, so that
@@ -29,33 +31,58 @@ pub(super) struct Outside {
 
 impl Outside {
     /// `sampler` makes what gives values at points: `width` for each, one point after the other.
-    pub fn new<S: FnMut(&Points, &mut [f32])>(body: &Body, width: usize, sampler: impl Fn() -> S + Sync) -> Self {
+    pub fn new<S: FnMut(&Points, &mut [f32])>(
+        body: &Body,
+        width: usize,
+        sampler: impl Fn() -> S + Send + Sync,
+    ) -> Self {
         let aabb = body.aabb();
         let longest = aabb.size().max_element();
         let (edge, aabb) = (longest / ALONG, aabb.grown(longest * MARGIN));
         let counts = (aabb.size() / edge).ceil().to_array().map(|cells| cells as usize + 1);
-        let mut found =
-            Self { origin: aabb.min, edge, counts, width, values: vec![0.0; counts.iter().product::<usize>() * width] };
-        let mut is_outside = vec![false; counts.iter().product()];
-        let mut all = std::mem::take(&mut found.values);
-        let batches = all.par_chunks_mut(BATCH * width).zip(is_outside.par_chunks_mut(BATCH));
-        batches.enumerate().for_each_init(
-            || (sampler(), body.distance().evaluator(), [0.0; BATCH]),
-            |(sample, distance, depths), (batch, (values, is_outside))| {
-                let first = found.position(batch * BATCH);
-                let mut points = Points::new(first);
-                let offset = |node: usize| (found.position(batch * BATCH + node) - first).as_vec3();
-                (0..is_outside.len()).for_each(|node| points.push(offset(node)));
-                sample(&points, values);
-                distance.values(&points, depths);
-                is_outside.iter_mut().zip(depths).for_each(|(is_outside, depth)| *is_outside = *depth < 0.0);
-            },
-        );
-        found.values = all;
+        let count = counts.iter().product::<usize>();
+        let mut found = Self { origin: aabb.min, edge, counts, width, values: vec![0.0; count * width] };
+        let nodes: Vec<usize> = (0..count).collect();
+        let depth_of_batch = |distance: &mut Box<dyn Evaluator + '_>, batch: &[usize]| {
+            let mut depths = [0.0; BATCH];
+            distance.values(&found.points(batch), &mut depths);
+            depths[..batch.len()].to_vec()
+        };
+        let evaluator = || body.distance().evaluator();
+        let depths: Vec<f32> = nodes.par_chunks(BATCH).map_init(evaluator, depth_of_batch).flatten_iter().collect();
+        let near = |node: &usize| f64::from(depths[*node]).abs() <= FOUND * edge;
+        let nodes: Vec<usize> = nodes.into_iter().filter(near).collect();
+        let sample_batch = |sample: &mut S, batch: &[usize]| {
+            let mut values = vec![0.0; batch.len() * width];
+            sample(&found.points(batch), &mut values);
+            values
+        };
+        let sampled: Vec<f32> = nodes.par_chunks(BATCH).map_init(sampler, sample_batch).flatten_iter().collect();
+        let mut is_known = vec![false; count];
+        for (node, values) in nodes.into_iter().zip(sampled.chunks_exact(width)) {
+            is_known[node] = true;
+            found.values[node * width..][..width].copy_from_slice(values);
+        }
+        let is_outside: Vec<bool> = depths.into_iter().map(|depth| depth < 0.0).collect();
+        // Layer by layer away from the body, then all.
+        loop {
+            let layer = found.average(&is_known, |node| is_outside[node] && !is_known[node]);
+            if layer.is_empty() {
+                break;
+            }
+            layer.into_iter().for_each(|node| is_known[node] = true);
+        }
         for _ in 0..ROUNDS {
-            found.average(&is_outside);
+            found.average(&is_known, |node| is_outside[node]);
         }
         found
+    }
+
+    fn points(&self, nodes: &[usize]) -> Points {
+        let first = self.position(nodes[0]);
+        let mut points = Points::new(first);
+        nodes.iter().for_each(|node| points.push((self.position(*node) - first).as_vec3()));
+        points
     }
 
     fn at(&self, node: usize) -> [usize; 3] {
@@ -67,26 +94,29 @@ impl Outside {
         self.origin + DVec3::from(self.at(node).map(|part| part as f64)) * self.edge
     }
 
-    /// Gives each node outside the mean of its neighbours.
-    fn average(&mut self, is_outside: &[bool]) {
-        let (before, width) = (std::mem::take(&mut self.values), self.width);
+    /// Gives some nodes the mean of those of their neighbours that are known; those that have such.
+    fn average(&mut self, is_known: &[bool], is_asked: impl Fn(usize) -> bool + Sync) -> Vec<usize> {
+        let width = self.width;
         let strides = [self.counts[1] * self.counts[2], self.counts[2], 1];
-        let mut after = before.clone();
-        after.par_chunks_mut(width).enumerate().filter(|(node, _)| is_outside[*node]).for_each(|(node, values)| {
+        let mean = |node: usize| {
             let at = self.at(node);
-            values.fill(0.0);
-            let mut count = 0.0;
+            let (mut values, mut count) = (vec![0.0; width], 0.0);
             for axis in 0..3 {
-                let before_it = (at[axis] > 0).then(|| node - strides[axis]);
-                let after_it = (at[axis] + 1 < self.counts[axis]).then(|| node + strides[axis]);
-                for beside in before_it.into_iter().chain(after_it) {
+                let before = (at[axis] > 0).then(|| node - strides[axis]);
+                let after = (at[axis] + 1 < self.counts[axis]).then(|| node + strides[axis]);
+                for beside in before.into_iter().chain(after).filter(|beside| is_known[*beside]) {
                     count += 1.0;
-                    values.iter_mut().zip(&before[beside * width..]).for_each(|(value, other)| *value += other);
+                    values.iter_mut().zip(&self.values[beside * width..]).for_each(|(value, other)| *value += other);
                 }
             }
-            values.iter_mut().for_each(|value| *value /= count);
-        });
-        self.values = after;
+            (count > 0.0).then(|| (node, values.into_iter().map(|value| value / count).collect::<Vec<f32>>()))
+        };
+        let means: Vec<_> =
+            (0..is_known.len()).into_par_iter().filter(|node| is_asked(*node)).filter_map(mean).collect();
+        for (node, values) in &means {
+            self.values[node * width..][..width].copy_from_slice(values);
+        }
+        means.into_iter().map(|(node, _)| node).collect()
     }
 
     /// Mixes values at a position outside, so far from the surface, units, which are those of its nearest place, with the
