@@ -32,6 +32,10 @@ picture octopus --pictures 8 --output "$images/octopus.png"
 picture bat-to-robot --pictures 8 --output "$images/bat-to-robot.png"
 picture wood-morph --pictures 8 --output "$images/wood-morph.png"
 picture conformal-ell --size 480 --output "$images/conformal-ell.png"
+picture boot --size 480 --view front --output "$images/boot.png"
+for variant in air weights; do
+    picture boot --variant "$variant" --size 480 --view front --output "$images/boot-$variant.png"
+done
 picture graded --size 480 --view front --output "$images/graded.png"
 picture horn --size 480 --view front --output "$images/horn.png"
 picture crawl --pictures 6 --output "$images/crawl.png"

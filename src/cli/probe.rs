@@ -18,7 +18,7 @@ use crate::text::key::GREATEST;
 Each line has F of a node (positive inside), the length of its gradient, what is declared of its slope, and the distance
 where F is that; else what it is at least. Shapes have their colour and attributes too. A shape is read where it stands,
 what it is made of in its own space.
-!! marks F that is no number, and gradients longer than declared.
+!! marks F and attributes that are no numbers, and gradients longer than declared.
 
 Examples:
   hfvdb probe mine.toml 0 0 0.5               the values at a place
@@ -72,27 +72,38 @@ fn tell(out: &mut String, probe: &Probe, depth: usize) {
     let name = format!("{}{name}", "  ".repeat(depth));
     let Reading { value, gradient, is_wrong, .. } = &probe.reading;
     let side = if *value > 0.0 { "inside" } else { "outside" };
-    let _ = write!(out, "{name:32} F {value:+.6}, {side}, |∇F| {gradient:.4}");
+    let _ = write!(
+        out,
+        "{name:32} F {}{}, {side}, |∇F| {gradient:.4}",
+        if *value < 0.0 { "" } else { "+" },
+        digits(*value)
+    );
     if let Some(declared) = &probe.reading.declared {
         let _ = write!(out, ", {declared}");
     }
     match (probe.reading.distance, probe.reading.at_least) {
-        (Some(distance), _) => _ = write!(out, ", distance {distance:.6}"),
-        (None, Some(least)) => _ = write!(out, ", distance ≥ {least:.6}"),
+        (Some(distance), _) => _ = write!(out, ", distance {}", digits(distance)),
+        (None, Some(least)) => _ = write!(out, ", distance ≥ {}", digits(least)),
         (None, None) => {}
     }
     if let Some([r, g, b]) = probe.colour {
         let _ = write!(out, ", colour {r:.3} {g:.3} {b:.3}");
     }
     for (name, number) in &probe.attributes {
-        let _ = write!(out, ", {name} {number:.6}");
+        let _ = write!(out, ", {name} {}", digits(f64::from(*number)));
     }
     if let (0, Some([low, high])) = (depth, probe.reading.bounds) {
         let shown = |corner: [f64; 3]| corner.map(|part| format!("{part:.3}")).join(" ");
         let _ = write!(out, ", box {} to {}", shown(low), shown(high));
     }
-    out.push_str(if *is_wrong { "  !!\n" } else { "\n" });
+    let is_wrong = *is_wrong || probe.attributes.iter().any(|(_, number)| !number.is_finite());
+    out.push_str(if is_wrong { "  !!\n" } else { "\n" });
     for part in &probe.made_of {
         tell(out, part, depth + 1);
     }
+}
+
+/// A number with six digits after the point, or as many of a small one.
+fn digits(number: f64) -> String {
+    if number != 0.0 && number.abs() < 1e-3 { format!("{number:.5e}") } else { format!("{number:.6}") }
 }

@@ -112,6 +112,11 @@ const SCENES: &[BuiltIn] = &[
         line: "a lamp becomes a mushroom, part by part",
     },
     BuiltIn {
+        name: "boot",
+        text: include_str!("../../scenes/boot.toml"),
+        line: "a boot of foam, cut open, whose colours and cells go over along the inside",
+    },
+    BuiltIn {
         name: "graded",
         text: include_str!("../../scenes/graded.toml"),
         line: "an arm of gyroid, cut open, from thin to thick sheets along the inside",

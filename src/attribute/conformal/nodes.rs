@@ -21,8 +21,8 @@ const MOST_VALUES: usize = 1 << 26;
 /// Half the diagonal of a cell: how far from its middle the body may be and still reach into it.
 const CORNER: f32 = 0.866_025_4;
 /// How deep the node of a cell whose middle is outside lies below the surface, in cells: the first that is deepest. Less
-/// than the last is lost in the tolerance of sight; more than the first moves bends away from the corners they go around.
-const SUNK: [f32; 3] = [0.1, 0.05, 0.02];
+/// than the last is lost in rounding; more than the first moves bends away from the corners they go around.
+const SUNK: [f32; 5] = [0.1, 0.05, 0.02, 0.005, 0.001];
 
 /// The nodes of one block.
 struct Block {
@@ -386,19 +386,21 @@ impl<'b> Probe<'b> {
         self.begin(block);
         beside.iter().for_each(|&i| self.push(block, self.middle(block, i)));
         self.evaluator.gradients(&self.points, &mut self.gradients);
-        let inward: Vec<Vec3> =
-            (0..beside.len()).map(|i| self.gradients.gradient(i).try_normalize().unwrap_or(Vec3::ZERO)).collect();
+        let inward = |(j, &i): (usize, &usize)| (i, self.gradients.gradient(j).try_normalize().unwrap_or(Vec3::ZERO));
+        let mut open: Vec<(usize, Vec3)> = beside.iter().enumerate().map(inward).collect();
         for sunk in SUNK {
             self.begin(block);
-            let place = |i: usize, inward: Vec3| self.middle(block, i) + inward * (sunk - values[i]);
-            let places: Vec<Vec3> = beside.iter().zip(&inward).map(|(&i, inward)| place(i, *inward)).collect();
+            let place = |(i, inward): (usize, Vec3)| self.middle(block, i) + inward * (sunk - values[i]);
+            let places: Vec<Vec3> = open.iter().map(|cell| place(*cell)).collect();
             places.iter().for_each(|place| self.push(block, *place));
             self.evaluate();
-            for ((&i, place), depth) in beside.iter().zip(places).zip(&self.values) {
+            for ((&(i, _), place), depth) in open.iter().zip(places).zip(&self.values) {
                 if *depth >= 0.0 && nodes[i].is_none_or(|(_, known)| known < *depth) {
                     nodes[i] = Some((place, *depth));
                 }
             }
+            // Where the body is as deep as asked for, no place nearer to the surface is deeper.
+            open.retain(|(i, _)| nodes[*i].is_none_or(|(_, depth)| depth < 0.99 * sunk));
         }
     }
 }

@@ -18,11 +18,11 @@ const ROUNDS: usize = 4;
 /// The first step, in cells.
 const FIRST: f32 = 0.5;
 /// The last step, in cells: a way is off by the square of that.
-const LAST: f32 = 0.01;
+const LAST: f32 = 0.02;
 /// Steps at most: a bend is found within about two cells of where it should be.
 const STEPS: usize = 48;
 /// So many of the nodes whose ways bend there are asked, evenly.
-const USERS: usize = 8;
+const USERS: usize = 4;
 /// A way that bends less than this is straight.
 const STRAIGHT: f32 = 1e-3;
 

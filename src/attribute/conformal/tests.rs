@@ -319,16 +319,19 @@ fn any_number_of_threads_gives_the_same_bits() {
 /// What is thinner than a cell holds nodes, and ways along it are right.
 #[test]
 fn a_sheet_thinner_than_a_cell() {
-    let aabb = Aabb::new(DVec3::new(-1.0, -1.0, -0.001), DVec3::new(1.0, 1.0, 0.007));
-    let sheet = exact(aabb, |p| extruded((1.0 - p.x.abs()).min(1.0 - p.y.abs()), p.z - 0.003, 0.004));
-    let body = body(&sheet, 32);
-    let from = DVec3::new(-0.9, -0.8, 0.003);
-    let feature = feature(&body, ball(from, 0.02));
-    assert!(!feature.is_outside && feature.apart.is_empty(), "{:?}", feature.apart);
-    let mut samples = Samples::new(3);
-    let positions: Vec<DVec3> = (0..200).map(|_| samples.within(&aabb).truncate().extend(0.003)).collect();
-    for (found, p) in distances(&body, &feature, &positions).into_iter().zip(&positions) {
-        assert!((found - (p.distance(from) - 0.02)).abs() < 0.2 * body.edge(), "{p}: {found}");
+    // Half as thick; the cells are 0.06 long.
+    for half in [0.004, 0.0004, 0.0001] {
+        let aabb = Aabb::new(DVec3::new(-1.0, -1.0, 0.003 - half), DVec3::new(1.0, 1.0, 0.003 + half));
+        let sheet = exact(aabb, move |p| extruded((1.0 - p.x.abs()).min(1.0 - p.y.abs()), p.z - 0.003, half));
+        let body = body(&sheet, 32);
+        let from = DVec3::new(-0.9, -0.8, 0.003);
+        let feature = feature(&body, ball(from, 0.02));
+        assert!(!feature.is_outside && feature.apart.is_empty(), "{:?}", feature.apart);
+        let mut samples = Samples::new(3);
+        let positions: Vec<DVec3> = (0..200).map(|_| samples.within(&aabb).truncate().extend(0.003)).collect();
+        for (found, p) in distances(&body, &feature, &positions).into_iter().zip(&positions) {
+            assert!((found - (p.distance(from) - 0.02)).abs() < 0.2 * body.edge(), "{half}, {p}: {found}");
+        }
     }
 }
 
