@@ -59,7 +59,8 @@ pub(crate) const OUTSIDE: Key = Key::new(
     Kind::Choice(&["nearest", "smooth"]),
     Text("nearest"),
     "What holds outside of the shape: what the nearest place of its surface has, which jumps where two places are as near, \
-     or the same averaged there, for morphs, which look far outside. The surface and the inside are the same.",
+     or the same averaged there, on 64 cells along the longest side: for morphs and for `delay`, which ask outside too, and \
+     show such a jump as an edge. The surface and the inside are the same.",
 );
 
 /// Whether nothing is to jump outside.

@@ -21,6 +21,9 @@ const FIRST: f32 = 0.5;
 const LAST: f32 = 0.02;
 /// Steps at most: a bend is found within about two cells of where it should be.
 const STEPS: usize = 48;
+/// Bends that fewer ways go over are left where they are: most bends are of one way, along the borders of what the next one
+/// sees, and hardly longer than straight.
+const WAYS: usize = 32;
 /// So many of the nodes whose ways bend there are asked, evenly.
 const USERS: usize = 4;
 /// A way that bends less than this is straight.
@@ -160,6 +163,14 @@ pub(super) fn tighten(spread: &mut Spread<'_>, cancel: &AtomicBool) -> Result<BT
         (*root, bend)
     };
     let mut bends: BTreeMap<u32, Bend> = order.iter().map(at_node).collect();
+    // How many ways go over each bend, those over other bends too.
+    let mut ways: BTreeMap<u32, usize> = users.iter().map(|(root, users)| (*root, users.len())).collect();
+    for node in order.iter().rev() {
+        let (root, count) = (spread.nodes[*node as usize].root, ways[node]);
+        if let Some(ways) = ways.get_mut(&root).filter(|_| root != *node) {
+            *ways += count;
+        }
+    }
     for node in &order {
         if cancel.load(Ordering::Relaxed) {
             return Err(Error::Cancelled);
@@ -169,25 +180,31 @@ pub(super) fn tighten(spread: &mut Spread<'_>, cancel: &AtomicBool) -> Result<BT
         if root == *node {
             continue;
         }
-        let (Bend { place: start, .. }, next) = (bends[node], bends.get(&root).copied());
-        // Those that are bends themselves must see it: many ways go over them.
-        let (bends_of, others): (Vec<u32>, Vec<u32>) = users[node].iter().partition(|user| users.contains_key(user));
-        let some = |all: Vec<u32>| {
-            let step = all.len().div_ceil(USERS).max(1);
-            all.into_iter().step_by(step)
+        let (unmoved, next) = (bends[node], bends.get(&root).copied());
+        let best = if ways[node] < WAYS {
+            unmoved
+        } else {
+            // Those that are bends themselves must see it: many ways go over them.
+            let (bends_of, others): (Vec<u32>, Vec<u32>) =
+                users[node].iter().partition(|user| users.contains_key(user));
+            let some = |all: Vec<u32>| {
+                let step = all.len().div_ceil(USERS).max(1);
+                all.into_iter().step_by(step)
+            };
+            let asked = some(bends_of).chain(some(others)).map(|user| spread.body.place(user)).collect();
+            Pull { spread, next, users: asked, start: unmoved.place }.best()
         };
-        let asked = some(bends_of).chain(some(others)).map(|user| spread.body.place(user)).collect();
-        let best = Pull { spread, next, users: asked, start }.best();
         let Some(next) = next else {
             bends.insert(*node, best);
             continue;
         };
-        let seen = [best.place, start].into_iter().find(|place| spread.sight.is_clear(*place, next.place));
+        let seen = [best.place, unmoved.place].into_iter().find(|place| spread.sight.is_clear(*place, next.place));
         let bend = match seen {
             Some(place) => Bend { place, value: next.from(place) },
             None => {
-                let (was, value) = (spread.body.place(root), spread.nodes[*node as usize].value);
-                Bend { place: start, value: value.min(next.from(was) + was.distance(start)) }
+                let was = spread.body.place(root);
+                let over = next.from(was) + was.distance(unmoved.place);
+                Bend { place: unmoved.place, value: unmoved.value.min(over) }
             }
         };
         bends.insert(*node, bend);
