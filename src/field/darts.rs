@@ -12,7 +12,7 @@
 use glam::{DVec3, I64Vec3};
 use rayon::prelude::*;
 
-use super::noise::hash::{mixed, of_cell, shares};
+use super::noise::hash::{Cubes, mixed, of_cell, shares};
 use super::{Aabb, BATCH, Field, Points};
 
 /// Throws for each size³. Fewer: larger gaps; more: the same points later, for the gaps close ever more slowly.
@@ -148,23 +148,16 @@ type Open = (u32, I64Vec3);
 impl Board {
     fn new(darts: &Darts<'_>) -> Result<Self, DartError> {
         let [edge, smallest] = [darts.sizes[0].max(darts.sizes[1]), darts.sizes[0].min(darts.sizes[1])];
-        let (low, high) = ((darts.around.min / edge).floor(), (darts.around.max / edge).floor());
-        let count = high - low + 1.0;
-        // Not a number is too many, too.
-        if !(edge <= WIDEST * smallest
-            && count.element_product() <= MOST_NODES as f64
-            && low.abs().max(high.abs()).max_element() < 1e12)
-        {
-            return Err(DartError::TooMany);
-        }
-        let (low, count) = (low.as_i64vec3(), count.as_i64vec3());
+        /// Edges from the origin: cubes of all levels are whole numbers far below where those end.
+        const FARTHEST: f64 = 1e12;
+        let cubes = Cubes::over(&darts.around, edge, MOST_NODES, FARTHEST);
+        // Not a number is too wide, too.
+        let cubes = cubes.filter(|_| edge <= WIDEST * smallest).ok_or(DartError::TooMany)?;
+        let Cubes { low, count } = cubes;
         let (nodes, leaves) = (Vec::new(), Vec::new());
         let mut board =
             Self { edge, low, count, nodes, leaves, darts: Vec::new(), radii: Vec::new(), before: Vec::new() };
-        let roots = 0..count.element_product();
-        let mut open: Vec<Open> = roots
-            .map(|i| (i as u32, low + I64Vec3::new(i / (count.y * count.z), i / count.z % count.y, i % count.z)))
-            .collect();
+        let mut open: Vec<Open> = (0..).zip(cubes.iter()).collect();
         board.nodes.resize(open.len(), EMPTY);
         let mut level = 0;
         while !open.is_empty() {

@@ -3,7 +3,7 @@
 use glam::{DVec3, I64Vec3};
 
 use super::Aabb;
-use super::noise::hash::{cells_around, of_cell, shares};
+use super::noise::hash::{Cubes, cells_around, of_cell, shares};
 use super::part::Sample;
 
 /// Points at random, one in each cube of a lattice.
@@ -31,15 +31,8 @@ const FARTHEST: f64 = 9e15;
 impl Seeds {
     /// The points of the cubes that meet a box, at most so many; `None` of more.
     pub fn within(&self, around: &Aabb, most: usize) -> Option<Vec<DVec3>> {
-        let (low, high) = ((around.min / self.edge).floor(), (around.max / self.edge).floor());
-        let count = high - low + 1.0;
-        // Not a number is too many, too.
-        if !(count.element_product() <= most as f64 && low.abs().max(high.abs()).max_element() < FARTHEST) {
-            return None;
-        }
-        let (low, count) = (low.as_i64vec3(), count.as_i64vec3());
-        let cube = |i: i64| low + I64Vec3::new(i / (count.y * count.z), i / count.z % count.y, i % count.z);
-        Some((0..count.element_product()).map(|i| self.point(cube(i)) * self.edge).collect())
+        let cubes = Cubes::over(around, self.edge, most, FARTHEST)?;
+        Some(cubes.iter().map(|cube| self.point(cube) * self.edge).collect())
     }
 
     /// Minus the distance to the nearest point.

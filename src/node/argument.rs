@@ -250,6 +250,14 @@ impl Arguments {
         number_bands: NumberBands => Vec<(f64, [f32; 1])>,
     }
 
+    /// The first number or formula of a key, if it has such.
+    pub fn component(&self, key: &str) -> Option<&Component> {
+        match self.get(key)? {
+            Argument::Components(components) => components.first(),
+            _ => None,
+        }
+    }
+
     /// An operation of the scene's own, if it is what makes the shape.
     pub fn applied(&self) -> Option<&Applied> {
         self.0.iter().find_map(|(_, value)| if let Argument::Applied(applied) = value { Some(applied) } else { None })

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use crate::attribute::Mix;
 use crate::attribute::conformal::{Conformal, Ease, Feature, Member, Method, Zones};
-use crate::node::argument::{Argument, Component};
+use crate::node::argument::Component;
 use crate::node::id::ShapeId;
 use crate::node::paint::last_of_each;
 use crate::node::painted::Paint;
@@ -103,10 +103,7 @@ pub(crate) fn inside<const N: usize>(
     let arguments = source.arguments();
     let along = arguments.whole("lattice").and_then(|cells| u32::try_from(*cells).ok()).expect("it has a default");
     let is_eikonal = arguments.choice("method") == Some(&"eikonal");
-    let component = match arguments.get("speed") {
-        Some(Argument::Components(components)) => components.first().cloned(),
-        _ => None,
-    };
+    let component = arguments.component("speed").cloned();
     let speed = component.as_ref().map(Component::span);
     let method = match (is_eikonal, &component) {
         (false, _) => Method::Sight,

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::row_tests::wrong_distances;
+use super::row_tests::{assert_bounds_hold, wrong_distances};
 use super::shape_tests::{field, problem};
 use crate::field::tests::{Samples, bits_by_width};
 use crate::field::{Aabb, Field, Slope};
@@ -26,20 +26,7 @@ fn what_is_declared_of_them_holds() {
             let (value, exact) = (f64::from(f32::from_bits(answers[0][0][i])), field.reference(points.position(i)));
             assert!((value - exact).abs() < 2e-5, "{keys}: {value}, {exact}");
         }
-        let mut evaluator = field.evaluator();
-        for _ in 0..60 {
-            let size = 0.5_f64.powf(6.0 * samples.next());
-            let min = samples.within(&Aabb::new(CUBE.min, CUBE.max - size));
-            let region = Aabb::new(min, min + size);
-            evaluator.enter(&region);
-            let bounds = evaluator.bounds();
-            evaluator.leave();
-            for _ in 0..50 {
-                let at = samples.within(&region);
-                let value = field.reference(at);
-                assert!(bounds.contains(value), "{keys} at {at}: {value} not in {bounds:?}");
-            }
-        }
+        assert_bounds_hold(keys, &field, &CUBE, 1.0, &mut samples);
         assert!(matches!(field.slope(), Slope::Exact { .. } | Slope::Lipschitz(1.0)), "{keys}: {:?}", field.slope());
         for _ in 0..5000 {
             let (p, q) = (samples.within(&CUBE), samples.within(&CUBE));
@@ -153,21 +140,7 @@ fn octaves_overlap() {
         // Along the lines of both lattices.
         assert!(graded.reference(DVec3::new(x, 0.0, 0.0)) > 0.01, "{x}");
     }
-    let mut samples = Samples::new(47);
-    let mut evaluator = graded.evaluator();
-    for _ in 0..60 {
-        let size = 0.5_f64.powf(6.0 * samples.next());
-        let min = samples.within(&Aabb::new(CUBE.min, CUBE.max - size));
-        let region = Aabb::new(min, min + size);
-        evaluator.enter(&region);
-        let bounds = evaluator.bounds();
-        evaluator.leave();
-        for _ in 0..50 {
-            let at = samples.within(&region);
-            let value = graded.reference(at);
-            assert!(bounds.contains(value), "{at}: {value} not in {bounds:?}");
-        }
-    }
+    assert_bounds_hold("cubic", &graded, &CUBE, 1.0, &mut Samples::new(47));
 }
 
 /// Others are mixed by their values, as ever.

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::argument::{Argument, Arguments, Component};
+use super::argument::{Arguments, Component};
 use super::grading::Ends;
 use super::octaves::octaves;
 use super::spec::{Build, Grading};
@@ -72,22 +72,16 @@ fn struts(graph: &mut Graph, lines: &[Line], edge: f64, radius: f64) -> Node {
 
 /// The radius where it is a formula.
 fn formula_of(arguments: &Arguments) -> Option<&Formula> {
-    match arguments.get("radius") {
-        Some(Argument::Components(components)) => match components.first() {
-            Some(Component::Formula(formula)) => Some(formula),
-            _ => None,
-        },
-        _ => None,
+    match arguments.component("radius")? {
+        Component::Formula(formula) => Some(formula),
+        Component::Number(_) => None,
     }
 }
 
 /// The radius where it is a number.
 fn radius_of(build: &dyn Build, arguments: &Arguments) -> Result<f64, Problem> {
-    match arguments.get("radius") {
-        Some(Argument::Components(components)) => match components.first() {
-            Some(Component::Number(number)) => Ok(number.at(build.moment())?),
-            _ => build.number_of(arguments, "radius"),
-        },
+    match arguments.component("radius") {
+        Some(Component::Number(number)) => Ok(number.at(build.moment())?),
         _ => build.number_of(arguments, "radius"),
     }
 }

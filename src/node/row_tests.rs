@@ -61,24 +61,28 @@ fn every_vector_width_gives_the_reference() {
     }
 }
 
+/// Bounds over boxes of all sizes down to a 64th of `largest`, within `aabb`, hold what lies in them.
+pub(super) fn assert_bounds_hold(name: &str, field: &dyn Field, aabb: &Aabb, largest: f64, samples: &mut Samples) {
+    let mut evaluator = field.evaluator();
+    for _ in 0..60 {
+        let size = largest * 0.5_f64.powf(6.0 * samples.next());
+        let min = samples.within(&Aabb::new(aabb.min, aabb.max - size));
+        let region = Aabb::new(min, min + size);
+        evaluator.enter(&region);
+        let bounds = evaluator.bounds();
+        evaluator.leave();
+        for _ in 0..50 {
+            let at = samples.within(&region);
+            let value = field.reference(at);
+            assert!(bounds.contains(value), "{name} at {at}: {value} not in {bounds:?}");
+        }
+    }
+}
+
 #[test]
 fn every_nodes_bounds_hold_all_samples() {
     for name in node_names() {
-        let (field, mut samples) = (built(name), Samples::new(11));
-        let mut evaluator = field.evaluator();
-        for _ in 0..40 {
-            let size = 4.0 * 0.5_f64.powf(1.0 + 6.0 * samples.next());
-            let min = samples.within(&Aabb::new(WORLD.min, WORLD.max - size));
-            let region = Aabb::new(min, min + size);
-            evaluator.enter(&region);
-            let bounds = evaluator.bounds();
-            evaluator.leave();
-            for _ in 0..50 {
-                let at = samples.within(&region);
-                let value = field.reference(at);
-                assert!(bounds.contains(value), "{name} at {at}: {value} not in {bounds:?}");
-            }
-        }
+        assert_bounds_hold(name, &built(name), &WORLD, 2.0, &mut Samples::new(11));
     }
 }
 

@@ -14,13 +14,13 @@ use serde::Serialize;
 
 use super::{Body, Conformal, Ease, Error, Feature, Goal, Interior, Method, Zones};
 use crate::attribute::{Attribute, Constant, Straight};
-use crate::distance::accuracy::table::short;
+use crate::distance::accuracy::table::{listed, shown};
 use crate::field::{Aabb, BATCH, Field, Joined, Points, Procedure, Slope};
 
 /// The features' radius.
 const RADIUS: f64 = 0.02;
 /// Half the height of the bodies that stand on an outline.
-const HALF: f64 = 0.12;
+pub(super) const HALF: f64 = 0.12;
 /// Positions that are judged.
 const POSITIONS: usize = 300;
 
@@ -91,7 +91,7 @@ pub(super) fn you(gap: f64) -> Vec<DVec2> {
 }
 
 /// A field by its exact distance.
-fn exact(aabb: Aabb, distance: impl Fn(DVec3) -> f64 + Send + Sync + 'static) -> Arc<dyn Field> {
+pub(super) fn exact(aabb: Aabb, distance: impl Fn(DVec3) -> f64 + Send + Sync + 'static) -> Arc<dyn Field> {
     const STEP: f64 = 1e-6;
     let at = move |p: DVec3| {
         let along = |way: DVec3| (distance(p + way * STEP) - distance(p - way * STEP)) / (2.0 * STEP);
@@ -101,11 +101,11 @@ fn exact(aabb: Aabb, distance: impl Fn(DVec3) -> f64 + Send + Sync + 'static) ->
     Joined::shared(Procedure { at, bounds: Some(aabb), slope, is_flat: false })
 }
 
-fn ball(centre: DVec3) -> Arc<dyn Field> {
-    exact(Aabb::new(centre - RADIUS, centre + RADIUS), move |p| RADIUS - p.distance(centre))
+pub(super) fn ball(centre: DVec3, radius: f64) -> Arc<dyn Field> {
+    exact(Aabb::new(centre - radius, centre + radius), move |p| radius - p.distance(centre))
 }
 
-fn prism(corners: Vec<DVec2>) -> Arc<dyn Field> {
+pub(super) fn prism(corners: Vec<DVec2>) -> Arc<dyn Field> {
     let (min, max) = corners.iter().fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(a, b), c| (a.min(*c), b.max(*c)));
     exact(Aabb::new(min.extend(-HALF), max.extend(HALF)), move |p| extruded(polygon(&corners, p.truncate()), p.z, HALF))
 }
@@ -279,7 +279,7 @@ pub(super) fn judge(case: &Case, method: &Method, cells: u32, cancel: &AtomicBoo
     let aabb = case.field.bounding_box().expect("it is bounded");
     let body = Arc::new(Body::new(Arc::clone(&case.field), Arc::clone(&case.field), aabb, cells, cancel)?);
     let [near, far] = case.ends;
-    let [near, far] = [near, far].map(|at| Feature::new(&body, ball(at), method, cancel).map(Arc::new));
+    let [near, far] = [near, far].map(|at| Feature::new(&body, ball(at, RADIUS), method, cancel).map(Arc::new));
     let features = [near?, far?];
     let positions = inside(case.field.as_ref(), &aabb);
     let ways = case.ends.map(|end| {
@@ -339,7 +339,7 @@ pub fn markdown(rows: &[Row], seconds: bool) -> String {
     );
     out.push_str(if seconds { "|---|---|---|---|---|---|---|\n" } else { "|---|---|---|---|---|---|\n" });
     for row in rows {
-        let each = |number: fn(&Level) -> f64| row.levels.iter().map(number).map(short).collect::<Vec<_>>().join(", ");
+        let each = |number: fn(&Level) -> f64| listed(row.levels.iter().map(number));
         let _ = write!(
             out,
             "| {} | `{}` | {} | {} | {} | {} |",
@@ -347,7 +347,7 @@ pub fn markdown(rows: &[Row], seconds: bool) -> String {
             row.method,
             each(|level| level.mean),
             each(|level| level.max),
-            row.order.map_or_else(|| "–".to_owned(), |order| format!("{order:.2}")),
+            shown(row.order),
             each(|level| level.weight),
         );
         if seconds {

@@ -267,6 +267,15 @@ impl Body {
         self.origin + place.as_dvec3() * self.edge
     }
 
+    /// Some nodes as points of a batch. Offsets are from the first: small where they are neighbours.
+    pub(super) fn points(&self, mut nodes: impl Iterator<Item = u32>) -> Points {
+        let Some(first) = nodes.next().map(|node| self.place(node)) else { return Points::new(self.origin) };
+        let mut points = Points::new(self.to_units(first));
+        points.push(Vec3::ZERO);
+        nodes.for_each(|node| points.push((self.place(node) - first) * self.edge as f32));
+        points
+    }
+
     /// Where the lattice begins, in units: an origin for batches of points in the body.
     pub(super) fn origin(&self) -> DVec3 {
         self.origin

@@ -65,15 +65,9 @@ impl Outside {
         }
         let is_outside: Vec<bool> = depths.into_iter().map(|depth| depth < 0.0).collect();
         // Layer by layer away from the body, then all.
-        loop {
-            let layer = found.average(&is_known, |node| is_outside[node] && !is_known[node]);
-            if layer.is_empty() {
-                break;
-            }
-            layer.into_iter().for_each(|node| is_known[node] = true);
-        }
+        while found.average(&mut is_known, |node, is_known| is_outside[node] && !is_known) {}
         for _ in 0..ROUNDS {
-            found.average(&is_known, |node| is_outside[node]);
+            found.average(&mut is_known, |node, _| is_outside[node]);
         }
         found
     }
@@ -94,29 +88,38 @@ impl Outside {
         self.origin + DVec3::from(self.at(node).map(|part| part as f64)) * self.edge
     }
 
-    /// Gives some nodes the mean of those of their neighbours that are known; those that have such.
-    fn average(&mut self, is_known: &[bool], is_asked: impl Fn(usize) -> bool + Sync) -> Vec<usize> {
-        let width = self.width;
-        let strides = [self.counts[1] * self.counts[2], self.counts[2], 1];
-        let mean = |node: usize| {
+    /// Gives some nodes, asked for by their numbers and by whether they are known, the mean of those of their neighbours that
+    /// are; whether any had such.
+    fn average(&mut self, is_known: &mut [bool], is_asked: impl Fn(usize, bool) -> bool + Sync) -> bool {
+        let (width, counts) = (self.width, self.counts);
+        let strides = [counts[1] * counts[2], counts[2], 1];
+        let (before, was_known) = (self.values.clone(), is_known.to_vec());
+        let mut values = std::mem::take(&mut self.values);
+        let mean = |(node, (values, is_known)): (usize, (&mut [f32], &mut bool))| {
             let at = self.at(node);
-            let (mut values, mut count) = (vec![0.0; width], 0.0);
-            for axis in 0..3 {
-                let before = (at[axis] > 0).then(|| node - strides[axis]);
-                let after = (at[axis] + 1 < self.counts[axis]).then(|| node + strides[axis]);
-                for beside in before.into_iter().chain(after).filter(|beside| is_known[*beside]) {
-                    count += 1.0;
-                    values.iter_mut().zip(&self.values[beside * width..]).for_each(|(value, other)| *value += other);
-                }
+            let beside = |axis: usize| {
+                let less = (at[axis] > 0).then(|| node - strides[axis]);
+                let more = (at[axis] + 1 < counts[axis]).then(|| node + strides[axis]);
+                less.into_iter().chain(more)
+            };
+            let known = || (0..3).flat_map(beside).filter(|beside| was_known[*beside]);
+            let count = known().count();
+            if count == 0 {
+                return false;
             }
-            (count > 0.0).then(|| (node, values.into_iter().map(|value| value / count).collect::<Vec<f32>>()))
+            values.fill(0.0);
+            for other in known() {
+                values.iter_mut().zip(&before[other * width..]).for_each(|(value, other)| *value += other);
+            }
+            values.iter_mut().for_each(|value| *value /= count as f32);
+            *is_known = true;
+            true
         };
-        let means: Vec<_> =
-            (0..is_known.len()).into_par_iter().filter(|node| is_asked(*node)).filter_map(mean).collect();
-        for (node, values) in &means {
-            self.values[node * width..][..width].copy_from_slice(values);
-        }
-        means.into_iter().map(|(node, _)| node).collect()
+        let nodes = values.par_chunks_mut(width).zip(is_known.par_iter_mut()).enumerate();
+        let asked = nodes.filter(|(node, (_, is_known))| is_asked(*node, **is_known));
+        let found = asked.map(mean).reduce(|| false, |one, two| one | two);
+        self.values = values;
+        found
     }
 
     /// Mixes values at a position outside, so far from the surface, units, which are those of its nearest place, with the

@@ -53,11 +53,7 @@ impl<'f> Compass<'f> {
 
     /// The nearest places of the feature to some nodes that are so far from it, in cells; at most a batch.
     fn feet(&mut self, nodes: impl Iterator<Item = (u32, f32)> + Clone) -> Vec<Vec3> {
-        let first = nodes.clone().next().map_or(Vec3::ZERO, |(node, _)| self.body.place(node));
-        let mut points = Points::new(self.body.to_units(first));
-        let edge = self.body.edge() as f32;
-        nodes.clone().for_each(|(node, _)| points.push((self.body.place(node) - first) * edge));
-        self.evaluator.gradients(&points, &mut self.out);
+        self.evaluator.gradients(&self.body.points(nodes.clone().map(|(node, _)| node)), &mut self.out);
         let foot = |(i, (node, reach)): (usize, (u32, f32))| {
             self.body.place(node) + self.out.gradient(i).normalize_or_zero() * reach
         };
@@ -361,10 +357,7 @@ pub(super) fn at_nodes(
 ) -> Result<Vec<f32>, Error> {
     let nodes: Vec<u32> = (0..body.len() as u32).collect();
     let of_batch = |evaluator: &mut Box<dyn Evaluator + '_>, batch: &[u32]| {
-        // Nodes of a batch are neighbours: offsets from the first are small.
-        let first = body.place(batch[0]);
-        let (mut points, mut out) = (Points::new(body.to_units(first)), [0.0; BATCH]);
-        batch.iter().for_each(|node| points.push((body.place(*node) - first) * body.edge() as f32));
+        let (points, mut out) = (body.points(batch.iter().copied()), [0.0; BATCH]);
         evaluator.values(&points, &mut out);
         (0..points.len).map(|i| of(points.position(i), out[i])).collect::<Result<Vec<f32>, Error>>()
     };

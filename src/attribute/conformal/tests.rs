@@ -6,77 +6,11 @@ use std::sync::atomic::AtomicBool;
 
 use glam::{DVec2, DVec3};
 
-use super::accuracy::{ell, extruded, polygon, sampled, way_around, you};
+use super::accuracy::{HALF, ball, ell, exact, extruded, polygon, prism, sampled, way_around, you};
 use super::{Body, Conformal, Ease, Error, Feature, Goal, Interior, Member, Method, Nearest, Zones};
 use crate::attribute::{Attribute, Constant, Straight};
 use crate::field::tests::Samples;
-use crate::field::{Aabb, BATCH, Evaluator, Field, Gradients, Hint, Hints, Interval, Points};
-
-/// A field by its exact distance, with gradients by differences.
-struct Exact<F> {
-    distance: F,
-    aabb: Aabb,
-}
-
-impl<F: Fn(DVec3) -> f64 + Send + Sync> Field for Exact<F> {
-    fn bounding_box(&self) -> Option<Aabb> {
-        Some(self.aabb)
-    }
-
-    fn reference(&self, position: DVec3) -> f64 {
-        (self.distance)(position)
-    }
-
-    fn evaluator(&self) -> Box<dyn Evaluator + '_> {
-        Box::new(ExactEvaluator(self))
-    }
-}
-
-struct ExactEvaluator<'f, F>(&'f Exact<F>);
-
-impl<F: Fn(DVec3) -> f64 + Send + Sync> Evaluator for ExactEvaluator<'_, F> {
-    fn enter(&mut self, _: &Aabb) {}
-
-    fn bounds(&mut self) -> Interval {
-        Interval::ALL
-    }
-
-    fn hints(&mut self, _: Hint) -> Hints {
-        Hints::NONE
-    }
-
-    fn leave(&mut self) {}
-
-    fn values(&mut self, points: &Points, out: &mut [f32; BATCH]) {
-        (0..points.len).for_each(|i| out[i] = self.0.reference(points.position(i)) as f32);
-    }
-
-    fn gradients(&mut self, points: &Points, out: &mut Gradients) {
-        const STEP: f64 = 1e-6;
-        self.values(points, &mut out.value);
-        for i in 0..points.len {
-            let at = |way: DVec3| self.0.reference(points.position(i) + way * STEP);
-            let [x, y, z] = DVec3::AXES.map(|axis| ((at(axis) - at(-axis)) / (2.0 * STEP)) as f32);
-            (out.dx[i], out.dy[i], out.dz[i]) = (x, y, z);
-        }
-    }
-}
-
-fn exact(aabb: Aabb, distance: impl Fn(DVec3) -> f64 + Send + Sync + 'static) -> Arc<dyn Field> {
-    Arc::new(Exact { distance, aabb })
-}
-
-fn ball(centre: DVec3, radius: f64) -> Arc<dyn Field> {
-    exact(Aabb::new(centre - radius, centre + radius), move |p| radius - p.distance(centre))
-}
-
-const HALF: f64 = 0.12;
-
-fn prism(corners: Vec<DVec2>) -> Arc<dyn Field> {
-    let min = corners.iter().copied().reduce(DVec2::min).unwrap();
-    let max = corners.iter().copied().reduce(DVec2::max).unwrap();
-    exact(Aabb::new(min.extend(-HALF), max.extend(HALF)), move |p| extruded(polygon(&corners, p.truncate()), p.z, HALF))
-}
+use crate::field::{Aabb, Expression, Field, Graph};
 
 /// The shortest way inside of a polygon: along its corners, by the ways between those that see each other.
 fn way_in_polygon(corners: &[DVec2], from: DVec2, to: DVec2) -> f64 {
@@ -403,7 +337,11 @@ fn the_own_surface_as_a_goal_is_the_depth() {
 fn what_cannot_be_spread_is_an_error() {
     let cube = cube();
     let body = body(&cube, 16);
-    let nowhere = exact(body.aabb(), |p| if p.x > 0.5 { f64::NAN } else { -p.length() });
+    let mut graph = Graph::new();
+    let before = graph.affine(-DVec3::X, 0.5);
+    let root = graph.sqrt(before);
+    let outside = graph.neg(root);
+    let nowhere: Arc<dyn Field> = Arc::new(Expression::new(&graph, outside));
     let Err(Error::NotANumber(at)) = Feature::new(&body, nowhere, &Method::Sight, &never()) else { panic!("a number") };
     assert!(at.x > 0.5);
     let stop = AtomicBool::new(true);

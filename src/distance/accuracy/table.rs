@@ -112,6 +112,16 @@ pub(crate) fn short(number: f64) -> String {
     if number != 0.0 && number < 0.001 { format!("{number:.0e}") } else { format!("{number:.3}") }
 }
 
+/// Such numbers, one after the other.
+pub(crate) fn listed(numbers: impl Iterator<Item = f64>) -> String {
+    numbers.map(short).collect::<Vec<_>>().join(", ")
+}
+
+/// An order of convergence, of which a single resolution has none.
+pub(crate) fn shown(order: Option<f64>) -> String {
+    order.map_or_else(|| "–".to_owned(), |order| format!("{order:.2}"))
+}
+
 /// Rows as a table in Markdown, an error of each resolution one after the other. `seconds`: whether times are among them,
 /// which no two runs have alike.
 pub fn markdown(rows: &[Row], seconds: bool) -> String {
@@ -124,7 +134,7 @@ pub fn markdown(rows: &[Row], seconds: bool) -> String {
     );
     out.push_str(if seconds { "|---|---|---|---|---|---|---|---|\n" } else { "|---|---|---|---|---|---|---|\n" });
     for row in rows {
-        let each = |number: fn(&Level) -> f64| row.levels.iter().map(number).map(short).collect::<Vec<_>>().join(", ");
+        let each = |number: fn(&Level) -> f64| listed(row.levels.iter().map(number));
         let wrong: u64 = row.levels.iter().map(|level| level.wrong_signs).sum();
         let _ = write!(
             out,
@@ -134,7 +144,7 @@ pub fn markdown(rows: &[Row], seconds: bool) -> String {
             each(|level| level.mean),
             each(|level| level.max),
             each(|level| level.slope),
-            row.order.map_or_else(|| "–".to_owned(), |order| format!("{order:.2}")),
+            shown(row.order),
         );
         if seconds {
             let _ = write!(out, " {} |", each(|level| level.seconds));

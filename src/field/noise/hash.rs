@@ -2,6 +2,8 @@
 
 use glam::{DVec3, I64Vec3};
 
+use crate::field::Aabb;
+
 /// 64 bits of a cell: its place and the seed folded in one after another, each mixed by the finisher of SplitMix64 (Steele, Lea
 /// and Flood, 2014).
 pub(in crate::field) fn of_cell(cell: I64Vec3, seed: u64) -> u64 {
@@ -20,6 +22,32 @@ pub(in crate::field) fn cells_around(ring: i64, mut each: impl FnMut(I64Vec3)) {
                 z += step;
             }
         }
+    }
+}
+
+/// The cubes of a lattice that meet a box.
+#[derive(Clone, Copy)]
+pub(in crate::field) struct Cubes {
+    pub low: I64Vec3,
+    /// Along each axis.
+    pub count: I64Vec3,
+}
+
+impl Cubes {
+    /// Those of an edge, at most so many and so many edges away; `None` of more.
+    pub fn over(around: &Aabb, edge: f64, most: usize, farthest: f64) -> Option<Self> {
+        let (low, high) = ((around.min / edge).floor(), (around.max / edge).floor());
+        let count = high - low + 1.0;
+        // Not a number is too many, too.
+        let is_fine = count.element_product() <= most as f64 && low.abs().max(high.abs()).max_element() < farthest;
+        is_fine.then(|| Self { low: low.as_i64vec3(), count: count.as_i64vec3() })
+    }
+
+    /// All, z the fastest.
+    pub fn iter(self) -> impl Iterator<Item = I64Vec3> {
+        let Self { low, count } = self;
+        (0..count.element_product())
+            .map(move |i| low + I64Vec3::new(i / (count.y * count.z), i / count.z % count.y, i % count.z))
     }
 }
 

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use crate::attribute::{Journey, Sources, Travel, TravelError};
 use crate::field::{Expression, Field, Graph};
-use crate::node::argument::{Argument, Component};
+use crate::node::argument::Component;
 use crate::node::extent::box_of;
 use crate::node::painted::Paint;
 use crate::node::source::{Source, Sourcing};
@@ -45,10 +45,7 @@ fn arrival(source: &mut dyn Sourcing<1>) -> Result<Paint<1>, Problem> {
         [] => Sources::Surface,
         shapes => Sources::Solids(shapes.iter().map(|shape| source.shape(*shape)).collect::<Result<_, _>>()?),
     };
-    let component = match source.arguments().get("speed") {
-        Some(Argument::Components(components)) => components.first().cloned(),
-        _ => None,
-    };
+    let component = source.arguments().component("speed").cloned();
     let speed = match &component {
         Some(component) => source.component(component)?,
         None => one(),
