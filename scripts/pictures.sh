@@ -55,7 +55,7 @@ picture "$folder"/{heart-slabs,sphere-slabs,marble,marble-torus,aitch,aitch-axis
 picture "$folder"/aitch-{diffusion,interior}.vdb --view front --size 300 --output "$images/wood-inside.png"
 picture red-blue --frames 7 --vary alpha=0.05,0.3,3 --vary beta=0.15,0.5,0.85 --output "$images/red-blue.png"
 mkdir -p "$images/nodes" "$images/objects" "$folder/nodes"
-for object in gears logo-text rock crowd wine-glass bottle chess-king bone rope; do
+for object in gears logo-text rock crowd wine-glass bottle chess-king bone rope coral; do
     picture "$object" --frames 1 --size 420 --output "$images/objects/$object.png"
 done
 for node in $(hfvdb scenes | sed -n 's/^Nodes, each as a scene of its own: //p'); do

@@ -3,6 +3,7 @@
 use glam::{DVec3, Vec3};
 
 use super::Aabb;
+use super::part::Sample;
 use crate::grid::{BLOCK_EDGE, BLOCK_VOXELS};
 
 /// The most points evaluated in one call.
@@ -152,6 +153,13 @@ impl Gradients {
     /// The gradient at a point.
     pub fn gradient(&self, i: usize) -> Vec3 {
         Vec3::new(self.dx[i], self.dy[i], self.dz[i])
+    }
+
+    /// Value and gradient at a point.
+    pub(super) fn set(&mut self, i: usize, (value, gradient): Sample) {
+        let gradient = gradient.as_vec3();
+        self.value[i] = value as f32;
+        (self.dx[i], self.dy[i], self.dz[i]) = (gradient.x, gradient.y, gradient.z);
     }
 }
 

@@ -33,6 +33,7 @@ mod leaf;
 mod machine;
 mod noise;
 mod op;
+mod open_foam;
 mod outline;
 mod part;
 mod part_tree;
@@ -52,6 +53,7 @@ mod tape;
 pub(crate) mod testing;
 #[cfg(test)]
 pub(crate) mod tests;
+mod voronoi;
 mod walls;
 mod width;
 
@@ -71,6 +73,7 @@ pub use graph::{Graph, Node};
 pub use heights::Heights;
 pub use interval::{Aabb, Interval};
 pub use noise::{Fold, Fractal, GradientNoise, Near, Noise, NoiseField, Simplex, ValueNoise, Worley};
+pub use open_foam::{OpenFoam, edges_of};
 pub use outline::Outline;
 pub use part::{Parts, Sample};
 pub use parts::{Joined, Procedure};

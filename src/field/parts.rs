@@ -277,7 +277,7 @@ impl<P: Parts> Evaluator for JoinedEvaluator<'_, P> {
 
     fn gradients(&mut self, points: &Points, out: &mut Gradients) {
         for i in 0..points.len {
-            set(out, i, self.sample(points.position(i)));
+            out.set(i, self.sample(points.position(i)));
         }
     }
 
@@ -289,16 +289,9 @@ impl<P: Parts> Evaluator for JoinedEvaluator<'_, P> {
         let Some(index) = self.carriers().get(branch).copied() else { return self.gradients(points, out) };
         let shift = self.regions.last().and_then(|region| region.shift).unwrap_or(DVec3::ZERO);
         for i in 0..points.len {
-            set(out, i, self.joined.parts.carrier(index as usize, self.flat(points.position(i) - shift)));
+            out.set(i, self.joined.parts.carrier(index as usize, self.flat(points.position(i) - shift)));
         }
     }
-}
-
-fn set(out: &mut Gradients, i: usize, (value, gradient): Sample) {
-    out.value[i] = value as f32;
-    out.dx[i] = gradient.x as f32;
-    out.dy[i] = gradient.y as f32;
-    out.dz[i] = gradient.z as f32;
 }
 
 /// A single part by a function.

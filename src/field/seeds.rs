@@ -78,11 +78,7 @@ impl Seeds {
 
     /// The cube of the nearest point and the way from that to a position, in edges; `None` where the position is none.
     fn nearest(&self, position: DVec3) -> Option<(I64Vec3, DVec3)> {
-        let at = position / self.edge;
-        if !at.is_finite() || at.abs().max_element() >= FARTHEST {
-            return None;
-        }
-        let cube = at.floor().as_i64vec3();
+        let (at, cube) = (position / self.edge, self.cube(position)?);
         let mut nearest = (f64::INFINITY, cube, DVec3::ZERO);
         for ring in 0..=NEAREST_AROUND {
             cells_around(ring, |by| {
@@ -100,8 +96,14 @@ impl Seeds {
         Some((nearest.1, nearest.2))
     }
 
+    /// The cube of a position; `None` where it is none.
+    pub(super) fn cube(&self, position: DVec3) -> Option<I64Vec3> {
+        let at = position / self.edge;
+        (at.is_finite() && at.abs().max_element() < FARTHEST).then(|| at.floor().as_i64vec3())
+    }
+
     /// The point of a cube, in edges.
-    fn point(&self, cube: I64Vec3) -> DVec3 {
+    pub(super) fn point(&self, cube: I64Vec3) -> DVec3 {
         cube.as_dvec3() + 0.5 + (shares(of_cell(cube, self.seed)) - 0.5) * self.jitter
     }
 

@@ -39,7 +39,7 @@ impl Strut {
     }
 
     /// The signed distance, positive inside, and its gradient.
-    fn at(&self, position: DVec3) -> Sample {
+    pub(super) fn at(&self, position: DVec3) -> Sample {
         let way = position - self.from;
         let along = way.dot(self.along);
         let across = (way - self.along * along).length();
@@ -50,6 +50,12 @@ impl Strut {
         let distance = from_axis.length();
         let direction = if distance > 0.0 { from_axis / distance } else { self.along.any_orthonormal_vector() };
         (radius - distance, -direction)
+    }
+
+    /// The box of the axis, and how far it reaches beyond: the ball of any place is no larger than the larger one.
+    pub(super) fn core(&self) -> (Aabb, f64) {
+        let (from, to) = (self.from, self.to());
+        (Aabb::new(from.min(to), from.max(to)), self.radii[0].max(self.radii[1]))
     }
 
     fn bounding_box(&self) -> Aabb {
@@ -120,11 +126,8 @@ impl Parts for Struts {
         self.all[index].at(position)
     }
 
-    /// The ball of any place of the axis is no larger than the larger one.
     fn core(&self, index: usize) -> Option<(Aabb, f64)> {
-        let strut = &self.all[index];
-        let (from, to) = (strut.from, strut.to());
-        Some((Aabb::new(from.min(to), from.max(to)), strut.radii[0].max(strut.radii[1])))
+        Some(self.all[index].core())
     }
 
     fn bounding_box(&self) -> Option<Aabb> {

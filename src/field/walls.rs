@@ -19,7 +19,8 @@ pub struct Walls {
     thinnest: f64,
 }
 
-struct Centres(Vec<DVec3>);
+/// Points, whose values are minus the distances to them.
+pub(super) struct Centres(pub(super) Vec<DVec3>);
 
 impl Parts for Centres {
     fn count(&self) -> usize {

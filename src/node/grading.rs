@@ -74,19 +74,22 @@ impl Grading<'_> {
             self.has_no_lattice(build, key)?;
             Darts { around, solid: self.solid.as_ref(), sizes, by: self.by.as_ref(), seed }.thrown()
         };
-        made.map_err(|error| match error {
+        made.map_err(|error| self.failed(build, key, error))
+    }
+
+    /// Why there are no cells of a size, or nothing is known of them.
+    pub fn failed(&self, build: &dyn Build, key: &str, error: DartError) -> Problem {
+        match error {
             DartError::TooMany => {
                 let DVec3 { x, y, z } = self.around.size();
-                let problem = format!(
-                    "`{key}` has too many cells to place them: of {smallest} to {largest} in a box of {x:.4} x {y:.4} x {z:.4}"
-                );
+                let problem = format!("`{key}` has too many cells to place them in a box of {x:.4} x {y:.4} x {z:.4}");
                 build.wrong(key, problem).help("larger cells, or fewer places where they are small")
             }
             DartError::NoNumber(DVec3 { x, y, z }) => {
                 let problem = format!("`{}` is no number at ({x}, {y}, {z}), where `{key}` goes by it", self.name.name);
                 Problem::new(self.name.span, problem).help("it must be one a few cells around the shape, too")
             }
-        })
+        }
     }
 
     /// Refuses sizes that are too different to go over into one another.

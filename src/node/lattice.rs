@@ -21,26 +21,24 @@ pub const fn radius(cell: &'static str) -> Key {
     Key::new("radius", Kind::OfSpace, Of(cell, 0.08), text).limit(Limit::Positive).unit("units")
 }
 
-/// The row's node. Where the radius is a formula r, F is r − d, d the distance to the nearest line: as steep as 1 and the slope
-/// of r, so that the surface is where the lines are as far away as r says there.
+/// The row's node.
 pub fn lattice(build: &mut dyn Build, key: &str, lines: &[Line]) -> Result<Node, Problem> {
     let edge = build.number(key)?;
-    let (radius, added) = match formula_of(build.arguments()) {
-        Some(formula) => {
-            let formula = formula.clone();
-            (0.0, Some(build.reading(&formula)?))
-        }
-        None => (radius_of(build, build.arguments())?, None),
+    of_radius(build, |graph, radius| struts(graph, lines, edge, radius))
+}
+
+/// Struts of the row's radius. Where that is a formula r, F is r − d, d the distance to the nearest line: as steep as 1 and the
+/// slope of r, so that the surface is where the lines are as far away as r says there.
+pub fn of_radius(build: &mut dyn Build, struts: impl FnOnce(&mut Graph, f64) -> Node) -> Result<Node, Problem> {
+    let Some(formula) = formula_of(build.arguments()) else {
+        let radius = radius_of(build, build.arguments())?;
+        return Ok(struts(build.graph(), radius));
     };
+    let formula = formula.clone();
+    let reading = build.reading(&formula)?;
     let graph = build.graph();
-    let solid = struts(graph, lines, edge, radius);
-    Ok(match added {
-        Some(reading) => {
-            let radius = reading.node(graph);
-            graph.add(solid, radius)
-        }
-        None => solid,
-    })
+    let (solid, radius) = (struts(graph, 0.0), reading.node(graph));
+    Ok(graph.add(solid, radius))
 }
 
 /// The row's node that goes over into another one of it.
@@ -50,19 +48,23 @@ pub fn graded(
     key: &str,
     lines: &[Line],
 ) -> Result<Option<Node>, Problem> {
-    let size = grading.ends(build, key)?;
+    let Some(radius) = radii(build, grading, key)? else { return Ok(None) };
+    octaves(build, grading, key, |build, octave| {
+        let radius = radius.at(octave.share) * octave.scale;
+        Ok((struts(build.graph(), lines, octave.edge, radius), radius))
+    })
+}
+
+/// The radius of struts that goes over from one to another; `None` of formulas in cells of one size, whose values are mixed.
+pub fn radii(build: &dyn Build, grading: &Grading<'_>, key: &str) -> Result<Option<Ends>, Problem> {
     if [build.arguments(), grading.to].into_iter().any(|arguments| formula_of(arguments).is_some()) {
-        if size.is_same() {
+        if grading.ends(build, key)?.is_same() {
             return Ok(None);
         }
         let problem = format!("`radius` is a formula, and the cells of `{key}` go over from a size to another");
         return Err(build.wrong(key, problem).help("a number at both: it goes over, too"));
     }
-    let radius = Ends([radius_of(build, build.arguments())?, radius_of(build, grading.to)?]);
-    octaves(build, grading, key, |build, octave| {
-        let radius = radius.at(octave.share) * octave.scale;
-        Ok((struts(build.graph(), lines, octave.edge, radius), radius))
-    })
+    Ok(Some(Ends([radius_of(build, build.arguments())?, radius_of(build, grading.to)?])))
 }
 
 fn struts(graph: &mut Graph, lines: &[Line], edge: f64, radius: f64) -> Node {

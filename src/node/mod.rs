@@ -290,6 +290,7 @@ nodes! {
             threads
             pores
             foam
+            open_foam
             facet;
     }
 

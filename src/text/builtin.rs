@@ -147,6 +147,7 @@ const SCENES: &[BuiltIn] = &[
     BuiltIn { name: "bottle", text: include_str!("../../scenes/bottle.toml"), line: "a bottle with a liquid in it" },
     BuiltIn { name: "bone", text: include_str!("../../scenes/bone.toml"), line: "a bone with pores, cut open" },
     BuiltIn { name: "rope", text: include_str!("../../scenes/rope.toml"), line: "a rope of three strands with a knot" },
+    BuiltIn { name: "coral", text: include_str!("../../scenes/coral.toml"), line: "a colony of coral" },
     BuiltIn { name: "crowd", text: include_str!("../../scenes/crowd.toml"), line: "five hundred people on a hill" },
 ];
 

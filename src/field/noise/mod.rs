@@ -89,10 +89,7 @@ impl<N: Noise> Evaluator for NoiseEvaluator<'_, N> {
 
     fn gradients(&mut self, points: &Points, out: &mut Gradients) {
         for i in 0..points.len {
-            let (value, slope) = self.noise.at(points.position(i));
-            let slope = slope.as_vec3();
-            out.value[i] = value as f32;
-            (out.dx[i], out.dy[i], out.dz[i]) = (slope.x, slope.y, slope.z);
+            out.set(i, self.noise.at(points.position(i)));
         }
     }
 
