@@ -260,6 +260,27 @@ fn a_shape_of_the_plane_is_extruded_by_an_eighth_of_its_longer_side() {
     assert!(!named.warnings.to_string().contains("plane"), "{}", named.warnings);
 }
 
+/// What would show along z alone is not dropped without a word.
+#[test]
+fn what_is_done_to_a_shape_of_the_plane_along_z_is_told() {
+    let said = |done: &str| {
+        let text = format!("hfvdb = 1\n[shape.a]\nextrude = \"b\"\n[shape.b]\ncircle = 0.3\n{done}\n");
+        loaded(&text).unwrap().warnings.to_string()
+    };
+    for (done, key) in [
+        ("move = [0, 1, 2]", "move"),
+        ("do = [{ move = [0, 0, 1] }]", "move"),
+        ("elongate = [0, 0.1, 0.2]", "elongate"),
+        ("array = [2, 1, 3]", "array"),
+        ("places = [[0, 0, 1], [1, 0, 0]]", "places"),
+    ] {
+        assert!(said(done).contains(&format!("`{key}` along z does nothing to `b`")), "{done}: {}", said(done));
+    }
+    for done in ["move = [0, 1, 0]", "elongate = 0.2", "elongate = [0.1, 0, 0]", "array = 2", "array = [2, 3, 1]"] {
+        assert!(!said(done).contains("along z"), "{done}: {}", said(done));
+    }
+}
+
 /// Set operations of shapes of the plane are such again.
 #[test]
 fn shapes_of_the_plane_are_joined_in_the_plane() {

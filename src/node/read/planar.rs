@@ -9,6 +9,7 @@ use crate::node::spec::{Carries, Plane, Spec};
 use crate::text::diagnostic::{Diagnostic, clip};
 use crate::text::key::{Absent, Kind};
 use crate::text::number::Number;
+use crate::text::source::Span;
 
 impl Building<'_, '_> {
     /// Which shapes are of the plane: those that are by themselves, and set operations and blends of such.
@@ -43,6 +44,13 @@ impl Building<'_, '_> {
         let flat = self.flat_shapes();
         for (shape, is_flat) in self.shapes.iter_mut().zip(&flat) {
             shape.iter_mut().for_each(|shape| shape.is_flat = *is_flat);
+        }
+        for shape in self.shapes.iter().flatten().filter(|shape| shape.is_flat) {
+            for (key, span) in idle_along_z(shape) {
+                let problem = format!("`{key}` along z does nothing to `{}`, a shape of the plane", clip(&shape.name));
+                let help = "leave z out, and do it to the solid that the shape becomes";
+                self.reader.say(Diagnostic::warning(span, problem).help(help));
+            }
         }
         for link in &self.links {
             let Node::Shape(to) = link.to else { continue };
@@ -149,6 +157,25 @@ impl Building<'_, '_> {
         self.shapes.push(Some(lifted));
         ShapeId(self.shapes.len() - 1)
     }
+}
+
+/// What is done to a shape along z alone or as well, of which nothing shows in the plane.
+fn idle_along_z(shape: &Shape) -> Vec<(&'static str, Span)> {
+    let moves = |number: &Number| number.as_constant() != Some(0.0);
+    let [_, _, up] = &shape.placement.translate;
+    let modifiers = shape.modifiers.iter().filter_map(|modifier| {
+        let key = modifier.spec.key.name;
+        let is_idle = match modifier.arguments.get(key)? {
+            // One number for all three axes means those of the plane.
+            Argument::Vector(vector) if vector[0].span == vector[2].span => false,
+            Argument::Vector(vector) => matches!(key, "move" | "elongate") && moves(&vector[2]),
+            Argument::Counts([x, y, z]) => *z > 1 && !(x == z && y == z),
+            Argument::Places(places) => places.rows.iter().any(|place| place.at.z != 0.0),
+            _ => false,
+        };
+        is_idle.then(|| (key, modifier.arguments.span(key).unwrap_or(shape.span)))
+    });
+    moves(up).then_some(("move", up.span)).into_iter().chain(modifiers).collect()
 }
 
 impl Arguments {
