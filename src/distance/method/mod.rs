@@ -1,5 +1,6 @@
 //! How the signed distance to a field's zero set is measured: one method, one file here and one row of [`METHODS`].
 
+mod adf;
 pub mod blocks;
 mod closest_point;
 pub mod fim;
@@ -25,7 +26,7 @@ use crate::field::{Aabb, Field};
 use crate::grid::Band;
 
 /// All methods that have a name; the first is the usual one.
-pub static METHODS: [&dyn Method; 3] = [&closest_point::ClosestPoint, &vector_dt::VectorDt, &fim::Fim];
+pub static METHODS: [&dyn Method; 4] = [&closest_point::ClosestPoint, &vector_dt::VectorDt, &fim::Fim, &adf::Adf];
 
 /// What to measure.
 #[derive(Clone, Copy)]
@@ -96,7 +97,7 @@ pub trait Method: Sync {
 }
 
 /// What scenes call the methods, in the order of [`METHODS`].
-pub const NAMES: [&str; METHODS.len()] = ["closest-point", "vector-dt", "fim"];
+pub const NAMES: [&str; METHODS.len()] = ["closest-point", "vector-dt", "fim", "adf"];
 
 /// The usual method.
 pub const USUAL: &str = NAMES[0];

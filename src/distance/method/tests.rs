@@ -79,7 +79,9 @@ fn band_of(field: &dyn Field, solid: Aabb, voxel: f64, method: &dyn Method, thre
 #[test]
 fn bands_are_right_to_a_part_of_a_voxel() {
     let (field, voxel) = (Joined::one(Leaf::Torus(0.7, 0.25)), 0.025);
-    for (name, mean, max) in [("closest-point", 0.005, 0.05), ("vector-dt", 0.1, 0.2), ("fim", 0.05, 0.15)] {
+    for (name, mean, max) in
+        [("closest-point", 0.005, 0.05), ("vector-dt", 0.1, 0.2), ("fim", 0.05, 0.15), ("adf", 0.01, 0.1)]
+    {
         let band = band_of(&field, field.bounds, voxel, named(name), 2);
         let found = compare(&band, |p| exact::torus(p, 0.7, 0.25));
         assert!(found.voxels > 10_000 && found.wrong_signs == 0, "{name}: {found:?}");
