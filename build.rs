@@ -4,7 +4,7 @@ use std::env;
 use std::path::{Path, PathBuf};
 
 /// The C++ sources, and the headers among them.
-const SOURCES: [&str; 5] = ["cpp/build.cpp", "cpp/encode.cpp", "cpp/morph.cpp", "cpp/nano.cpp", "cpp/read.cpp"];
+const SOURCES: [&str; 4] = ["cpp/build.cpp", "cpp/encode.cpp", "cpp/morph.cpp", "cpp/nano.cpp"];
 const HEADERS: [&str; 2] = ["cpp/border.h", "cpp/grids.h"];
 const BRIDGE: &str = "src/vdb/bridge.rs";
 /// Where a system's headers stand when `OPENVDB_ROOT` names no other place.

@@ -54,7 +54,7 @@ private:
     std::unique_ptr<Parts> mParts;
 };
 
-// The nodes, leaves without values and tiles of a grid.
+// The nodes, leaves and tiles of a grid.
 std::shared_ptr<Grid> float_grid(const Head& head, const Blocks& blocks, float background, rust::Slice<const float> tile_values);
 std::shared_ptr<Grid> vector_grid(
     const Head& head, const Blocks& blocks, std::array<float, 3> background, rust::Slice<const float> tile_values);
@@ -118,17 +118,12 @@ private:
 std::unique_ptr<Nano> to_nano(const Grid& grid, bool half);
 std::unique_ptr<NanoFile> new_nano_file(Codec codec);
 
+struct Cancel;
 struct Counts;
 struct Target;
 
-std::shared_ptr<Grid> decode(rust::Slice<const std::uint8_t> bytes, std::size_t descriptor);
-Counts count(const Grid& grid);
-void copy_floats(const Grid& grid, bool flip, Target& target);
-void copy_vectors(const Grid& grid, Target& target);
-
-struct Cancel;
-
-std::shared_ptr<Grid> with_distances(const Grid& topology, rust::Slice<const float> distances);
 std::shared_ptr<Grid> morphed(const Grid& source, const Grid& target, double duration, const Cancel& cancel);
+Counts count(const Grid& level_set);
+void copy(const Grid& level_set, Target& target);
 
 } // namespace hfvdb

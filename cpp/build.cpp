@@ -1,4 +1,4 @@
-// A grid's tree from blocks: nodes, leaves without values, tiles. Leaves are made on all threads.
+// A grid's tree from blocks: nodes, leaves with values or without, tiles. Leaves are made on all threads.
 
 #include "grids.h"
 
@@ -6,6 +6,7 @@
 #include <tbb/global_control.h>
 #include <tbb/parallel_for.h>
 
+#include <algorithm>
 #include <mutex>
 #include <stdexcept>
 
@@ -20,20 +21,28 @@ namespace {
 constexpr std::size_t MASK_WORDS = 8;
 // Leaves a thread takes at a time: fewer cost scheduling, more leave threads idle at the end.
 constexpr std::size_t LEAVES_A_TASK = 64;
+// The numbers in a leaf: a vector is three.
+template <typename Leaf>
+constexpr std::size_t LEAF_FLOATS = Leaf::SIZE * sizeof(typename Leaf::ValueType) / sizeof(float);
 
 Coord coordinate(rust::Slice<const std::int32_t> numbers, std::size_t index)
 {
     return {numbers[index], numbers[index + 1], numbers[index + 2]};
 }
 
-// A leaf that says which of its voxels are active. It has no buffer: values go from the blocks straight into the file.
+// A leaf that says which of its voxels are active. Without values it has no buffer: those of a file go from the blocks
+// straight into it.
 template <typename Leaf>
 std::unique_ptr<Leaf> make_leaf(
-    Coord origin, const std::uint64_t* mask, const typename Leaf::ValueType& background)
+    Coord origin, const std::uint64_t* mask, const float* values, const typename Leaf::ValueType& background)
 {
     auto leaf = std::make_unique<Leaf>(openvdb::PartialCreate(), origin, background, false);
     for (std::size_t word = 0; word < MASK_WORDS; ++word) {
         leaf->getValueMask().template getWord<std::uint64_t>(Index(word)) = mask[word];
+    }
+    if (values) {
+        leaf->allocate();
+        std::copy_n(values, LEAF_FLOATS<Leaf>, reinterpret_cast<float*>(leaf->buffer().data()));
     }
     return leaf;
 }
@@ -62,11 +71,16 @@ void link_leaves(Tree& tree, const Blocks& blocks)
     const std::size_t count = blocks.origins.size() / 3;
     if (count == 0) return;
 
+    if (!blocks.values.empty() && blocks.values.size() != LEAF_FLOATS<Leaf> * count) {
+        throw std::runtime_error("blocks without values");
+    }
+
     std::vector<std::unique_ptr<Leaf>> leaves(count);
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, LEAVES_A_TASK), [&](const auto& range) {
         for (std::size_t block = range.begin(); block != range.end(); ++block) {
-            leaves[block] = make_leaf<Leaf>(
-                coordinate(blocks.origins, 3 * block), blocks.masks.data() + MASK_WORDS * block, tree.background());
+            const float* values = blocks.values.empty() ? nullptr : blocks.values.data() + LEAF_FLOATS<Leaf> * block;
+            leaves[block] = make_leaf<Leaf>(coordinate(blocks.origins, 3 * block),
+                blocks.masks.data() + MASK_WORDS * block, values, tree.background());
         }
     });
 

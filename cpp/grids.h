@@ -28,10 +28,4 @@ void start_library();
 // Copies items into a metadata map.
 void insert_metadata(openvdb::MetaMap& map, rust::Slice<const Meta> items);
 
-// F is positive inside everywhere else, an OpenVDB level set is negative inside. A zero becomes +0.
-inline float flip_sign(float value)
-{
-    return 0.0f - value;
-}
-
 } // namespace hfvdb

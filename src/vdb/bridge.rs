@@ -48,6 +48,8 @@ pub(super) mod ffi {
         origins: &'a [i32],
         /// Eight words a block.
         masks: &'a [u64],
+        /// 512 values a block, of vectors three numbers each; or none, for leaves without values.
+        values: &'a [f32],
         /// Four numbers a tile: its least corner and its edge.
         tiles: &'a [i32],
         tiles_active: bool,
@@ -75,15 +77,15 @@ pub(super) mod ffi {
         bytes: i64,
     }
 
-    /// What a grid holds.
+    /// What a level set holds.
     #[derive(Clone, Copy, Debug)]
     struct Counts {
         blocks: usize,
-        /// Tiles that are active, or hold another value than the background.
+        /// Tiles inside.
         tiles: usize,
     }
 
-    /// Where a grid's blocks and tiles are copied to.
+    /// Where a level set's blocks and the tiles inside are copied to.
     struct Target<'a> {
         /// Three numbers a block.
         origins: &'a mut [i32],
@@ -93,12 +95,6 @@ pub(super) mod ffi {
         values: &'a mut [f32],
         /// Four numbers a tile: its least corner and its edge.
         tiles: &'a mut [i32],
-        /// One value a tile.
-        tile_values: &'a mut [f32],
-        /// 1 for an active tile.
-        tile_states: &'a mut [u8],
-        /// One value.
-        background: &'a mut [f32],
     }
 
     /// How buffers are compressed in the file.
@@ -124,7 +120,7 @@ pub(super) mod ffi {
 
         /// A grid: immutable once it is made.
         type Grid;
-        /// The nodes, leaves without values and tiles of a grid of numbers: one value a tile, of vectors three numbers.
+        /// The nodes, leaves and tiles of a grid of numbers: one value a tile, of vectors three numbers.
         fn float_grid(head: &Head, blocks: &Blocks, background: f32, tile_values: &[f32]) -> Result<SharedPtr<Grid>>;
         fn vector_grid(
             head: &Head,
@@ -158,19 +154,12 @@ pub(super) mod ffi {
         /// What stands before the grids that were added.
         fn head(self: &NanoFile) -> Result<UniquePtr<CxxString>>;
 
-        /// One grid of a file that lies in memory and was walked; `descriptor` is where its descriptor stands.
-        fn decode(bytes: &[u8], descriptor: usize) -> Result<SharedPtr<Grid>>;
-        /// How much `copy_floats` or `copy_vectors` gives.
-        fn count(grid: &Grid) -> Result<Counts>;
-        /// A grid's blocks and tiles as 32-bit floats. `flip` makes a level set positive inside: the one place where
-        /// the sign flips on the way in.
-        fn copy_floats(grid: &Grid, flip: bool, target: &mut Target) -> Result<()>;
-        fn copy_vectors(grid: &Grid, target: &mut Target) -> Result<()>;
-
-        /// A level set with its distances: 512 a leaf, positive inside here, in the order of its blocks.
-        fn with_distances(topology: &Grid, distances: &[f32]) -> Result<SharedPtr<Grid>>;
         /// What OpenVDB makes of a level set on its way to another in so much of its time; anything once it is to stop.
         fn morphed(source: &Grid, target: &Grid, duration: f64, cancel: &Cancel) -> Result<SharedPtr<Grid>>;
+        /// How much `copy` gives.
+        fn count(level_set: &Grid) -> Result<Counts>;
+        /// A level set's blocks and the tiles inside, its values negative there.
+        fn copy(level_set: &Grid, target: &mut Target) -> Result<()>;
     }
 }
 
@@ -184,7 +173,7 @@ impl Cancel<'_> {
 }
 
 // SAFETY: a `Grid` never changes once it is made, and OpenVDB's trees may be read from many threads at once. Nothing
-// is loaded late: files are read whole.
+// is loaded late: no file is read.
 unsafe impl Send for ffi::Grid {}
 unsafe impl Sync for ffi::Grid {}
 // SAFETY: a `Writer` changes only through a unique reference; its other functions have streams of their own.

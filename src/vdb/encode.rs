@@ -12,7 +12,7 @@ use super::blosc;
 use super::bridge::ffi;
 use super::frame::check_half;
 use super::metadata::to_bridge;
-use super::{Compression, Content, Error, Frame, Grid};
+use super::{Compression, Content, Error, Frame, Grid, flip_sign};
 use crate::grid::{BLOCK_VOXELS, Band, BlockMask, mask};
 
 /// Leaves encoded in one go: so few that they stay in the cache, with their values where those are gathered first.
@@ -76,9 +76,9 @@ fn encode_grid(
     let (nodes, leaves) = if compression == Compression::Blosc && !grid.half {
         // Nothing here waits for the tree that OpenVDB makes of the nodes.
         let piece = |run: &mut Run, mut leaves: Range<usize>| leaves.try_for_each(|block| run.compress(grid, block));
-        rayon::join(|| nodes(&*grid.topology()?), || encode_leaves(grid, piece))
+        rayon::join(|| nodes(&*grid.in_library(&[])?), || encode_leaves(grid, piece))
     } else {
-        let topology = grid.topology()?;
+        let topology = grid.in_library(&[])?;
         let piece = |run: &mut Run, mut leaves: Range<usize>| {
             leaves.try_for_each(|block| run.gather(grid, block))?;
             run.compress_gathered(&topology, writer).map_err(failed)
@@ -226,7 +226,7 @@ impl Piece {
 
 /// What a leaf takes in a file, before its values are compressed.
 #[derive(Default)]
-struct Leaf {
+pub(super) struct Leaf {
     /// All that stands before the values.
     head: Vec<u8>,
     /// The values, where they are not those of the grid as they are, with room for a whole block's.
@@ -235,7 +235,7 @@ struct Leaf {
 
 impl Leaf {
     /// Takes a block in and checks its values: how it keeps its inactive ones, what stands before the others, and these.
-    fn fill<'a>(&'a mut self, grid: &'a Grid<'_>, block: usize) -> Result<(i8, &'a [u8], &'a [f32]), Error> {
+    pub(super) fn fill<'a>(&'a mut self, grid: &'a Grid<'_>, block: usize) -> Result<(i8, &'a [u8], &'a [f32]), Error> {
         let Self { head, values: own } = self;
         head.clear();
         head.extend(grid.blocks().active[block].iter().flat_map(|word| word.to_le_bytes()));
@@ -256,7 +256,7 @@ impl Leaf {
     }
 }
 
-/// A level set's values, negative inside: **the one place where the sign flips on the way out**.
+/// A level set's values, negative inside.
 /// How a leaf keeps its inactive ones, and how many active ones stand at the front of `out`.
 fn put_distances(band: &Band, block: usize, head: &mut Vec<u8>, out: &mut [f32]) -> (i8, usize) {
     let active = &band.active[block];
@@ -289,7 +289,7 @@ fn flip_active(
     for (at, row) in distances.as_chunks::<ROW>().0.iter().enumerate() {
         let mut flipped = [0.0; ROW];
         for z in 0..ROW {
-            flipped[z] = (0.0 - row[z]).clamp(-background, background);
+            flipped[z] = flip_sign(row[z]).clamp(-background, background);
             inside[ROW * at + z] = u8::from(row[z] >= 0.0);
         }
         let flags = active[at / ROW] >> (ROW * (at % ROW)) & 0xFF;
@@ -374,7 +374,7 @@ mod tests {
                 ours.compress(&head, &values);
                 gathered.push(&head, &values);
             }
-            theirs.compress_by_library(&gathered, &grid.topology().unwrap(), &writer).unwrap();
+            theirs.compress_by_library(&gathered, &grid.in_library(&[]).unwrap(), &writer).unwrap();
             let ((our_bytes, our_sizes), (their_bytes, their_sizes)) = (ours.take(), theirs.take());
             assert_eq!(our_sizes, their_sizes);
             assert!(our_bytes == their_bytes);

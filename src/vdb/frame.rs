@@ -259,8 +259,9 @@ impl<'a> Grid<'a> {
         }
     }
 
-    /// The nodes, leaves and tiles of a grid that was checked, in OpenVDB's hands; the values stay here.
-    pub(super) fn topology(&self) -> Result<cxx::SharedPtr<ffi::Grid>, Error> {
+    /// The nodes, leaves and tiles of a grid that was checked, in OpenVDB's hands; with the values of all voxels of its
+    /// blocks, or none.
+    pub(super) fn in_library(&self, values: &[f32]) -> Result<cxx::SharedPtr<ffi::Grid>, Error> {
         let blocks = self.blocks();
         let metadata = to_bridge(&self.metadata);
         let origins: Vec<i32> = blocks.origins.iter().flat_map(IVec3::to_array).collect();
@@ -269,6 +270,7 @@ impl<'a> Grid<'a> {
         let bridge_blocks = ffi::Blocks {
             origins: &origins,
             masks: blocks.active.as_flattened(),
+            values,
             tiles: &tiles,
             tiles_active: !matches!(self.content, Content::LevelSet(_)),
         };

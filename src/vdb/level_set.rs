@@ -6,9 +6,8 @@ use glam::IVec3;
 
 use super::bridge::{Cancel, ffi};
 use super::frame::{Content, Grid};
-use super::read::{band_of, blocks_of};
-use super::{Error, Metadata};
-use crate::grid::{BLOCK_VOXELS, Band, BlockMask, Lattice};
+use super::{Error, Metadata, flip_sign};
+use crate::grid::{BLOCK_VOXELS, Band, BlockMask, InsideTile, Lattice};
 
 /// A level set that OpenVDB holds; it never changes.
 #[derive(Clone)]
@@ -26,9 +25,8 @@ impl LevelSet {
     pub fn new(band: &Band) -> Result<Self, Error> {
         let grid = Grid { name: "surface", content: Content::LevelSet(band), half: false, metadata: Metadata::new() };
         grid.check()?;
-        let topology = grid.topology()?;
-        let grid = ffi::with_distances(&topology, band.distances.as_flattened()).map_err(library)?;
-        Ok(Self { grid, lattice: band.lattice, half_width: band.half_width })
+        let values: Vec<f32> = band.distances.as_flattened().iter().map(|distance| flip_sign(*distance)).collect();
+        Ok(Self { grid: grid.in_library(&values)?, lattice: band.lattice, half_width: band.half_width })
     }
 
     /// What OpenVDB makes of it on the way to another one on the same voxels, `duration` later. Its surface moves along
@@ -48,8 +46,30 @@ impl LevelSet {
     /// # Errors
     /// [`Error::Library`] from OpenVDB.
     pub fn band(&self) -> Result<Band, Error> {
-        let blocks = blocks_of(&self.grid, true).map_err(library)?;
-        Ok(band_of(&blocks, IVec3::ZERO, self.lattice.voxel_size, self.half_width))
+        let counts = ffi::count(&self.grid).map_err(library)?;
+        let mut origins = vec![[0; 3]; counts.blocks];
+        let mut distances = vec![[0.0; BLOCK_VOXELS]; counts.blocks];
+        let mut active: Vec<BlockMask> = vec![[0; 8]; counts.blocks];
+        let mut tiles = vec![[0; 4]; counts.tiles];
+        let mut target = ffi::Target {
+            origins: origins.as_flattened_mut(),
+            masks: active.as_flattened_mut(),
+            values: distances.as_flattened_mut(),
+            tiles: tiles.as_flattened_mut(),
+        };
+        ffi::copy(&self.grid, &mut target).map_err(library)?;
+        distances.as_flattened_mut().iter_mut().for_each(|value| *value = flip_sign(*value));
+        Ok(Band {
+            lattice: self.lattice,
+            half_width: self.half_width,
+            origins: origins.into_iter().map(IVec3::from_array).collect(),
+            distances,
+            active,
+            inside_tiles: tiles
+                .iter()
+                .map(|&[x, y, z, edge]| InsideTile { origin: IVec3::new(x, y, z), edge })
+                .collect(),
+        })
     }
 
     /// Memory that it takes, about, in bytes.

@@ -3,12 +3,16 @@
 //! Everywhere else a field is positive inside; a level set in a file is negative inside. Grids made here from a
 //! [`crate::grid::Band`] are flipped on their way out, and level sets that are read are flipped on their way in.
 //!
+//! OpenVDB helps to write files and morphs level sets; it reads none. What others wrote is parsed and decoded in Rust, where
+//! damage is an error and never a crash.
+//!
 //! * [`write()`] makes one file of a [`Frame`]: encoded on all threads, written under a temporary name, checked, synced
 //!   to the disk and renamed, so that a file with a final name is always whole.
 //! * [`encode()`] gives the bytes alone, and [`read_back`] walks them; [`encode_nano`] those of NanoVDB.
 //! * [`walk::walk`] parses a whole file in safe Rust and checks every length in it; it stands before every reading.
 //! * [`LevelSet`] runs OpenVDB's own morph of one level set into another.
-//! * [`inspect()`] says what is in a file, [`lint()`] what is wrong with it, [`read()`] gives its blocks.
+//! * [`inspect()`] says what is in a file, [`lint()`] what is wrong with it, [`read()`] gives its blocks, decoded on all
+//!   threads.
 //!
 //! Files written here are of format 224, with OpenVDB's statistics. Two writes of one frame differ only in bytes 21 to 56, where
 //! OpenVDB keeps a random identifier.
@@ -19,6 +23,7 @@ mod active;
 mod blosc;
 mod bridge;
 mod clients;
+mod decode;
 mod encode;
 mod error;
 mod finding;
@@ -59,6 +64,11 @@ pub fn library_version() -> String {
 /// When its thread pool refuses.
 pub fn set_threads(threads: usize) -> Result<(), Error> {
     bridge::ffi::set_thread_limit(threads.max(1)).map_err(|error| Error::Library { message: error.what().into() })
+}
+
+/// F is positive inside everywhere else, a level set of OpenVDB is negative inside. A zero becomes +0.
+fn flip_sign(value: f32) -> f32 {
+    0.0 - value
 }
 
 #[cfg(test)]

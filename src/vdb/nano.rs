@@ -1,14 +1,17 @@
 //! A file of NanoVDB: the same grids in the layout that GPUs read. OpenVDB's own tree is made of each grid, one at a time,
-//! and turned by NanoVDB's own converter.
+//! with the values that a `.vdb` would hold, and turned by NanoVDB's own converter.
 //!
 //! A file is a header, what each grid is called and how long it is, and the grids (`nanovdb/util/IO.h`, version 32).
 //! NanoVDB holds no metadata beside a grid's name, class and transform.
 
 use std::path::Path;
 
+use rayon::prelude::*;
+
 use super::bridge::ffi;
-use super::read::Opened;
-use super::{Compression, Content, Error, Frame, Grid, Metadata, encode};
+use super::encode::Leaf;
+use super::{Compression, Content, Error, Frame, Grid};
+use crate::grid::{BLOCK_VOXELS, mask};
 
 /// What a file begins with: "NanoVDB0".
 const MAGIC: u64 = 0x304244566f6e614e;
@@ -51,13 +54,35 @@ fn converted(grid: &Grid<'_>) -> Result<cxx::UniquePtr<ffi::Nano>, Error> {
     }
     let failed = |error: cxx::Exception| Error::grid(grid.name, error.what());
     // The codes are made of the values as they are.
-    let alone = Frame { grids: vec![Grid { half: false, ..grid.clone() }], metadata: Metadata::new() };
-    let tree = {
-        let bytes = encode(&alone, Compression::None)?.concat();
-        let opened = Opened::from_bytes(bytes, Path::new(grid.name))?;
-        opened.in_library(0).map_err(failed)?
-    };
+    let exact = Grid { half: false, ..grid.clone() };
+    exact.check()?;
+    let tree = exact.in_library(&all_values(&exact)?)?;
     ffi::to_nano(&tree, grid.half).map_err(failed)
+}
+
+/// The values of all voxels of a grid's blocks, as a file has them.
+fn all_values(grid: &Grid<'_>) -> Result<Vec<f32>, Error> {
+    let active = grid.blocks().active;
+    let components = if matches!(grid.content, Content::Vectors { .. }) { 3 } else { 1 };
+    let mut values = vec![0.0; active.len() * BLOCK_VOXELS * components];
+    let blocks = values.par_chunks_exact_mut(BLOCK_VOXELS * components).enumerate();
+    blocks.try_for_each_init(Leaf::default, |leaf, (block, out)| {
+        match &grid.content {
+            Content::LevelSet(band) => {
+                let (inside, outside) = (-band.background(), band.background());
+                let inactive = |distance: &f32| if *distance >= 0.0 { inside } else { outside };
+                out.iter_mut().zip(&band.distances[block]).for_each(|(to, distance)| *to = inactive(distance));
+            }
+            Content::Floats { values, .. } => out.fill(values.channel.background),
+            Content::Vectors { values, .. } => out.as_chunks_mut().0.fill(values.channel.background),
+        }
+        let (_, _, values) = leaf.fill(grid, block)?;
+        for (place, value) in mask::places(&active[block]).zip(values.chunks_exact(components)) {
+            out[place * components..][..components].copy_from_slice(value);
+        }
+        Ok::<(), Error>(())
+    })?;
+    Ok(values)
 }
 
 /// Checks that the bytes are a file as long as it says; `path` is for messages.

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use glam::IVec3;
 
-use super::bridge::ffi;
+use super::decode::decode;
 use super::walk::{GridLayout, Layout, Transform, walk_bytes};
 use super::{Error, Metadata, MetadataValue};
 use crate::disk;
@@ -113,11 +113,10 @@ pub struct Tile<T> {
     pub active: bool,
 }
 
-/// Reads a file: walked first, so that damage is an error here and not a crash in OpenVDB.
+/// Reads a file, all of it in Rust: damage is an error, and never a crash.
 ///
 /// # Errors
-/// [`Error::Disk`] when it cannot be read; [`Error::Damaged`] and [`Error::Unsupported`] from the walk;
-/// [`Error::File`] when a buffer cannot be decompressed.
+/// [`Error::Disk`] when it cannot be read; [`Error::Damaged`] and [`Error::Unsupported`] for what is in it.
 pub fn read(path: impl AsRef<Path>) -> Result<Contents, Error> {
     let opened = Opened::open(path.as_ref())?;
     let mut contents = Contents { metadata: opened.layout.metadata.clone(), grids: vec![], skipped: vec![] };
@@ -142,7 +141,7 @@ impl Opened {
     /// Reads a file's bytes and walks them.
     ///
     /// # Errors
-    /// As [`read`], but for the last.
+    /// As [`read`].
     pub fn open(path: &Path) -> Result<Self, Error> {
         let bytes = disk::read(path).map_err(|error| Error::system(path, "read it", error))?;
         Self::from_bytes(bytes, path)
@@ -152,13 +151,8 @@ impl Opened {
     ///
     /// # Errors
     /// [`Error::Damaged`] and [`Error::Unsupported`].
-    pub fn from_bytes(mut bytes: Vec<u8>, path: &Path) -> Result<Self, Error> {
+    pub fn from_bytes(bytes: Vec<u8>, path: &Path) -> Result<Self, Error> {
         let layout = walk_bytes(&bytes, path)?;
-        for name in &layout.delayed_load {
-            // Of no use to a reader that has the whole file, and its parser trusts its counts: under another name of
-            // the same length it is stepped over.
-            bytes[name.clone()].fill(b'_');
-        }
         Ok(Self { path: path.into(), bytes, layout })
     }
 
@@ -170,7 +164,7 @@ impl Opened {
     /// One of the layout's grids, decoded; `None` for a type that is not read.
     ///
     /// # Errors
-    /// [`Error::File`] when a buffer cannot be decompressed.
+    /// [`Error::Damaged`] for a buffer that cannot be decompressed, [`Error::Unsupported`] for a codec that OpenVDB never uses.
     pub fn grid(&self, grid: &GridLayout) -> Result<Option<StoredGrid>, Error> {
         Ok(self.voxels(grid)?.map(|voxels| StoredGrid {
             name: grid.name.clone(),
@@ -181,83 +175,18 @@ impl Opened {
         }))
     }
 
-    /// The layout's grid of that number, which has no other's tree, in OpenVDB's hands.
-    pub(super) fn in_library(&self, number: usize) -> Result<cxx::SharedPtr<ffi::Grid>, cxx::Exception> {
-        ffi::decode(&self.bytes, self.layout.grids[number].descriptor)
-    }
-
     /// A grid's voxels; `None` for a type that is not read.
     pub(super) fn voxels(&self, grid: &GridLayout) -> Result<Option<Voxels>, Error> {
         let flip = StoredClass::of(&grid.metadata) == StoredClass::LevelSet;
-        let owner = self.layout.owner(grid);
-        let read = |error: cxx::Exception| Error::File {
-            path: self.path.clone(),
-            message: format!("grid '{}': {}", grid.name, error.what()),
+        let (owner, bytes) = (self.layout.owner(grid), &self.bytes);
+        let voxels = match owner.tree_type.as_str() {
+            "Tree_float_5_4_3" => decode::<f32, f32, 1>(bytes, owner, flip).map(Voxels::Floats),
+            "Tree_double_5_4_3" => decode::<f64, f32, 1>(bytes, owner, flip).map(Voxels::Floats),
+            "Tree_vec3s_5_4_3" => decode::<f32, [f32; 3], 3>(bytes, owner, false).map(Voxels::Vectors),
+            "Tree_vec3d_5_4_3" => decode::<f64, [f32; 3], 3>(bytes, owner, false).map(Voxels::Vectors),
+            _ => return Ok(None),
         };
-        match owner.tree_type.as_str() {
-            "Tree_float_5_4_3" | "Tree_double_5_4_3" => self.blocks(owner, flip).map(Voxels::Floats).map(Some),
-            "Tree_vec3s_5_4_3" | "Tree_vec3d_5_4_3" => self.blocks(owner, flip).map(Voxels::Vectors).map(Some),
-            _ => Ok(None),
-        }
-        .map_err(read)
-    }
-
-    fn blocks<T: Value>(&self, grid: &GridLayout, flip: bool) -> Result<SparseBlocks<T>, cxx::Exception> {
-        blocks_of(&*ffi::decode(&self.bytes, grid.descriptor)?, flip)
-    }
-}
-
-/// What a grid in OpenVDB's hands holds.
-pub(super) fn blocks_of<T: Value>(grid: &ffi::Grid, flip: bool) -> Result<SparseBlocks<T>, cxx::Exception> {
-    let counts = ffi::count(grid)?;
-    let mut origins = vec![0; 3 * counts.blocks];
-    let mut values = vec![[T::default(); BLOCK_VOXELS]; counts.blocks];
-    let mut active = vec![[0; 8]; counts.blocks];
-    let mut tiles = vec![0; 4 * counts.tiles];
-    let mut tile_values = vec![T::default(); counts.tiles];
-    let mut tile_states = vec![0; counts.tiles];
-    let mut background = T::default();
-    let mut target = ffi::Target {
-        origins: &mut origins,
-        masks: active.as_flattened_mut(),
-        values: T::flat(values.as_flattened_mut()),
-        tiles: &mut tiles,
-        tile_values: T::flat(&mut tile_values),
-        tile_states: &mut tile_states,
-        background: T::flat(std::slice::from_mut(&mut background)),
-    };
-    T::copy(grid, flip, &mut target)?;
-    let origins = origins.as_chunks().0.iter().map(|origin| IVec3::from_array(*origin)).collect();
-    let tiles = tiles.as_chunks().0.iter().zip(tile_values).zip(tile_states);
-    let tiles = tiles
-        .map(|((&[x, y, z, edge], value), state)| Tile { origin: IVec3::new(x, y, z), edge, value, active: state != 0 })
-        .collect();
-    Ok(SparseBlocks { origins, values, active, tiles, background })
-}
-
-/// A value that the bridge copies as floats.
-pub(super) trait Value: Copy + Default {
-    fn flat(values: &mut [Self]) -> &mut [f32];
-    fn copy(grid: &ffi::Grid, flip: bool, target: &mut ffi::Target) -> Result<(), cxx::Exception>;
-}
-
-impl Value for f32 {
-    fn flat(values: &mut [Self]) -> &mut [f32] {
-        values
-    }
-
-    fn copy(grid: &ffi::Grid, flip: bool, target: &mut ffi::Target) -> Result<(), cxx::Exception> {
-        ffi::copy_floats(grid, flip, target)
-    }
-}
-
-impl Value for [f32; 3] {
-    fn flat(values: &mut [Self]) -> &mut [f32] {
-        values.as_flattened_mut()
-    }
-
-    fn copy(grid: &ffi::Grid, _flip: bool, target: &mut ffi::Target) -> Result<(), cxx::Exception> {
-        ffi::copy_vectors(grid, target)
+        voxels.map(Some).map_err(|failure| failure.of_grid(&grid.name).in_file(&self.path))
     }
 }
 

@@ -143,24 +143,38 @@ fn what_is_no_vdb_is_said_to_be_none() {
 }
 
 #[test]
-fn damage_that_the_walk_lets_pass_does_not_crash_the_reader() {
+fn damage_that_the_walk_lets_pass_ends_in_words_or_values() {
     let folder = tempfile::tempdir().unwrap();
     let mut random = Random(7);
-    for half in [false, true] {
-        let (path, ..) = ball_file(folder.path(), half);
-        let bytes = fs::read(&path).unwrap();
-        fs::remove_file(&path).unwrap();
-        let mut passed = 0;
-        for _ in 0..150 {
+    let path = folder.path().join("ball.vdb");
+    let band = ball();
+    let colour = ball_colour(&band, "Cd");
+    for (half, compression) in
+        [(false, Compression::Blosc), (true, Compression::Blosc), (false, Compression::Zip), (true, Compression::None)]
+    {
+        let mut grids = vec![Grid::level_set("surface", &band), Grid::colour(&band, &colour)];
+        grids.iter_mut().for_each(|grid| grid.half = half);
+        let bytes = encode(&Frame { grids, ..Default::default() }, compression).unwrap().concat();
+        let (mut passed, mut refused) = (0, 0);
+        for _ in 0..400 {
             let mut damaged = bytes.clone();
             let place = random.below(damaged.len());
             damaged[place] ^= 1 << random.below(8);
             let Ok(opened) = Opened::from_bytes(damaged, &path) else { continue };
             passed += 1;
             for grid in &opened.layout.grids {
-                let _ = opened.voxels(grid); // wrong values or an error, and no crash
+                match opened.voxels(grid) {
+                    Ok(_) => {} // other values
+                    Err(Error::Damaged { offset, problem, .. }) => {
+                        assert!(offset > 0 && problem.starts_with("grid '"), "{problem}");
+                        refused += 1;
+                    }
+                    Err(Error::Unsupported { problem, .. }) => assert!(problem.contains("Blosc"), "{problem}"),
+                    Err(other) => panic!("{other}"),
+                }
             }
         }
-        assert!(passed > 10, "only {passed} reached the reader");
+        assert!(passed > 10, "only {passed} passed the walk");
+        assert!(refused > 0 || compression == Compression::None, "{compression:?}: none was refused");
     }
 }

@@ -1,78 +1,113 @@
-//! Buffers of values, compressed or not: the frames around them, not what is in them.
+//! Values as they stand in a file: how inactive ones are kept, and the buffer of the others, compressed or not. Buffers are
+//! checked from without; [`crate::vdb::decode`] looks into them.
 
 use super::CompressionFlags;
 use super::cursor::{Cursor, Failure, damage};
 use super::topology::{LEAF_MASK_BYTES, ValueKind};
+use crate::grid::BLOCK_VOXELS;
+use crate::vdb::blosc;
 
-/// Voxels in a leaf.
-const LEAF_VOXELS: usize = 512;
 /// The way to keep inactive values that leaves none out.
 const ALL_VALUES: u8 = 6;
-/// The head of a Blosc buffer, and the newest version of it that is known.
-const BLOSC_HEAD: usize = 16;
-const BLOSC_VERSION: u8 = 2;
 
-/// Reads the buffers of all leaves, whose masks in the topology were `masks`.
-pub fn read_leaves(
-    cursor: &mut Cursor,
+/// The values of a leaf, or of a node's tiles.
+#[derive(Clone, Copy, Debug)]
+pub struct StoredValues<'a> {
+    /// What inactive values are where they are left out.
+    pub inactive: [Inactive<'a>; 2],
+    /// Which of them have the second of the two; empty where none has.
+    pub selection: &'a [u8],
+    /// Inactive values are left out of the buffer.
+    pub active_only: bool,
+    /// The other values.
+    pub buffer: Buffer<'a>,
+}
+
+/// A value that a node keeps once for many of its inactive voxels.
+#[derive(Clone, Copy, Debug)]
+pub enum Inactive<'a> {
+    Background,
+    MinusBackground,
+    Value(&'a [u8]),
+}
+
+/// Bytes of values.
+#[derive(Clone, Copy, Debug)]
+pub struct Buffer<'a> {
+    /// Where it stands in the file.
+    pub at: usize,
+    pub packing: Packing,
+    pub bytes: &'a [u8],
+    /// How many bytes it is once decompressed.
+    pub length: usize,
+}
+
+#[derive(Clone, Copy, Debug)]
+pub enum Packing {
+    Plain,
+    Zip,
+    Blosc,
+}
+
+/// Reads the values of a leaf whose mask in the topology was `mask`. A leaf of truth values is its origin and its bits.
+pub fn read_leaf<'a>(
+    cursor: &mut Cursor<'a>,
     kind: &ValueKind,
     compression: CompressionFlags,
-    masks: &[&[u8]],
-) -> Result<(), Failure> {
-    for mask in masks {
-        let at = cursor.at();
-        if cursor.take(LEAF_MASK_BYTES)? != *mask {
-            return damage(at, "a leaf's mask is not the one the tree gave");
-        }
-        if kind.bits {
-            cursor.take(12 + LEAF_MASK_BYTES)?; // its origin and its bits
-        } else {
-            read_values(cursor, kind, compression, mask, LEAF_VOXELS)?;
-        }
+    mask: &[u8],
+) -> Result<StoredValues<'a>, Failure> {
+    let at = cursor.at();
+    if cursor.take(LEAF_MASK_BYTES)? != mask {
+        return damage(at, "a leaf's mask is not the one the tree gave");
     }
-    Ok(())
+    if kind.bits {
+        cursor.take(12)?;
+        let inactive = [Inactive::Background; 2];
+        let buffer = read_plain(cursor, LEAF_MASK_BYTES)?;
+        return Ok(StoredValues { inactive, selection: &[], active_only: false, buffer });
+    }
+    read_values(cursor, kind, compression, mask, BLOCK_VOXELS)
 }
 
 /// Reads a node's `count` values: a byte that says how inactive ones are kept, up to two inactive values, a mask that
 /// chooses between them, and the stored values.
-pub fn read_values(
-    cursor: &mut Cursor,
+pub fn read_values<'a>(
+    cursor: &mut Cursor<'a>,
     kind: &ValueKind,
     compression: CompressionFlags,
     value_mask: &[u8],
     count: usize,
-) -> Result<(), Failure> {
+) -> Result<StoredValues<'a>, Failure> {
+    use Inactive::{Background, MinusBackground, Value};
     let at = cursor.at();
     let keeping = cursor.u8()?;
-    let (inactive_values, selection) = match keeping {
-        0 | 1 | ALL_VALUES => (0, false),
-        2 => (1, false),
-        3 => (0, true),
-        4 => (1, true),
-        5 => (2, true),
+    let inactive = match keeping {
+        0 | ALL_VALUES => [Background; 2],
+        1 | 3 => [MinusBackground, Background],
+        2 | 4 => [Value(cursor.take(kind.bytes)?), Background],
+        5 => [Value(cursor.take(kind.bytes)?), Value(cursor.take(kind.bytes)?)],
         other => return damage(at, format!("{other} is no way to keep inactive values")),
     };
-    cursor.take(inactive_values * kind.bytes)?;
-    if selection {
-        cursor.take(count / 8)?;
-    }
-    let stored = if compression.active_mask && keeping != ALL_VALUES {
-        value_mask.iter().map(|byte| byte.count_ones() as usize).sum()
-    } else {
-        count
-    };
+    let selection = if matches!(keeping, 3..=5) { cursor.take(count / 8)? } else { &[] };
+    let active_only = compression.active_mask && keeping != ALL_VALUES;
+    let stored = if active_only { value_mask.iter().map(|byte| byte.count_ones() as usize).sum() } else { count };
     // OpenVDB writes nothing at all for no half floats, and an empty frame for no floats.
-    if kind.half && stored == 0 {
-        return Ok(());
-    }
-    read_stored(cursor, compression, stored * kind.stored_bytes)
+    let buffer = if kind.half && stored == 0 {
+        read_plain(cursor, 0)?
+    } else {
+        read_buffer(cursor, compression, stored * kind.stored_bytes)?
+    };
+    Ok(StoredValues { inactive, selection, active_only, buffer })
 }
 
 /// Reads stored values that take `length` bytes once they are decompressed.
-fn read_stored(cursor: &mut Cursor, compression: CompressionFlags, length: usize) -> Result<(), Failure> {
+fn read_buffer<'a>(
+    cursor: &mut Cursor<'a>,
+    compression: CompressionFlags,
+    length: usize,
+) -> Result<Buffer<'a>, Failure> {
     if !compression.blosc && !compression.zip {
-        cursor.take(length)?;
-        return Ok(());
+        return read_plain(cursor, length);
     }
     let at = cursor.at();
     let size = cursor.i64()?;
@@ -81,30 +116,19 @@ fn read_stored(cursor: &mut Cursor, compression: CompressionFlags, length: usize
         if size.unsigned_abs() != length as u64 {
             return damage(at, format!("a buffer has {} bytes, not {length}", size.unsigned_abs()));
         }
-        cursor.take(length)?;
-        return Ok(());
+        return read_plain(cursor, length);
     }
-    let frame = cursor.take(usize::try_from(size).unwrap_or(usize::MAX))?;
-    if compression.blosc { check_blosc(frame, length, at) } else { Ok(()) }
+    let bytes = cursor.take(usize::try_from(size).unwrap_or(usize::MAX))?;
+    let packing = if compression.blosc {
+        blosc::check(bytes, length).or_else(|problem| damage(at, problem))?;
+        Packing::Blosc
+    } else {
+        Packing::Zip
+    };
+    Ok(Buffer { at, packing, bytes, length })
 }
 
-fn check_blosc(frame: &[u8], length: usize, at: usize) -> Result<(), Failure> {
-    if frame.len() < BLOSC_HEAD {
-        return damage(at, format!("a Blosc buffer of {} bytes has no head", frame.len()));
-    }
-    let field = |place: usize| u32::from_le_bytes([frame[place], frame[place + 1], frame[place + 2], frame[place + 3]]);
-    let (whole, block, packed) = (field(4) as usize, field(8) as usize, field(12) as usize);
-    if frame[0] == 0 || frame[0] > BLOSC_VERSION {
-        return damage(at, format!("a Blosc buffer of version {}", frame[0]));
-    }
-    if whole != length {
-        return damage(at, format!("a Blosc buffer holds {whole} bytes, not {length}"));
-    }
-    if packed != frame.len() {
-        return damage(at, format!("a Blosc buffer takes {packed} bytes, not {}", frame.len()));
-    }
-    if block == 0 || block > whole.max(1) {
-        return damage(at, format!("a Blosc buffer of {whole} bytes in blocks of {block}"));
-    }
-    Ok(())
+fn read_plain<'a>(cursor: &mut Cursor<'a>, length: usize) -> Result<Buffer<'a>, Failure> {
+    let at = cursor.at();
+    Ok(Buffer { at, packing: Packing::Plain, bytes: cursor.take(length)?, length })
 }

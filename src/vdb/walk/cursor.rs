@@ -1,5 +1,9 @@
 //! Bytes read in order, each read checked against what is left.
 
+use std::path::Path;
+
+use crate::vdb::Error;
+
 /// Why a walk stopped.
 #[derive(Debug)]
 pub enum Failure {
@@ -7,6 +11,24 @@ pub enum Failure {
     Damage { offset: usize, problem: String },
     /// The file may be sound, and is not of a kind that is read here.
     Unsupported(String),
+}
+
+impl Failure {
+    /// The same with the name of the grid where it was found.
+    pub fn of_grid(self, name: &str) -> Self {
+        match self {
+            Self::Damage { offset, problem } => Self::Damage { offset, problem: format!("grid '{name}': {problem}") },
+            Self::Unsupported(problem) => Self::Unsupported(format!("grid '{name}': {problem}")),
+        }
+    }
+
+    /// The error of a file; `path` is for messages.
+    pub fn in_file(self, path: &Path) -> Error {
+        match self {
+            Self::Damage { offset, problem } => Error::Damaged { path: path.into(), offset: offset as u64, problem },
+            Self::Unsupported(problem) => Error::Unsupported { path: path.into(), problem },
+        }
+    }
 }
 
 /// A failure at an offset.

@@ -1,7 +1,5 @@
 //! The header of the file, metadata, and the head of each grid.
 
-use std::ops::Range;
-
 use super::cursor::{Cursor, Failure, damage};
 use super::topology::ValueKind;
 use super::{CompressionFlags, GridLayout, buffers, topology, transform};
@@ -58,25 +56,22 @@ pub fn flag(cursor: &mut Cursor, what: &str) -> Result<bool, Failure> {
     }
 }
 
-/// Metadata of a file or a grid. The place of the type's name of any delayed-load metadata is noted.
-pub fn read_metadata(cursor: &mut Cursor, delayed_load: &mut Vec<Range<usize>>) -> Result<Metadata, Failure> {
+/// Metadata of a file or a grid. Where values stand that are read late is left out: here all are read.
+pub fn read_metadata(cursor: &mut Cursor) -> Result<Metadata, Failure> {
     let count = cursor.u32()?;
     let mut metadata = Metadata::new();
     for _ in 0..count {
         let key = cursor.string()?;
         let kind = cursor.string()?;
-        let kind_end = cursor.at();
         let size = cursor.u32()? as usize;
         let value_at = cursor.at();
         let bytes = cursor.take(size)?;
         if fixed_size(&kind).is_some_and(|fixed| fixed != size) {
             return damage(value_at, format!("metadata '{key}' of type {kind} takes {size} bytes"));
         }
-        if kind == "__delayedload" {
-            delayed_load.push(kind_end - kind.len()..kind_end);
-            continue;
+        if kind != "__delayedload" {
+            metadata.insert(key, value(&kind, bytes));
         }
-        metadata.insert(key, value(&kind, bytes));
     }
     Ok(metadata)
 }
@@ -131,11 +126,7 @@ fn i32_of(bytes: &[u8]) -> i32 {
     Cursor::new(bytes).i32().unwrap_or_default()
 }
 
-pub fn read_grid(
-    cursor: &mut Cursor,
-    has_offsets: bool,
-    delayed_load: &mut Vec<Range<usize>>,
-) -> Result<GridLayout, Failure> {
+pub fn read_grid(cursor: &mut Cursor, has_offsets: bool) -> Result<GridLayout, Failure> {
     let descriptor = cursor.at();
     let unique_name = cursor.string()?;
     let name = unique_name.split(NAME_SEPARATOR).next().unwrap_or_default().to_string();
@@ -155,15 +146,18 @@ pub fn read_grid(
     };
     expect(cursor, start, "the start")?;
     let compression = read_compression(cursor)?;
-    let metadata = read_metadata(cursor, delayed_load)?;
+    let metadata = read_metadata(cursor)?;
     let transform = transform::read(cursor)?;
+    let topology = cursor.at();
     let tree = if shares_tree_of.is_some() {
         None
     } else if let Some(kind) = ValueKind::of(&tree_type, half) {
-        let (layout, leaves) = topology::read(cursor, &kind, compression)?;
+        let tree = topology::read(cursor, &kind, compression)?;
         expect(cursor, blocks, "the first block")?;
-        buffers::read_leaves(cursor, &kind, compression, &leaves)?;
-        Some(layout)
+        for leaf in &tree.leaves {
+            buffers::read_leaf(cursor, &kind, compression, leaf.mask)?;
+        }
+        Some(tree.layout())
     } else if has_offsets {
         cursor.skip_to(blocks, &format!("the first block of grid '{name}'"))?;
         cursor.skip_to(end, &format!("the end of grid '{name}'"))?;
@@ -186,6 +180,7 @@ pub fn read_grid(
         transform,
         tree,
         descriptor,
+        topology,
     })
 }
 

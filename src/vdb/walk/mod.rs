@@ -1,10 +1,10 @@
-//! The structural walk: a whole `.vdb` parsed in safe Rust, before OpenVDB's own reader sees it.
+//! The structural walk: a whole `.vdb` parsed in safe Rust. OpenVDB's own reader, which trusts what a file says of itself,
+//! never sees it: damaged files crash that one, and it takes many a truncated one for whole.
 //!
-//! That reader trusts what a file says of itself: damaged files crash it, and it takes many a truncated one for whole.
-//! So every length, count, mask and offset is checked here against the bytes that are there: header, metadata, grid
+//! Every length, count, mask and offset is checked here against the bytes that are there: header, metadata, grid
 //! descriptors, transforms, tree topology, masks and the frames of compressed buffers. Nothing is allocated on a file's
 //! word, and nesting is as deep as the tree, three nodes. What stays unseen is damage inside a compressed buffer whose
-//! frame is whole: the decompressors are bounded by what the walk has checked, and fail or give wrong values.
+//! frame is whole: `decode` opens those, each into as many bytes as the walk has found that it must have.
 //!
 //! Formats 222 to 225 are read, as OpenVDB 3 to 13 write them. Grids of points, masks and foreign trees are stepped
 //! over by their offsets, and said to be so.
@@ -18,7 +18,6 @@ mod header;
 mod topology;
 mod transform;
 
-use std::ops::Range;
 use std::path::Path;
 
 use glam::IVec3;
@@ -27,7 +26,12 @@ pub use transform::Transform;
 
 use super::{Error, Metadata};
 use crate::disk;
-use cursor::{Cursor, Failure, damage};
+pub(super) use buffers::{Buffer, Inactive, Packing, StoredValues};
+pub(super) use cursor::{Failure, damage};
+pub(super) use topology::{RootTile, Tree, is_set};
+
+use cursor::Cursor;
+use topology::{Leaf, ValueKind};
 
 /// What the walk found in a file.
 #[derive(Clone, Debug)]
@@ -40,8 +44,6 @@ pub struct Layout {
     pub metadata: Metadata,
     /// The grids, in the file's order.
     pub grids: Vec<GridLayout>,
-    /// Where names of delayed-load metadata stand, in bytes: a reader that has the whole file needs none.
-    pub(super) delayed_load: Vec<Range<usize>>,
 }
 
 impl Layout {
@@ -81,7 +83,9 @@ pub struct GridLayout {
     /// What its tree holds; `None` for a type that is not walked, and for a grid that shares another's tree.
     pub tree: Option<TreeLayout>,
     /// Where its descriptor stands.
-    pub(super) descriptor: usize,
+    descriptor: usize,
+    /// Where its tree begins, where it has one of its own.
+    topology: usize,
 }
 
 impl GridLayout {
@@ -141,16 +145,25 @@ pub fn read_back(pieces: &[Vec<u8>], path: &Path) -> Result<(), Error> {
 }
 
 fn walk_from(cursor: Cursor, path: &Path) -> Result<Layout, Error> {
-    parse(cursor).map_err(|failure| match failure {
-        Failure::Damage { offset, problem } => Error::Damaged { path: path.into(), offset: offset as u64, problem },
-        Failure::Unsupported(problem) => Error::Unsupported { path: path.into(), problem },
-    })
+    parse(cursor).map_err(|failure| failure.in_file(path))
+}
+
+/// The tree of a grid that has one of its own, and the values of its leaves, in the bytes of a file that was walked.
+pub(super) fn read_tree<'a>(bytes: &'a [u8], grid: &GridLayout) -> Result<(Tree<'a>, Vec<StoredValues<'a>>), Failure> {
+    let Some(kind) = ValueKind::of(&grid.tree_type, grid.half) else {
+        return Err(Failure::Unsupported(format!("grid '{}' of type {} is not read", grid.name, grid.tree_type)));
+    };
+    let mut cursor = Cursor::new(bytes);
+    cursor.skip_to(grid.topology as i64, "a tree")?;
+    let tree = topology::read(&mut cursor, &kind, grid.compression)?;
+    let values = |leaf: &Leaf| buffers::read_leaf(&mut cursor, &kind, grid.compression, leaf.mask);
+    let leaves = tree.leaves.iter().map(values).collect::<Result<_, _>>()?;
+    Ok((tree, leaves))
 }
 
 fn parse(mut cursor: Cursor) -> Result<Layout, Failure> {
     let header = header::read(&mut cursor)?;
-    let mut delayed_load = Vec::new();
-    let metadata = header::read_metadata(&mut cursor, &mut delayed_load)?;
+    let metadata = header::read_metadata(&mut cursor)?;
     let count_at = cursor.at();
     let count = cursor.i32()?;
     // A descriptor takes at least 40 bytes.
@@ -159,7 +172,7 @@ fn parse(mut cursor: Cursor) -> Result<Layout, Failure> {
     }
     let mut grids: Vec<GridLayout> = Vec::new();
     for _ in 0..count {
-        let grid = header::read_grid(&mut cursor, header.has_offsets, &mut delayed_load)?;
+        let grid = header::read_grid(&mut cursor, header.has_offsets)?;
         let known = |name: &String| grids.iter().any(|other| other.unique_name == *name && other.tree.is_some());
         if grids.iter().any(|other| other.unique_name == grid.unique_name) {
             return damage(grid.descriptor, format!("a second grid is called '{}'", grid.name));
@@ -175,5 +188,5 @@ fn parse(mut cursor: Cursor) -> Result<Layout, Failure> {
     if cursor.remaining() > 0 {
         return damage(cursor.at(), format!("{} bytes follow the last grid", cursor.remaining()));
     }
-    Ok(Layout { format: header.format, library: header.library, metadata, grids, delayed_load })
+    Ok(Layout { format: header.format, library: header.library, metadata, grids })
 }

@@ -2,9 +2,10 @@
 
 use glam::IVec3;
 
+use super::buffers::{self, StoredValues};
 use super::cursor::{Cursor, Failure, damage};
 use super::header::flag;
-use super::{CompressionFlags, TreeLayout, buffers};
+use super::{CompressionFlags, TreeLayout};
 
 /// How one value is stored.
 pub struct ValueKind {
@@ -66,30 +67,61 @@ impl Level {
 /// A leaf's voxels, 64 to a word: word x, bit y·8 + z.
 pub const LEAF_MASK_BYTES: usize = 64;
 
-/// Reads a tree up to its leaves' buffers. Returns what it holds, and where each leaf's mask stands.
-pub fn read<'a>(
-    cursor: &mut Cursor<'a>,
-    kind: &ValueKind,
-    compression: CompressionFlags,
-) -> Result<(TreeLayout, Vec<&'a [u8]>), Failure> {
+/// A tree as it stands in a file, without its leaves' values.
+pub struct Tree<'a> {
+    /// The value away from all else.
+    pub background: &'a [u8],
+    /// Tiles beside the uppermost nodes.
+    pub tiles: Vec<RootTile<'a>>,
+    /// Upper and lower nodes, each upper one before its lower ones.
+    pub nodes: Vec<Node<'a>>,
+    /// In the order in which their values follow.
+    pub leaves: Vec<Leaf<'a>>,
+}
+
+/// A tile of the root.
+pub struct RootTile<'a> {
+    pub origin: IVec3,
+    pub value: &'a [u8],
+    pub active: bool,
+}
+
+/// An upper or a lower node.
+pub struct Node<'a> {
+    level: &'static Level,
+    origin: IVec3,
+    child_mask: &'a [u8],
+    /// The places where its values are active.
+    pub value_mask: &'a [u8],
+    pub values: StoredValues<'a>,
+}
+
+/// A leaf: its origin and the mask of its active voxels.
+pub struct Leaf<'a> {
+    pub origin: IVec3,
+    pub mask: &'a [u8],
+}
+
+/// Reads a tree up to its leaves' buffers.
+pub fn read<'a>(cursor: &mut Cursor<'a>, kind: &ValueKind, compression: CompressionFlags) -> Result<Tree<'a>, Failure> {
     let at = cursor.at();
     if cursor.i32()? != 1 {
         return damage(at, "a tree has one buffer");
     }
-    cursor.take(kind.bytes)?; // the background
+    let background = cursor.take(kind.bytes)?;
     let counts_at = cursor.at();
     let (tiles, children) = (cursor.u32()? as usize, cursor.u32()? as usize);
     if tiles.saturating_mul(12).saturating_add(children.saturating_mul(12)) > cursor.remaining() {
         return damage(counts_at, format!("{tiles} tiles and {children} nodes do not fit into what follows"));
     }
-    let mut walk = Walk { cursor, kind, compression, layout: TreeLayout::default(), leaves: Vec::new() };
+    let tree = Tree { background, tiles: Vec::new(), nodes: Vec::new(), leaves: Vec::new() };
+    let mut walk = Walk { cursor, kind, compression, tree };
     let mut places: Vec<[i32; 3]> = Vec::new();
     for _ in 0..tiles {
         let origin = walk.root_origin(&mut places)?;
-        walk.cursor.take(kind.bytes)?;
-        if flag(walk.cursor, "the state of a tile")? {
-            walk.add_active_tile(origin, UPPER.edge);
-        }
+        let value = walk.cursor.take(kind.bytes)?;
+        let active = flag(walk.cursor, "the state of a tile")?;
+        walk.tree.tiles.push(RootTile { origin, value, active });
     }
     // Buffers follow in the order of the nodes' origins, and OpenVDB reads them in that order.
     let mut before: Option<[i32; 3]> = None;
@@ -106,18 +138,17 @@ pub fn read<'a>(
     if places.windows(2).any(|pair| pair[0] == pair[1]) {
         return damage(counts_at, "two nodes stand at one place");
     }
-    Ok((walk.layout, walk.leaves))
+    Ok(walk.tree)
 }
 
 struct Walk<'c, 'a, 'k> {
     cursor: &'c mut Cursor<'a>,
     kind: &'k ValueKind,
     compression: CompressionFlags,
-    layout: TreeLayout,
-    leaves: Vec<&'a [u8]>,
+    tree: Tree<'a>,
 }
 
-impl<'a> Walk<'_, 'a, '_> {
+impl Walk<'_, '_, '_> {
     fn root_origin(&mut self, places: &mut Vec<[i32; 3]>) -> Result<IVec3, Failure> {
         let at = self.cursor.at();
         let origin = IVec3::new(self.cursor.i32()?, self.cursor.i32()?, self.cursor.i32()?);
@@ -138,31 +169,61 @@ impl<'a> Walk<'_, 'a, '_> {
     fn lower(&mut self, origin: IVec3) -> Result<(), Failure> {
         for place in self.node(&LOWER, origin)? {
             let mask = self.cursor.take(LEAF_MASK_BYTES)?;
-            self.leaves.push(mask);
-            self.layout.leaves += 1;
-            self.add_leaf(LOWER.child_origin(origin, place), mask);
+            self.tree.leaves.push(Leaf { origin: LOWER.child_origin(origin, place), mask });
         }
         Ok(())
     }
 
     /// An internal node's masks and tiles; returns the places of its children.
-    fn node(&mut self, level: &Level, origin: IVec3) -> Result<Vec<usize>, Failure> {
+    fn node(&mut self, level: &'static Level, origin: IVec3) -> Result<Vec<usize>, Failure> {
         let at = self.cursor.at();
         let child_mask = self.cursor.take(level.children() / 8)?;
         let value_mask = self.cursor.take(level.children() / 8)?;
         if child_mask.iter().zip(value_mask).any(|(child, value)| child & value != 0) {
             return damage(at, "a place is both a node and an active tile");
         }
-        buffers::read_values(self.cursor, self.kind, self.compression, value_mask, level.children())?;
-        for place in set_bits(value_mask) {
-            self.add_active_tile(level.child_origin(origin, place), level.child_edge);
-        }
+        let values = buffers::read_values(self.cursor, self.kind, self.compression, value_mask, level.children())?;
+        self.tree.nodes.push(Node { level, origin, child_mask, value_mask, values });
         Ok(set_bits(child_mask).collect())
     }
+}
 
+impl Node<'_> {
+    /// The edge of its tiles in voxels.
+    pub fn tile_edge(&self) -> i32 {
+        self.level.child_edge
+    }
+
+    /// The places of its tiles among its values.
+    pub fn tiles(&self) -> impl Iterator<Item = usize> {
+        (0..self.level.children()).filter(|place| !is_set(self.child_mask, *place))
+    }
+
+    /// Where a tile stands.
+    pub fn tile_origin(&self, place: usize) -> IVec3 {
+        self.level.child_origin(self.origin, place)
+    }
+}
+
+impl Tree<'_> {
+    /// What it holds.
+    pub fn layout(&self) -> TreeLayout {
+        let mut layout = TreeLayout { leaves: self.leaves.len() as u64, ..TreeLayout::default() };
+        self.tiles.iter().filter(|tile| tile.active).for_each(|tile| layout.add_active_tile(tile.origin, UPPER.edge));
+        for node in &self.nodes {
+            for place in set_bits(node.value_mask) {
+                layout.add_active_tile(node.tile_origin(place), node.tile_edge());
+            }
+        }
+        self.leaves.iter().for_each(|leaf| layout.add_leaf(leaf.origin, leaf.mask));
+        layout
+    }
+}
+
+impl TreeLayout {
     fn add_active_tile(&mut self, origin: IVec3, edge: i32) {
-        self.layout.active_tiles += 1;
-        self.layout.active_voxels += (edge as u64).pow(3);
+        self.active_tiles += 1;
+        self.active_voxels += (edge as u64).pow(3);
         self.extend(origin, origin + IVec3::splat(edge - 1));
     }
 
@@ -171,7 +232,7 @@ impl<'a> Walk<'_, 'a, '_> {
         let (mut first, mut last) = (i32::MAX, i32::MIN);
         for (x, word) in (0..).zip(mask.chunks_exact(8)) {
             let word = u64::from_le_bytes(word.try_into().expect("chunks of eight"));
-            self.layout.active_voxels += u64::from(word.count_ones());
+            self.active_voxels += u64::from(word.count_ones());
             across |= word;
             if word != 0 {
                 (first, last) = (first.min(x), x);
@@ -187,9 +248,14 @@ impl<'a> Walk<'_, 'a, '_> {
     }
 
     fn extend(&mut self, low: IVec3, high: IVec3) {
-        let (least, greatest) = self.layout.active_box.unwrap_or((low, high));
-        self.layout.active_box = Some((least.min(low), greatest.max(high)));
+        let (least, greatest) = self.active_box.unwrap_or((low, high));
+        self.active_box = Some((least.min(low), greatest.max(high)));
     }
+}
+
+/// Whether a mask's bit is set.
+pub fn is_set(mask: &[u8], place: usize) -> bool {
+    mask[place / 8] >> (place % 8) & 1 == 1
 }
 
 /// The places of the bits that are set, in order.
