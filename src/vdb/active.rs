@@ -4,7 +4,7 @@ use std::collections::{HashMap, HashSet};
 
 use glam::IVec3;
 
-use super::read::SparseBlocks;
+use super::voxels::SparseBlocks;
 use crate::grid::{BLOCK_EDGE, block_origin, is_active, node_origin};
 
 /// The values of active voxels, and of active tiles.

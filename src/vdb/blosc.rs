@@ -215,10 +215,9 @@ fn unshuffle(bytes: &[u8], value: usize, out: &mut [u8]) {
 /// The same for values of four bytes.
 #[multiversion::multiversion(targets = "simd")]
 fn gather(planes: &[u8], out: &mut [u8]) {
-    let (first, rest) = planes.split_at(planes.len() / VALUE);
-    let (second, rest) = rest.split_at(first.len());
-    let (third, fourth) = rest.split_at(first.len());
-    for (i, value) in out.as_chunks_mut().0.iter_mut().enumerate() {
+    let count = planes.len() / VALUE;
+    let [first, second, third, fourth] = std::array::from_fn(|plane| &planes[plane * count..][..count]);
+    for (i, value) in out.as_chunks_mut().0[..count].iter_mut().enumerate() {
         *value = [first[i], second[i], third[i], fourth[i]];
     }
 }

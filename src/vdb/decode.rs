@@ -5,10 +5,11 @@
 //! and nodes, which it has to have, and never by what its buffers say.
 
 use std::ops::Neg;
+use std::slice::ChunksExact;
 
 use rayon::prelude::*;
 
-use super::read::{SparseBlocks, Tile};
+use super::voxels::{SparseBlocks, Tile};
 use super::walk::{Buffer, Failure, GridLayout, Inactive, Packing, RootTile, StoredValues, damage, is_set, read_tree};
 use super::{blosc, flip_sign};
 use crate::grid::{BLOCK_VOXELS, block_order};
@@ -32,14 +33,17 @@ macro_rules! component {
         impl Component for $number {
             const BYTES: usize = size_of::<Self>();
 
+            #[inline]
             fn of_bytes(bytes: &[u8]) -> Self {
                 Self::from_le_bytes(bytes.try_into().expect("the bytes of a number"))
             }
 
+            #[inline]
             fn of_f32(number: f32) -> Self {
                 number.into()
             }
 
+            #[inline]
             fn to_f32(self) -> f32 {
                 self as f32
             }
@@ -55,12 +59,14 @@ pub trait Value<const N: usize>: Copy + Default + Send + Sync {
 }
 
 impl Value<1> for f32 {
+    #[inline]
     fn of([number]: [f32; 1]) -> Self {
         number
     }
 }
 
 impl Value<3> for [f32; 3] {
+    #[inline]
     fn of(components: [f32; 3]) -> Self {
         components
     }
@@ -73,22 +79,28 @@ pub fn decode<C: Component, T: Value<N>, const N: usize>(
     flip: bool,
 ) -> Result<SparseBlocks<T>, Failure> {
     let (tree, stored) = read_tree(bytes, grid)?;
-    let decoder = Decoder::<C, N> { half: grid.half, background: alone(tree.background) };
+    let decoder = Decoder::<C, N> { half: grid.half, background: whole(tree.background) };
     let put = |value: [C; N]| {
-        let number = |component: C| if flip { flip_sign(component.to_f32()) } else { component.to_f32() };
-        T::of(value.map(number))
+        let mut numbers = [0.0; N];
+        for at in 0..N {
+            let number = value[at].to_f32();
+            numbers[at] = if flip { flip_sign(number) } else { number };
+        }
+        T::of(numbers)
     };
 
     let mut tiles = Vec::new();
     let says_something = |value: [C; N], active| active || value != decoder.background;
     for &RootTile { origin, value, active } in &tree.tiles {
-        if says_something(alone(value), active) {
-            tiles.push(Tile { origin, edge: ROOT_TILE, value: put(alone(value)), active });
+        if says_something(whole(value), active) {
+            tiles.push(Tile { origin, edge: ROOT_TILE, value: put(whole(value)), active });
         }
     }
-    let mut memory = Memory::default();
+    let mut unpacker = Unpacker::default();
+    let mut values = Vec::new();
     for node in &tree.nodes {
-        let values = decoder.values(&node.values, node.value_mask, &mut memory)?;
+        values.resize(8 * node.value_mask.len(), decoder.background);
+        decoder.fill(&node.values, node.value_mask, &mut unpacker, |value| value, &mut values)?;
         for place in node.tiles() {
             let (value, active) = (values[place], is_set(node.value_mask, place));
             if says_something(value, active) {
@@ -100,10 +112,8 @@ pub fn decode<C: Component, T: Value<N>, const N: usize>(
 
     let mut values = vec![[T::default(); BLOCK_VOXELS]; stored.len()];
     let leaves = values.par_iter_mut().zip(&stored).zip(&tree.leaves).with_min_len(LEAVES_A_TASK);
-    let decoded = leaves.map_init(Memory::default, |memory, ((block, stored), leaf)| {
-        let values = decoder.values(stored, leaf.mask, memory)?;
-        block.iter_mut().zip(values).for_each(|(to, value)| *to = put(*value));
-        Ok(())
+    let decoded = leaves.map_init(Unpacker::default, |unpacker, ((block, stored), leaf)| {
+        decoder.fill(stored, leaf.mask, unpacker, put, block)
     });
     if let Some(failure) = decoded.find_map_first(Result::err) {
         return Err(failure);
@@ -119,9 +129,24 @@ pub fn decode<C: Component, T: Value<N>, const N: usize>(
     })
 }
 
-/// A value that stands alone, where it is never half a float.
-fn alone<C: Component, const N: usize>(bytes: &[u8]) -> [C; N] {
-    std::array::from_fn(|component| C::of_bytes(&bytes[component * C::BYTES..][..C::BYTES]))
+/// A value of its components' bytes.
+#[inline]
+fn whole<C: Component, const N: usize>(bytes: &[u8]) -> [C; N] {
+    let mut value = [C::default(); N];
+    for at in 0..N {
+        value[at] = C::of_bytes(&bytes[at * C::BYTES..][..C::BYTES]);
+    }
+    value
+}
+
+/// A value of its components' halves.
+#[inline]
+fn of_halves<C: Component, const N: usize>(bytes: &[u8]) -> [C; N] {
+    let mut value = [C::default(); N];
+    for at in 0..N {
+        value[at] = C::of_f32(widened(u16::from_le_bytes([bytes[2 * at], bytes[2 * at + 1]])));
+    }
+    value
 }
 
 /// What holds for all values of a grid.
@@ -130,61 +155,67 @@ struct Decoder<C, const N: usize> {
     background: [C; N],
 }
 
-/// The memory of one node's values, and of what they are made of.
-#[derive(Default)]
-struct Memory<C, const N: usize> {
-    values: Vec<[C; N]>,
-    opened: Opened,
-}
-
 impl<C: Component, const N: usize> Decoder<C, N> {
-    /// All values of a node whose active ones `mask` has.
-    fn values<'m>(
+    /// All values of a node whose active ones `mask` has, as `put` makes them.
+    fn fill<V: Copy>(
         &self,
         stored: &StoredValues,
         mask: &[u8],
-        memory: &'m mut Memory<C, N>,
-    ) -> Result<&'m [[C; N]], Failure> {
-        let Memory { values, opened } = memory;
-        let bytes = opened.open(&stored.buffer)?;
-        values.clear();
-        values.resize(8 * mask.len(), self.background);
-        let numbers = values.as_flattened_mut().iter_mut();
-        if self.half {
-            numbers.zip(bytes.as_chunks().0).for_each(|(to, half)| *to = C::of_f32(widened(u16::from_le_bytes(*half))));
-        } else {
-            numbers.zip(bytes.chunks_exact(C::BYTES)).for_each(|(to, bytes)| *to = C::of_bytes(bytes));
-        }
-        if stored.active_only {
-            self.spread(stored, mask, values);
-        }
-        Ok(values)
-    }
-
-    /// Moves values from the front to where they are active, and puts the inactive ones between.
-    fn spread(&self, stored: &StoredValues, mask: &[u8], values: &mut [[C; N]]) {
+        unpacker: &mut Unpacker,
+        put: impl Fn([C; N]) -> V,
+        out: &mut [V],
+    ) -> Result<(), Failure> {
+        let bytes = unpacker.unpack(&stored.buffer)?;
         let inactive = stored.inactive.map(|inactive| match inactive {
-            Inactive::Background => self.background,
-            Inactive::MinusBackground => self.background.map(Neg::neg),
-            Inactive::Value(bytes) => alone(bytes),
+            Inactive::Background => put(self.background),
+            Inactive::MinusBackground => put(self.background.map(Neg::neg)),
+            Inactive::Value(bytes) => put(whole(bytes)),
         });
-        let mut left: usize = mask.iter().map(|byte| byte.count_ones() as usize).sum();
-        // From the end, so that none is overwritten before it was moved.
-        for (row, active) in mask.iter().enumerate().rev() {
-            let second = stored.selection.get(row).copied().unwrap_or(0);
-            for bit in (0..8).rev() {
-                values[8 * row + bit] = if active >> bit & 1 == 1 {
-                    left -= 1;
-                    values[left]
-                } else {
-                    inactive[usize::from(second >> bit & 1)]
-                };
+        let spread = Spread { stored, mask, inactive };
+        if self.half {
+            spread.over(bytes.chunks_exact(2 * N), |bytes| put(of_halves(bytes)), out);
+        } else {
+            spread.over(bytes.chunks_exact(C::BYTES * N), |bytes| put(whole(bytes)), out);
+        }
+        Ok(())
+    }
+}
+
+/// Where a node's values go.
+struct Spread<'s, V> {
+    stored: &'s StoredValues<'s>,
+    mask: &'s [u8],
+    inactive: [V; 2],
+}
+
+impl<V: Copy> Spread<'_, V> {
+    /// Puts values in order where they belong, and inactive ones between them.
+    fn over<'b>(&self, mut values: ChunksExact<'b, u8>, put: impl Fn(&'b [u8]) -> V, out: &mut [V]) {
+        if !self.stored.active_only {
+            out.iter_mut().zip(values).for_each(|(to, value)| *to = put(value));
+            return;
+        }
+        for (row, (out, active)) in out.as_chunks_mut::<8>().0.iter_mut().zip(self.mask).enumerate() {
+            let second = self.stored.selection.get(row).copied().unwrap_or(0);
+            if *active == u8::MAX {
+                out.iter_mut().zip(&mut values).for_each(|(to, value)| *to = put(value));
+                continue;
+            }
+            for (bit, to) in out.iter_mut().enumerate() {
+                *to = self.inactive[usize::from(second >> bit & 1)];
+            }
+            let mut left = *active;
+            while left != 0 {
+                let Some(value) = values.next() else { return };
+                out[left.trailing_zeros() as usize] = put(value);
+                left &= left - 1;
             }
         }
     }
 }
 
 /// A float of a half one. Numbers that are none keep their bits, as OpenVDB has them; processors change some.
+#[inline]
 fn widened(half: u16) -> f32 {
     let (sign, size) = (u32::from(half & 0x8000) << 16, u32::from(half & 0x7fff) << 13);
     let size = if size >= 0x7c00 << 13 {
@@ -198,14 +229,14 @@ fn widened(half: u16) -> f32 {
 
 /// Memory for a buffer that is decompressed.
 #[derive(Default)]
-struct Opened {
+struct Unpacker {
     bytes: Vec<u8>,
     shuffled: Vec<u8>,
 }
 
-impl Opened {
+impl Unpacker {
     /// A buffer's bytes, as many as it must have.
-    fn open<'o>(&'o mut self, buffer: &Buffer<'o>) -> Result<&'o [u8], Failure> {
+    fn unpack<'o>(&'o mut self, buffer: &Buffer<'o>) -> Result<&'o [u8], Failure> {
         if matches!(buffer.packing, Packing::Plain) {
             return Ok(buffer.bytes);
         }

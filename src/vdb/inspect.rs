@@ -5,7 +5,8 @@ use std::path::Path;
 use glam::DVec3;
 use serde::Serialize;
 
-use super::read::{Opened, SparseBlocks, StoredClass, Voxels};
+use super::read::{Opened, StoredClass};
+use super::voxels::{SparseBlocks, Voxels};
 use super::walk::{CompressionFlags, GridLayout, walk};
 use super::{Error, Metadata, metadata_text};
 

@@ -35,6 +35,7 @@ mod metadata;
 mod nano;
 mod programs;
 mod read;
+mod voxels;
 pub mod walk;
 mod write;
 
@@ -49,7 +50,8 @@ pub use lint::{Lint, lint};
 pub use metadata::{INTEROP_ID, Metadata, MetadataValue, metadata_text};
 pub use nano::{encode_nano, read_back_nano};
 pub use programs::{Client, NAMES as PROGRAM_NAMES, Program, Three};
-pub use read::{Contents, Opened, SparseBlocks, StoredClass, StoredGrid, Tile, Voxels, read};
+pub use read::{Contents, Opened, StoredClass, StoredGrid, read};
+pub use voxels::{SparseBlocks, Tile, Voxels};
 pub use walk::{Transform, read_back};
 pub use write::{Compression, WriteOptions, write};
 
@@ -67,6 +69,7 @@ pub fn set_threads(threads: usize) -> Result<(), Error> {
 }
 
 /// F is positive inside everywhere else, a level set of OpenVDB is negative inside. A zero becomes +0.
+#[inline]
 fn flip_sign(value: f32) -> f32 {
     0.0 - value
 }

@@ -5,10 +5,11 @@ use std::path::{Path, PathBuf};
 use glam::IVec3;
 
 use super::decode::decode;
+use super::voxels::{SparseBlocks, Voxels};
 use super::walk::{GridLayout, Layout, Transform, walk_bytes};
 use super::{Error, Metadata, MetadataValue};
 use crate::disk;
-use crate::grid::{BLOCK_VOXELS, Band, BlockMask, InsideTile, Lattice, VoxelSize, block_order, block_origin};
+use crate::grid::{Band, InsideTile, Lattice, VoxelSize, block_order, block_origin};
 
 /// What was read from a file.
 #[derive(Clone, Debug)]
@@ -74,43 +75,6 @@ impl std::fmt::Display for StoredClass {
             Self::Staggered => "staggered",
         })
     }
-}
-
-/// The voxels of a grid from a file. Numbers of 64 bits are rounded to 32.
-#[derive(Clone, Debug)]
-pub enum Voxels {
-    /// One number a voxel; of a level set, the distance, **positive inside**.
-    Floats(SparseBlocks<f32>),
-    /// Three numbers a voxel.
-    Vectors(SparseBlocks<[f32; 3]>),
-}
-
-/// Blocks, tiles, and the value away from both.
-#[derive(Clone, Debug)]
-pub struct SparseBlocks<T> {
-    /// The blocks' least corners, sorted by [`crate::grid::block_order`].
-    pub origins: Vec<IVec3>,
-    /// One array a block.
-    pub values: Vec<[T; BLOCK_VOXELS]>,
-    /// Active voxels.
-    pub active: Vec<BlockMask>,
-    /// Cubes of one value: those that are active, and those that differ from the background.
-    pub tiles: Vec<Tile<T>>,
-    /// The value away from blocks and tiles; of a level set negative, as everything outside.
-    pub background: T,
-}
-
-/// A cube of voxels that have one value.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Tile<T> {
-    /// Its least corner, a multiple of `edge`.
-    pub origin: IVec3,
-    /// Its edge in voxels: 8, 128 or 4096.
-    pub edge: i32,
-    /// The value of all its voxels.
-    pub value: T,
-    /// Whether they are active.
-    pub active: bool,
 }
 
 /// Reads a file, all of it in Rust: damage is an error, and never a crash.
