@@ -572,3 +572,55 @@ fn doubled_faces_are_a_sheet() {
     let (_, run) = bake("leaf.obj", leaf, "");
     run.fails(1, &["encloses no volume", "thickness"]);
 }
+
+/// A cube of this half edge.
+fn cube(half: f64) -> String {
+    let mut text = String::new();
+    for corner in 0..8 {
+        let side = |bit: i32| if corner >> bit & 1 == 1 { half } else { -half };
+        writeln!(text, "v {} {} {}", side(2), side(1), side(0)).unwrap();
+    }
+    for [a, b, c, d] in [[1, 2, 4, 3], [5, 7, 8, 6], [1, 5, 6, 2], [3, 4, 8, 7], [1, 3, 7, 5], [2, 6, 8, 4]] {
+        writeln!(text, "f {a} {b} {c} {d}").unwrap();
+    }
+    text
+}
+
+#[test]
+fn frames_need_only_their_own_files() {
+    let place = Workplace::new();
+    for number in [1, 2, 3, 5, 6] {
+        place.write(&format!("m.{number:04}.obj"), cube(0.5 + 0.05 * f64::from(number)));
+    }
+    place.write("s.toml", "hfvdb = 1\nframes = \"1-6\"\n[shape.m]\nmesh = \"m.####.obj\"\n");
+    let bake = |frames: &str| place.hfvdb(&format!("bake s.toml -o out/m.####.vdb --voxel-size 0.1 {frames}"));
+    let missing = "frame 4 of `m.####.obj` is missing: there is 1-3, 5-6";
+    place.hfvdb("check s.toml").fails(1, &["s.toml:4:9", missing, "m.0004.obj"]);
+    bake("").fails(1, &["s.toml:4:9", missing]);
+    let shows = "frame 4 shows files of `m.####.obj` that are missing: there is 1-3, 5-6";
+    bake("--frames 3-5").fails(1, &["s.toml:4:9", shows, "write m.0004.obj first"]);
+    place.hfvdb("preview s.toml --frames 4 -o p.png").fails(1, &[shows]);
+    place.hfvdb("probe s.toml 0 0 0 --frame 4").fails(1, &[shows]);
+    assert!(!place.path("out").exists(), "nothing was begun");
+
+    says(&bake("--frames 2-3,5").ok().stderr, &[missing, "none of the frames asked for shows them"]);
+    assert_eq!(place.frames("out"), ["m.0002.vdb", "m.0003.vdb", "m.0005.vdb"]);
+    // A frame is its file's, also beside a gap.
+    place.write("alone.toml", "hfvdb = 1\n[shape.m]\nmesh = \"m.0003.obj\"\n");
+    place.hfvdb("bake alone.toml -o alone.vdb --voxel-size 0.1").ok();
+    let range = |file: &str| {
+        [grid(&place, file, "surface")["range"].clone(), grid(&place, file, "surface")["index_box"].clone()]
+    };
+    assert_eq!(range("out/m.0003.vdb"), range("alone.vdb"));
+    says(&bake("--frames 2-3,5 --resume").ok().stderr, &["3 of 3 frames are done"]);
+
+    // What one of its files has changed makes a frame anew, and what was missing.
+    place.write("m.0003.obj", cube(0.9));
+    let before = range("out/m.0003.vdb");
+    bake("--frames 3 --overwrite").ok();
+    assert_ne!(range("out/m.0003.vdb"), before);
+    place.write("m.0004.obj", cube(0.7));
+    let whole = bake("--overwrite").ok();
+    assert!(!whole.stderr.contains("missing"), "{}", whole.stderr);
+    assert_eq!(place.frames("out").len(), 6);
+}

@@ -171,6 +171,7 @@ fn of_file(path: &Path, clients: &[Client], global: &Global) -> Result<(), Failu
 fn of_scene(arguments: &Arguments, global: &Global) -> Result<(), Failure> {
     let scene = SceneArguments { scene: arguments.inputs[0].clone(), changes: arguments.changes.clone() };
     let model = job::load(&scene, global)?;
+    job::files_of(None, &model)?;
     let interrupt = job::interrupt()?;
     let progress = Progress::new(1, global);
     progress.stage("looking at the scene");

@@ -108,8 +108,16 @@ pub fn limit(sampling: &Sampling) -> Bytes {
     sampling.max_memory.unwrap_or_else(default_limit)
 }
 
-/// The frames asked for, else the whole shot; a note where some lie outside of it.
+/// The frames asked for, else the whole shot; a note where some lie outside of it, an error where some lack a file.
 pub fn frames(asked: Option<&Frames>, model: &Model, global: &Global) -> Result<Frames, Failure> {
+    files_of(asked.map(Frames::numbers), model)?;
+    for lacking in model.lacking(None).list() {
+        global.warn(&format!(
+            "{}; none of the frames asked for shows them. The box, and the voxel size where a resolution gives it, is that of \
+             the other files: once all are there it is another scene, to be baked anew",
+            lacking.message
+        ));
+    }
     let shot = model.shot;
     let frames = match asked {
         Some(frames) => frames.clone(),
@@ -125,6 +133,12 @@ pub fn frames(asked: Option<&Frames>, model: &Model, global: &Global) -> Result<
         }
     }
     Ok(frames)
+}
+
+/// Refuses frames, or a shot, of which some lack a file.
+pub fn files_of(frames: Option<&[i64]>, model: &Model) -> Result<(), Failure> {
+    let lacking = model.lacking(frames);
+    if lacking.is_empty() { Ok(()) } else { Err(shot::Error::Scene(lacking).into()) }
 }
 
 /// The scene's hash in hexadecimal.

@@ -47,6 +47,7 @@ pub fn run(arguments: &Arguments, global: &Global) -> Result<(), Failure> {
     let model = job::load(&arguments.scene, global)?;
     let [x, y, z] = [arguments.place[0], arguments.place[1], arguments.place[2]];
     let frame = arguments.frame.unwrap_or(model.shot.range.first);
+    job::files_of(Some(&[frame]), &model)?;
     let (shapes, warnings) =
         model.probe(DVec3::new(x, y, z), frame as f64).map_err(|problem| Failure::from(model.error(problem)))?;
     job::warn(&warnings, global);

@@ -85,7 +85,7 @@ pub(crate) const OUTSIDE_FRAMES: Key = Key::new(
     "outside_frames",
     Kind::Choice(&["error", "hold", "loop"]),
     Text("error"),
-    "Of files by frame: what frames before the first file and after the last one show. `error`: nothing; the scene is refused. `hold`: the first file, or the last. `loop`: the files again from the first.",
+    "Of files by frame: what frames before the first file and after the last one show. `error`: nothing; such frames are refused. `hold`: the first file, or the last. `loop`: the files again from the first.",
 );
 
 /// How large a shape is made.

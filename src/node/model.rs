@@ -471,6 +471,15 @@ impl Output {
 }
 
 impl Model {
+    /// What files by frame lack for some frames, or for all of the shot: an error for each sequence of files.
+    pub fn lacking(&self, frames: Option<&[i64]>) -> Diagnostics {
+        let of = |files: &FileSequence| match frames {
+            Some(frames) => files.lacking(frames),
+            None => files.lacking_of_shot(),
+        };
+        Diagnostics::new(self.shapes.iter().flat_map(Shape::sequences).filter_map(of).collect(), self.sources.clone())
+    }
+
     /// Whether it has shapes that are made of cells, or filled: hollows that nobody would count by hand.
     pub fn has_structures(&self) -> bool {
         let is_filled = |shape: &Shape| shape.modifiers.iter().any(|modifier| modifier.spec.key.name == "fill");

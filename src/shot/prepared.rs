@@ -128,6 +128,10 @@ impl Prepared {
 
     /// All that one frame is computed from, whatever other frames are asked for.
     pub fn frame(&self, frame: i64) -> Result<FrameContent, Error> {
+        let lacking = self.model.lacking(Some(&[frame]));
+        if !lacking.is_empty() {
+            return Err(Error::Scene(lacking));
+        }
         unless_cancelled(&self.cancel, self.content_of(frame))
     }
 

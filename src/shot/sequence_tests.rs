@@ -121,8 +121,6 @@ fn what_a_sequence_lacks_is_told() {
     fs::write(folder.join("m.0005.obj"), "v 0 0 0\nf 1 2 3\n").unwrap();
     let shape = "[shape.a]\nmesh = 'm.####.obj'\n";
     for (text, wanted) in [
-        (format!("frames = '1-4'\n{shape}"), "frame 3 of"),
-        (format!("frames = '1-9'\n{shape}"), "the shot needs frames 1-9"),
         (shape.to_owned(), "the scene has no `frames`"),
         ("frames = '1-2'\n[shape.a]\nmesh = 'n.####.obj'\n".to_owned(), "there is no frame of"),
         ("frames = '1-2'\n[shape.a]\nmesh = 'm.%4d.obj'\n".to_owned(), "fills the number with spaces"),
@@ -138,6 +136,17 @@ fn what_a_sequence_lacks_is_told() {
         let problem = prepared(folder, &text).err().unwrap_or_else(|| panic!("{text}"));
         assert!(problem.contains(wanted), "{problem}\n{text}");
     }
+    // Frames need their own files alone.
+    for (frames, wanted) in [("1-4", "frame 3 of"), ("1-9", "the shot needs frames 1-9")] {
+        let model = loaded(folder, &format!("frames = '{frames}'\n{shape}")).unwrap();
+        assert!(model.lacking(None).to_string().contains(wanted), "{}", model.lacking(None));
+        assert!(model.lacking(Some(&[1, 2, 4])).is_empty());
+        assert!(model.lacking(Some(&[2, 3])).to_string().contains("frame 3 shows"));
+    }
+    let with_gap = prepared(folder, &format!("frames = '1-4'\n{shape}")).unwrap();
+    assert!(with_gap.frame(4).is_ok());
+    let problem = with_gap.frame(3).err().unwrap().to_string();
+    assert!(problem.contains("frame 3 shows files of"), "{problem}");
 }
 
 /// Velocities of a file turn with the shape; where files have none that is said.

@@ -37,7 +37,12 @@ pub struct FileSequence {
     outside: OutsideFrames,
     /// Those of the files that the shot shows, by number.
     shown: Vec<(i64, FileReference)>,
+    /// The first of the numbers between the files that the shot shows and that are missing.
+    missing: Vec<i64>,
 }
+
+/// The most missing frames that are looked for: names of more say nothing new.
+const MOST: usize = 100;
 
 /// The sequence that a path stands for; `None` where it is a file's own name, or has no frame token.
 ///
@@ -73,61 +78,94 @@ pub fn find(
         let problem = format!("there is no frame of `{}`", clip(&name));
         return Err(suggest_neighbour(Diagnostic::error(span, problem), &pattern.file(shot.first)));
     }
-    let (offset, outside, shown) = (0, OutsideFrames::Error, Vec::new());
-    Ok(Some(FileSequence { name, span, there, pattern, shot, offset, outside, shown }))
+    let (offset, outside) = (0, OutsideFrames::Error);
+    let (shown, missing) = (Vec::new(), Vec::new());
+    Ok(Some(FileSequence { name, span, there, pattern, shot, offset, outside, shown, missing }))
 }
 
 impl FileSequence {
     /// With what the scene says of frames: which file stands for one, and which where there is none.
     ///
     /// # Errors
-    /// Files that the shot needs and that are not there.
+    /// A shot none of whose files is there.
     pub fn timed(mut self, offset: i64, outside: OutsideFrames) -> Result<Self, Diagnostic> {
         (self.offset, self.outside) = (offset, outside);
         let [first, last] = self.ends();
-        let [from, to] = [self.shot.first, self.shot.last].map(|frame| frame.saturating_add(offset));
-        let there = in_ranges(&self.there);
-        let name = clip(&self.name).into_owned();
-        if outside == OutsideFrames::Error && (from < first || to > last) {
-            let wanted = if from == to { format!("frame {from}") } else { format!("frames {from}-{to}") };
-            let problem = format!("the shot needs {wanted} of `{name}`, and there is {there}");
-            let fits = if self.shot.count() as i64 <= last - first + 1 {
-                format!("frame_offset = {} begins with the first file", first - self.shot.first)
-            } else {
-                format!("frames = \"{}-{}\" has a file each", first - offset, last - offset)
-            };
-            let help = format!("{fits}; outside_frames = \"hold\" or \"loop\" shows others where there is none");
-            return Err(Diagnostic::error(self.span, problem).help(help));
-        }
+        let [from, to] = self.wanted();
         // Of a loop that is not shown in full some files may be missing.
         let [begin, end] = [self.number(self.shot.first), self.number(self.shot.last)];
         let shown = match outside {
+            OutsideFrames::Error if to < first || from > last => vec![],
             OutsideFrames::Loop if to - from >= last - first => vec![first..=last],
             OutsideFrames::Loop if begin > end => vec![first..=end, begin..=last],
             _ => vec![begin..=end],
         };
-        /// The most missing frames that are looked for: names of more say nothing new.
-        const MOST: usize = 100;
         let gaps = || self.there.array_windows().map(|[before, next]| before + 1..=next - 1);
         let both = |range: &RangeInclusive<i64>, gap: RangeInclusive<i64>| {
             *range.start().max(gap.start())..=*range.end().min(gap.end())
         };
         let missing = shown.iter().flat_map(|range| gaps().flat_map(|gap| both(range, gap)));
-        let missing: Vec<i64> = missing.take(MOST).collect();
-        if let Some(one) = missing.first() {
-            let problem = format!(
-                "frame{} {} of `{name}` {} missing: there is {there}",
-                if missing.len() == 1 { "" } else { "s" },
-                in_ranges(&missing),
-                if missing.len() == 1 { "is" } else { "are" },
-            );
-            let help = format!("write {} again, or let `frames` of the scene leave it out", self.file_name(*one));
-            return Err(Diagnostic::error(self.span, problem).help(help));
-        }
+        self.missing = missing.take(MOST).collect();
         let is_shown = |number: &i64| shown.iter().any(|range| range.contains(number));
         let needed = self.there.iter().copied().filter(is_shown);
         self.shown = needed.map(|number| (number, self.reference(number))).collect();
-        Ok(self)
+        match self.lacking_of_shot() {
+            Some(problem) if self.shown.is_empty() => Err(problem),
+            _ => Ok(self),
+        }
+    }
+
+    /// The numbers that the shot asks for, the first and the last, whether they are there or not.
+    fn wanted(&self) -> [i64; 2] {
+        [self.shot.first, self.shot.last].map(|frame| frame.saturating_add(self.offset))
+    }
+
+    /// An error about the files that the shot needs and that are not there, if any.
+    pub fn lacking_of_shot(&self) -> Option<Diagnostic> {
+        let [first, last] = self.ends();
+        let [from, to] = self.wanted();
+        let there = in_ranges(&self.there);
+        let name = clip(&self.name);
+        if self.outside == OutsideFrames::Error && (from < first || to > last) {
+            let wanted = if from == to { format!("frame {from}") } else { format!("frames {from}-{to}") };
+            let problem = format!("the shot needs {wanted} of `{name}`, and there is {there}");
+            let fits = if self.shot.count() as i64 <= last - first + 1 {
+                format!("frame_offset = {} begins with the first file", first - self.shot.first)
+            } else {
+                format!("frames = \"{}-{}\" has a file each", first - self.offset, last - self.offset)
+            };
+            let help = format!("{fits}; outside_frames = \"hold\" or \"loop\" shows others where there is none");
+            return Some(Diagnostic::error(self.span, problem).help(help));
+        }
+        let one = self.missing.first()?;
+        let problem = format!(
+            "frame{} {} of `{name}` {} missing: there is {there}",
+            if self.missing.len() == 1 { "" } else { "s" },
+            in_ranges(&self.missing),
+            if self.missing.len() == 1 { "is" } else { "are" },
+        );
+        let help = format!("write {} again, or let `frames` of the scene leave it out", self.file_name(*one));
+        Some(Diagnostic::error(self.span, problem).help(help))
+    }
+
+    /// An error about those of some frames whose file is not there, if any.
+    pub fn lacking(&self, frames: &[i64]) -> Option<Diagnostic> {
+        let lacking: Vec<i64> = frames.iter().copied().filter(|frame| self.lacks(*frame)).take(MOST).collect();
+        let file = self.file_name(self.unlimited(*lacking.first()?));
+        let problem = format!(
+            "frame{} {} show{} files of `{}` that are missing: there is {}",
+            if lacking.len() == 1 { "" } else { "s" },
+            in_ranges(&lacking),
+            if lacking.len() == 1 { "s" } else { "" },
+            clip(&self.name),
+            in_ranges(&self.there),
+        );
+        Some(Diagnostic::error(self.span, problem).help(format!("write {file} first, or ask for other frames")))
+    }
+
+    /// Whether a frame's file is missing.
+    fn lacks(&self, frame: i64) -> bool {
+        self.there.binary_search(&self.unlimited(frame)).is_err()
     }
 
     /// The first number that there is, and the last.
@@ -140,7 +178,16 @@ impl FileSequence {
         self.there.len()
     }
 
-    /// The number of the file that a frame shows.
+    /// The number of the file that a frame asks for, whether it is there or not. The shot's ends hold outside of it.
+    fn unlimited(&self, frame: i64) -> i64 {
+        let frame = frame.clamp(self.shot.first, self.shot.last);
+        match self.outside {
+            OutsideFrames::Error => frame.saturating_add(self.offset),
+            _ => self.number(frame),
+        }
+    }
+
+    /// The number of the file that a frame of the shot shows, within those that there are.
     fn number(&self, frame: i64) -> i64 {
         let [first, last] = self.ends();
         let number = frame.saturating_add(self.offset);
@@ -150,7 +197,8 @@ impl FileSequence {
         }
     }
 
-    /// The file that a frame shows, with its number: between two frames that of the nearer one.
+    /// The file that a frame shows, with its number: between two frames that of the nearer one. Where that is missing, the next
+    /// one, for what is measured over the whole shot: no frame is made of it.
     pub fn at(&self, frame: f64) -> &(i64, FileReference) {
         let frame = (frame.round() as i64).clamp(self.shot.first, self.shot.last);
         let number = self.number(frame);
@@ -206,18 +254,37 @@ mod tests {
 
     use super::*;
 
-    /// What is found of files with some numbers, for a shot.
-    fn found(numbers: &[i64], shot: FrameRange, offset: i64, outside: OutsideFrames) -> Result<Vec<i64>, String> {
+    /// Files with some numbers, for a shot.
+    fn sequence(
+        numbers: &[i64],
+        shot: FrameRange,
+        offset: i64,
+        outside: OutsideFrames,
+    ) -> Result<FileSequence, Diagnostic> {
         let folder = tempfile::tempdir().unwrap();
         for number in numbers {
             std::fs::write(folder.path().join(format!("m.{number:04}.vdb")), "").unwrap();
         }
         let variables: Variables = Arc::new(|_| None);
         let base = Base::Folder(folder.path().to_owned());
-        let problem = |problem: Diagnostic| problem.message.replace(&folder.path().display().to_string(), "IN");
-        let sequence = find("m.$F4.vdb", Span::default(), &base, &variables, shot).map_err(problem)?.unwrap();
-        let sequence = sequence.timed(offset, outside).map_err(problem)?;
-        Ok((shot.first..=shot.last).map(|frame| sequence.at(frame as f64).0).collect())
+        let mut sequence = match find("m.$F4.vdb", Span::default(), &base, &variables, shot) {
+            Ok(sequence) => sequence.unwrap(),
+            Err(mut problem) => {
+                problem.message = problem.message.replace(&folder.path().display().to_string(), "IN");
+                return Err(problem);
+            }
+        };
+        sequence.name = sequence.name.replace(&folder.path().display().to_string(), "IN");
+        sequence.timed(offset, outside)
+    }
+
+    /// What each frame of a shot shows.
+    fn found(numbers: &[i64], shot: FrameRange, offset: i64, outside: OutsideFrames) -> Result<Vec<i64>, String> {
+        let sequence = sequence(numbers, shot, offset, outside).map_err(|problem| problem.message)?;
+        match sequence.lacking_of_shot() {
+            Some(problem) => Err(problem.message),
+            None => Ok((shot.first..=shot.last).map(|frame| sequence.at(frame as f64).0).collect()),
+        }
     }
 
     #[test]
@@ -254,5 +321,27 @@ mod tests {
             wrong(&[1, 999_999_999], shot(1, 999_999_999), OutsideFrames::Error).len(),
             "frames 2-101 of `IN/m.####.vdb` are missing: there is 1, 999999999".len()
         );
+    }
+
+    #[test]
+    fn frames_need_their_own_files_only() {
+        let shot = FrameRange { first: 1, last: 9 };
+        let lacking = |sequence: &FileSequence, frames: &[i64]| sequence.lacking(frames).map(|problem| problem.message);
+        let files = sequence(&[11, 12, 15, 16, 18], shot, 10, OutsideFrames::Error).unwrap();
+        assert_eq!(lacking(&files, &[1, 2, 5, 6, 8]), None);
+        assert_eq!(lacking(&files, &[-7]), None, "the shot's first frame holds before it");
+        assert_eq!(
+            lacking(&files, &[1, 3, 4, 7, 8, 9, 20]).unwrap(),
+            "frames 3-4, 7, 9, 20 show files of `IN/m.####.vdb` that are missing: there is 11-12, 15-16, 18"
+        );
+        assert!(lacking(&files, &[7]).unwrap().starts_with("frame 7 shows files of"));
+        // What is measured over the shot takes those that there are.
+        assert_eq!([1.0, 3.0, 4.0, 7.0, 9.0].map(|frame| files.at(frame).0), [11, 15, 15, 18, 18]);
+        assert_eq!(files.numbers().collect::<Vec<_>>(), [11, 12, 15, 16, 18]);
+        let held = sequence(&[2, 3, 5], shot, 0, OutsideFrames::Hold).unwrap();
+        assert_eq!(lacking(&held, &[1, 2, 3, 5, 9]), None);
+        assert!(lacking(&held, &[4]).is_some());
+        assert!(sequence(&[10, 11], shot, 0, OutsideFrames::Error).is_err());
+        assert!(sequence(&[0, 10], shot, 0, OutsideFrames::Error).is_err());
     }
 }
