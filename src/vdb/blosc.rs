@@ -178,14 +178,15 @@ pub fn decompress(chunk: &[u8], memory: &mut Vec<u8>, out: &mut [u8]) -> Result<
 
 /// Decompresses a block's streams, of which all hold as many bytes; `None` where they do not.
 fn unpack(mut streams: &[u8], count: usize, out: &mut [u8]) -> Option<()> {
-    if out.len() % count != 0 {
+    if !out.len().is_multiple_of(count) {
         return None;
     }
     for out in out.chunks_exact_mut(out.len() / count) {
         let (stream, rest) = streams.get(4..)?.split_at_checked(number(streams, 0)?)?;
+        // What LZ4 does not make smaller is copied.
         if stream.len() == out.len() {
             out.copy_from_slice(stream);
-        } else if lz4::decompress(stream, out).ok()? != out.len() {
+        } else if stream.len() > out.len() || lz4::decompress(stream, out).ok()? != out.len() {
             return None;
         }
         streams = rest;
