@@ -18,7 +18,7 @@ use crate::grid::measure::local_of;
 use crate::grid::{BLOCK_EDGE, BLOCK_VOXELS, Band, Lattice, is_active};
 
 /// The octree of a band: a cell and its corners, of which there are a few for each voxel that the surface passes through.
-const BYTES_A_NODE: usize = 48;
+const BYTES_A_NODE: usize = 16;
 
 /// The method.
 pub struct Adf;
