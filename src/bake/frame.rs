@@ -5,7 +5,8 @@ use std::time::{Duration, Instant};
 use super::asked::{Attributes, ComputeError, Interior};
 use super::compute::{Computed, Ranges, compute};
 use super::estimate::check_memory;
-use super::record::{Record, RecordFile};
+use super::output::Encoded;
+use super::record::{Beyond, PolygonRecord, Record, RecordFile};
 use super::sealed::{self, hexadecimal};
 use super::{Bytes, Error, Interrupt, Output, Velocities, inside, output};
 use crate::disk;
@@ -173,6 +174,22 @@ impl Staged {
     pub fn frame(&self) -> i64 {
         self.record.frame
     }
+
+    /// What writing it noticed, in words.
+    pub fn warning(&self, output: &Output) -> Option<String> {
+        let Some(PolygonRecord { beyond: Some(Beyond { triangles, near: [x, y, z] }), .. }) = self.record.polygons
+        else {
+            return None;
+        };
+        let (which, error) = (
+            if triangles == 1 { "1 triangle is" } else { &format!("{triangles} triangles are") },
+            output.identity.adaptivity,
+        );
+        Some(format!(
+            "{which} further than {error} voxels from the surface, one near ({x:.4}, {y:.4}, {z:.4}), as without \
+             --adaptivity; take smaller voxels"
+        ))
+    }
 }
 
 /// Writes one frame, except for syncing and renaming it.
@@ -188,14 +205,14 @@ pub(super) fn stage_frame(
     let Output { sequence, format, existing, .. } = output;
     let path = sequence.pattern.file(frame);
     disk::check_target(&path, existing.replaces())?;
-    let pieces = format.encode(&output::Frame { prepared, number: frame, computed, output })?;
+    let Encoded { pieces, polygons } = format.encode(&output::Frame { prepared, number: frame, computed, output })?;
     let stage = || disk::stage(&path, &pieces, existing.replaces());
     let (file, sound) = rayon::join(stage, || format.read_back(&pieces, &path));
     let file = file?;
     sound?;
     let written = file.written();
     let content = (written.bytes, hexadecimal(&written.sha256));
-    let record = Record::new(frame, sequence.file_name(frame), content, computed, report, compute);
+    let record = Record::new(frame, sequence.file_name(frame), content, computed, report, polygons, compute);
     Ok(Staged { file, record, start })
 }
 

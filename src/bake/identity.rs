@@ -20,6 +20,13 @@ pub struct Identity {
     pub half: Vec<String>,
     /// How voxels are compressed: `blosc`, `zip` or `none`.
     pub compression: String,
+    /// How far polygons may be from the surface so that there are fewer, in voxels; 0 where none are merged.
+    #[serde(default, skip_serializing_if = "is_none")]
+    pub adaptivity: f64,
+}
+
+fn is_none(adaptivity: &f64) -> bool {
+    *adaptivity == 0.0
 }
 
 /// How finely a scene is sampled, as asked for.
@@ -33,7 +40,7 @@ pub enum Sampling {
 }
 
 impl Identity {
-    /// This program's.
+    /// This program's, without adaptivity.
     pub fn new(
         scene: String,
         sampling: Sampling,
@@ -49,7 +56,7 @@ impl Identity {
             Compression::None => "none",
         };
         let program = concat!("hfvdb ", env!("CARGO_PKG_VERSION")).into();
-        Self { program, scene, sampling, half_width, half, compression: compression.into() }
+        Self { program, scene, sampling, half_width, half, compression: compression.into(), adaptivity: 0.0 }
     }
 
     /// Where two of one scene differ, in words: theirs, and ours. Empty where they are alike.
@@ -67,6 +74,7 @@ impl Identity {
         let list = |names: &[String]| if names.is_empty() { "none".to_owned() } else { names.join("+") };
         compare("16-bit grids", list(&self.half), list(&ours.half));
         compare("compression", self.compression.clone(), ours.compression.clone());
+        compare("adaptivity", self.adaptivity.to_string(), ours.adaptivity.to_string());
         parts.join("; ")
     }
 }

@@ -51,7 +51,7 @@ pub use memory::Bytes;
 pub use memory_limit::default_limit;
 pub use probe::{Probe, probe};
 pub use range::Range;
-pub use record::{GridRecord, Record};
+pub use record::{Beyond, GridRecord, PolygonRecord, Record};
 pub use refusal::{Refusal, refusal};
 pub use run::{Baked, Event, Existing, Output, bake};
 pub use sealed::SealedError;

@@ -59,8 +59,8 @@ pub fn probe(
     let computed = compute_frame(prepared, frame, 1, output.max_memory, interrupt, progress)?;
     let compute_seconds = start.elapsed().as_secs_f64();
     let start = Instant::now();
-    let pieces = output.format.encode(&Frame { prepared, number: frame, computed: &computed, output })?;
-    let bytes: usize = pieces.iter().map(Vec::len).sum();
+    let encoded = output.format.encode(&Frame { prepared, number: frame, computed: &computed, output })?;
+    let bytes: usize = encoded.pieces.iter().map(Vec::len).sum();
     let encode_seconds = start.elapsed().as_secs_f64();
     // The surface grows with the square, what is behind it with the cube.
     let band = computed.band.active_voxels() as f64;

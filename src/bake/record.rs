@@ -36,6 +36,9 @@ pub struct Record {
     pub morph: Option<MorphReport>,
     /// Its grids.
     pub grids: Vec<GridRecord>,
+    /// Of polygons that were merged: how many.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub polygons: Option<PolygonRecord>,
     /// Seconds to compute it.
     pub compute_seconds: f64,
     /// Seconds to hand it over, encode, check and sync it.
@@ -44,6 +47,27 @@ pub struct Record {
     /// first, and the seconds are those of all.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub frames: Vec<Self>,
+}
+
+/// The polygons of a frame of which some were merged.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct PolygonRecord {
+    /// The file's triangles.
+    pub triangles: u64,
+    /// How many they would be if none were merged.
+    pub unmerged: u64,
+    /// Those that are further from the surface than they should be.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub beyond: Option<Beyond>,
+}
+
+/// Triangles that are too far from the surface.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Beyond {
+    /// How many.
+    pub triangles: u64,
+    /// A place of one, world units.
+    pub near: [f64; 3],
 }
 
 /// A grid of a frame.
@@ -84,6 +108,7 @@ impl Record {
         (bytes, sha256): (u64, String),
         computed: &Computed,
         morph: Option<MorphReport>,
+        polygons: Option<PolygonRecord>,
         compute: Duration,
     ) -> Self {
         Self {
@@ -97,6 +122,7 @@ impl Record {
             volume: measure::volume(&computed.band),
             morph,
             grids: grids(computed),
+            polygons,
             compute_seconds: compute.as_secs_f64(),
             write_seconds: 0.0,
             frames: Vec::new(),

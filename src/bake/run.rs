@@ -160,6 +160,7 @@ fn write_all(
         match stage_frame(prepared, frame, &computed, output, duration) {
             Ok(staged) => {
                 drop(computed);
+                staged.warning(output).into_iter().for_each(|warning| events(Event::Warning(frame, warning)));
                 if send.send(Committing { staged, lock }).is_err() {
                     break;
                 }

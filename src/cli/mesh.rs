@@ -20,6 +20,7 @@ Examples:
   hfvdb mesh 'out/cubism.####.vdb' -o out/cubism.usda        all frames in one USD file
   hfvdb mesh smoke.vdb -o smoke.obj --threshold 0.2          fog, solid from a value on
   hfvdb mesh heart.vdb -o coarse.glb --resolution 64         coarser than the file
+  hfvdb mesh heart.vdb -o few.glb --adaptivity 0.1           large triangles where it is flat, a tenth of a voxel away at most
 
 Polygons are as fine as the file's voxels where neither --voxel-size nor --resolution says otherwise, closed, and
 face outward. Of a scene `hfvdb bake -o m.####.glb` makes them with sharp edges.")]

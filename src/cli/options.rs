@@ -119,6 +119,11 @@ pub struct Writing {
     #[arg(long, value_enum)]
     pub compression: Option<Compression>,
 
+    /// Of polygons: merge triangles where surface, colours and attributes stay the same within so many voxels, from 0 (merge
+    /// none) to 1; 0.1 leaves about a tenth of a smooth object's
+    #[arg(long, value_name = "VOXELS", value_parser = adaptivity, allow_negative_numbers = true, default_value_t = 0.0)]
+    pub adaptivity: f64,
+
     /// Replace files that exist
     #[arg(long, conflicts_with = "resume")]
     pub overwrite: bool,
@@ -170,6 +175,16 @@ pub fn positive(text: &str) -> Result<f64, String> {
             Err(format!("it must be at most {GREATEST:e}, as lengths in scenes; try --resolution 256"))
         }
         _ => Ok(value),
+    })
+}
+
+fn adaptivity(text: &str) -> Result<f64, String> {
+    number(text).and_then(|value| match value {
+        value if value < 0.0 => Err("it must not be negative; try --adaptivity 0.1".into()),
+        value if value > 1.0 => {
+            Err(format!("an error of {value} voxels is that of larger voxels; the most is 1, usual is 0.1"))
+        }
+        value => Ok(value),
     })
 }
 

@@ -44,7 +44,14 @@ pub fn report(
     if !global.quiet && !events::on() && !done.is_empty() {
         let frames = if written == 1 { "1 frame".into() } else { format!("{written} frames") };
         let kept = if done.len() > written { format!(", {} kept", done.len() - written) } else { String::new() };
-        super::say(&format!("{frames}, {bytes}, in {seconds:.1} s{kept}"));
+        let polygons =
+            done.iter().filter(|(_, state)| *state == "written").filter_map(|(record, _)| record.polygons.as_ref());
+        let counts = polygons.map(|polygons| [polygons.unmerged, polygons.triangles]);
+        let merged = match counts.reduce(|[a, b], [c, d]| [a + c, b + d]) {
+            Some([before, after]) => format!(", {before} triangles merged into {after}"),
+            None => String::new(),
+        };
+        super::say(&format!("{frames}, {bytes}, in {seconds:.1} s{kept}{merged}"));
     }
     let path = |record: &Record| sequence.pattern.file(record.frame);
     if global.json {
@@ -77,7 +84,7 @@ pub fn report(
 }
 
 fn frame(record: &Record, path: &std::path::Path, state: &str) -> Value {
-    json!({
+    let mut document = json!({
         "frame": record.frame,
         "path": path,
         "state": state,
@@ -88,7 +95,11 @@ fn frame(record: &Record, path: &std::path::Path, state: &str) -> Value {
         "volume": record.volume,
         "compute_seconds": record.compute_seconds,
         "write_seconds": record.write_seconds,
-    })
+    });
+    if let Some(polygons) = &record.polygons {
+        document["polygons"] = json!(polygons);
+    }
+    document
 }
 
 /// How many of the frames asked for are done.

@@ -245,7 +245,10 @@ fn output(request: &Request<'_>) -> Result<Output, Failure> {
     let output = Output {
         sequence: Sequence { pattern: request.pattern.clone() },
         format: format(&request.pattern),
-        identity: Identity::new(job::hash(model)?, finely, half_width, half, compression),
+        identity: Identity {
+            adaptivity: writing.adaptivity,
+            ..Identity::new(job::hash(model)?, finely, half_width, half, compression)
+        },
         compression,
         existing: writing.existing(),
         allow_empty: writing.allow_empty,

@@ -5,7 +5,7 @@ use std::path::Path;
 use glam::{DVec3, Vec3};
 use serde_json::{Value, json};
 
-use super::{Format, Frame, polygons};
+use super::{Encoded, Format, Frame, polygons};
 use crate::bake::{Error, Output};
 use crate::node::Model;
 use crate::node::keys::metres;
@@ -27,7 +27,7 @@ impl Format for Glb {
         polygons::check_still(model)
     }
 
-    fn encode(&self, frame: &Frame<'_>) -> Result<Vec<Vec<u8>>, Error> {
+    fn encode(&self, frame: &Frame<'_>) -> Result<Encoded, Error> {
         let surface = polygons::of_frame(frame)?;
         let model = frame.prepared.model();
         let scale = metres(model.unit);
@@ -79,7 +79,7 @@ impl Format for Glb {
         for value in [word(file.bytes.len())?, 0x004E_4942] {
             head.extend(value.to_le_bytes());
         }
-        Ok(vec![head, file.bytes])
+        Ok(Encoded { pieces: vec![head, file.bytes], polygons: surface.merged })
     }
 
     /// The head says how long the whole is.

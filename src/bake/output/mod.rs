@@ -16,7 +16,7 @@ use std::fmt;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use super::{Computed, Error, FramePattern, Interrupt, Output, PatternError};
+use super::{Computed, Error, FramePattern, Interrupt, Output, PatternError, PolygonRecord};
 use crate::node::Model;
 use crate::shot::Prepared;
 
@@ -34,11 +34,11 @@ pub trait Format: fmt::Debug + Sync {
     /// In words, which begin with the option that asks for it.
     fn check(&self, model: &Model, output: &Output) -> Result<(), String>;
 
-    /// The bytes of a frame's file, in pieces.
+    /// The bytes of a frame's file.
     ///
     /// # Errors
     /// [`Error::Encode`].
-    fn encode(&self, frame: &Frame<'_>) -> Result<Vec<Vec<u8>>, Error>;
+    fn encode(&self, frame: &Frame<'_>) -> Result<Encoded, Error>;
 
     /// Reads the bytes as a reader of the format does, so that no file gets its name that others refuse. `path` is for
     /// messages.
@@ -68,6 +68,15 @@ pub struct Joining<'a> {
     pub frames: &'a [(i64, PathBuf)],
     /// Ends it between two values.
     pub interrupt: &'a Interrupt,
+}
+
+/// The bytes of a frame's file.
+#[derive(Debug)]
+pub struct Encoded {
+    /// In pieces.
+    pub pieces: Vec<Vec<u8>>,
+    /// Of polygons that were merged: how many.
+    pub polygons: Option<PolygonRecord>,
 }
 
 /// A frame on its way into a file.
@@ -145,7 +154,7 @@ mod tests {
 
             let computed = compute_frame(&prepared, 1, 1, Bytes(u64::MAX), &interrupt, &|_| {}).unwrap();
             let frame = Frame { prepared: &prepared, number: 1, computed: &computed, output: &output };
-            let mut pieces = format.encode(&frame).unwrap();
+            let mut pieces = format.encode(&frame).unwrap().pieces;
             let path = Path::new("a frame");
             format.read_back(&pieces, path).unwrap();
             pieces.last_mut().unwrap().pop();

@@ -152,7 +152,7 @@ mod tests {
             let interrupt = Interrupt::default();
             let computed = compute_frame(&prepared, 2, 1, Bytes(u64::MAX), &interrupt, &|_| {}).unwrap();
             let frame = Frame { prepared: &prepared, number: 2, computed: &computed, output: &output };
-            std::fs::write(&path, Vdb.encode(&frame).unwrap().concat()).unwrap();
+            std::fs::write(&path, Vdb.encode(&frame).unwrap().pieces.concat()).unwrap();
             let found = lint(Path::new(&path), &[client]).unwrap();
             let (notes, wrong): (Vec<_>, Vec<_>) =
                 found.findings.iter().partition(|finding| finding.severity == Severity::Note);

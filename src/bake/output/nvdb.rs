@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::{Format, Frame, naming, vdb};
+use super::{Encoded, Format, Frame, naming, vdb};
 use crate::bake::{Error, Output};
 use crate::node::Model;
 use crate::vdb::{encode_nano, read_back_nano};
@@ -17,6 +17,7 @@ impl Format for Nvdb {
     }
 
     fn check(&self, model: &Model, output: &Output) -> Result<(), String> {
+        vdb::check_voxels(output)?;
         naming::check(model)?;
         match output.identity.half.iter().find(|grid| naming::stays_vectors(model, grid)) {
             Some(grid) => {
@@ -26,9 +27,10 @@ impl Format for Nvdb {
         }
     }
 
-    fn encode(&self, frame: &Frame<'_>) -> Result<Vec<Vec<u8>>, Error> {
+    fn encode(&self, frame: &Frame<'_>) -> Result<Encoded, Error> {
         let encode = |grids: &crate::vdb::Frame<'_>| encode_nano(grids, frame.output.compression);
-        vdb::with_grids(frame, encode).map_err(|error| Error::Encode(error.to_string()))
+        let pieces = vdb::with_grids(frame, encode).map_err(|error| Error::Encode(error.to_string()))?;
+        Ok(Encoded { pieces, polygons: None })
     }
 
     fn read_back(&self, pieces: &[Vec<u8>], path: &Path) -> Result<(), Error> {

@@ -3,7 +3,7 @@
 use std::fmt::Write;
 use std::path::Path;
 
-use super::{Format, Frame, polygons};
+use super::{Encoded, Format, Frame, polygons};
 use crate::attribute::to_srgb;
 use crate::bake::{Error, Output};
 use crate::node::Model;
@@ -31,7 +31,7 @@ impl Format for Obj {
         }
     }
 
-    fn encode(&self, frame: &Frame<'_>) -> Result<Vec<Vec<u8>>, Error> {
+    fn encode(&self, frame: &Frame<'_>) -> Result<Encoded, Error> {
         let surface = polygons::of_frame(frame)?;
         let model = frame.prepared.model();
         let mut text = format!(
@@ -53,7 +53,7 @@ impl Format for Obj {
             let _ = writeln!(text, "f {} {} {}", a + 1, b + 1, c + 1);
         }
         text.push_str(END);
-        Ok(vec![text.into_bytes()])
+        Ok(Encoded { pieces: vec![text.into_bytes()], polygons: surface.merged })
     }
 
     fn read_back(&self, pieces: &[Vec<u8>], path: &Path) -> Result<(), Error> {

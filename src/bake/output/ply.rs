@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::{Format, Frame, polygons};
+use super::{Encoded, Format, Frame, polygons};
 use crate::attribute::to_srgb;
 use crate::bake::{Error, Output};
 use crate::node::Model;
@@ -21,7 +21,7 @@ impl Format for Ply {
         polygons::check_still(model)
     }
 
-    fn encode(&self, frame: &Frame<'_>) -> Result<Vec<Vec<u8>>, Error> {
+    fn encode(&self, frame: &Frame<'_>) -> Result<Encoded, Error> {
         let surface = polygons::of_frame(frame)?;
         let mut head = String::from("ply\nformat binary_little_endian 1.0\n");
         head += &format!("comment {}, frame {}\n", frame.output.identity.program, frame.number);
@@ -52,7 +52,7 @@ impl Format for Ply {
             body.push(3);
             triangle.iter().for_each(|vertex| body.extend(vertex.to_le_bytes()));
         }
-        Ok(vec![head.into_bytes(), body])
+        Ok(Encoded { pieces: vec![head.into_bytes(), body], polygons: surface.merged })
     }
 
     /// The header says how long the rest is.

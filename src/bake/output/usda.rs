@@ -10,7 +10,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use super::polygons::Polygons;
-use super::{Format, Frame, Join, Joining, polygons};
+use super::{Encoded, Format, Frame, Join, Joining, polygons};
 use crate::bake::usd_layer::{identifier, identifiers};
 use crate::bake::{Error, Output};
 use crate::disk;
@@ -40,7 +40,7 @@ impl Format for Usda {
     }
 
     /// Where each frame has a file of its own the values are samples of its time, so that the files are value clips.
-    fn encode(&self, frame: &Frame<'_>) -> Result<Vec<Vec<u8>>, Error> {
+    fn encode(&self, frame: &Frame<'_>) -> Result<Encoded, Error> {
         let surface = polygons::of_frame(frame)?;
         let pattern = &frame.output.sequence.pattern;
         let time = pattern.has_token().then_some(frame.number);
@@ -55,7 +55,7 @@ impl Format for Usda {
             };
         }
         text.push_str(END);
-        Ok(vec![text.into_bytes()])
+        Ok(Encoded { pieces: vec![text.into_bytes()], polygons: surface.merged })
     }
 
     fn read_back(&self, pieces: &[Vec<u8>], path: &Path) -> Result<(), Error> {

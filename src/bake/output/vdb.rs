@@ -4,7 +4,7 @@ use std::path::Path;
 
 use rayon::prelude::*;
 
-use super::{Format, Frame, naming};
+use super::{Encoded, Format, Frame, naming};
 use crate::attribute::{LinearRgb, Primaries};
 use crate::bake::{Computed, Error, Inside, Output, Velocities};
 use crate::grid::{Band, Channel, Lattice};
@@ -22,18 +22,31 @@ impl Format for Vdb {
     }
 
     /// It holds all that frames have.
-    fn check(&self, model: &Model, _: &Output) -> Result<(), String> {
+    fn check(&self, model: &Model, output: &Output) -> Result<(), String> {
+        check_voxels(output)?;
         naming::check(model)
     }
 
-    fn encode(&self, frame: &Frame<'_>) -> Result<Vec<Vec<u8>>, Error> {
+    fn encode(&self, frame: &Frame<'_>) -> Result<Encoded, Error> {
         let encode = |grids: &vdb::Frame<'_>| vdb::encode(grids, frame.output.compression);
-        with_grids(frame, encode).map_err(|error| Error::Encode(error.to_string()))
+        let pieces = with_grids(frame, encode).map_err(|error| Error::Encode(error.to_string()))?;
+        Ok(Encoded { pieces, polygons: None })
     }
 
     fn read_back(&self, pieces: &[Vec<u8>], path: &Path) -> Result<(), Error> {
         vdb::read_back(pieces, path).map_err(|error| Error::Encode(error.to_string()))
     }
+}
+
+/// What is asked of polygons alone.
+pub(super) fn check_voxels(output: &Output) -> Result<(), String> {
+    if output.identity.adaptivity > 0.0 {
+        return Err(
+            "--adaptivity: it merges polygons, and these are voxels; leave it out, or write .glb, .usda, .ply or .obj"
+                .into(),
+        );
+    }
+    Ok(())
 }
 
 /// Does something with a frame's grids as they go into a file.

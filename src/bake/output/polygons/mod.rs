@@ -2,8 +2,11 @@
 //! 2002), with a vertex for each piece of the surface in a cell, so that edges and corners are sharp and the surface is
 //! closed.
 
+mod adapt;
 mod cell;
 mod fit;
+mod notches;
+mod within;
 
 use std::sync::Arc;
 
@@ -12,7 +15,7 @@ use rayon::prelude::*;
 
 use super::Frame;
 use crate::attribute::{Attribute, LinearRgb};
-use crate::bake::{Error, Output};
+use crate::bake::{Error, Output, PolygonRecord};
 use crate::field::{Aabb, BATCH, Evaluator, Field, Gradients, Points};
 use crate::grid::measure::{Lookup, Place, Surroundings, local_of};
 use crate::grid::{BLOCK_EDGE, BLOCK_VOXELS, Band, BlockMask, mask};
@@ -65,8 +68,13 @@ pub fn check_still(model: &Model) -> Result<(), String> {
 /// The surface of a frame.
 pub fn of_frame(frame: &Frame<'_>) -> Result<Polygons, Error> {
     let content = frame.prepared.frame(frame.number).map_err(Error::Scene)?;
-    polygons(&content, &frame.computed.band)
-        .map_err(|_| Error::Encode("the surface has more than 4,294,967,295 vertices: take larger voxels".into()))
+    let band = &frame.computed.band;
+    let dense = polygons(&content, band)
+        .map_err(|_| Error::Encode("the surface has more than 4,294,967,295 vertices: take larger voxels".into()))?;
+    match frame.output.identity.adaptivity {
+        0.0 => Ok(dense),
+        error => Ok(adapt::adapt(dense, content.field.as_ref(), error, band.lattice.voxel_size.get())),
+    }
 }
 
 /// A surface of triangles, world units, counter-clockwise seen from outside.
@@ -82,6 +90,8 @@ pub struct Polygons {
     pub scalars: Vec<(String, Vec<f32>)>,
     /// World units a second, of each vertex.
     pub velocities: Option<Vec<[f32; 3]>>,
+    /// How many triangles were merged, where that was asked for.
+    pub merged: Option<PolygonRecord>,
 }
 
 /// More vertices than indices of 32 bits reach.
@@ -120,7 +130,7 @@ fn polygons(content: &FrameContent, band: &Band) -> Result<Polygons, TooMany> {
     };
     let scalars = content.scalars.iter().map(scalar).collect();
     let velocities = content.movement.as_ref().map(|movement| velocities(field, movement, &positions, band));
-    Ok(Polygons { positions, triangles, colours, scalars, velocities })
+    Ok(Polygons { positions, triangles, colours, scalars, velocities, merged: None })
 }
 
 /// How fast vertices move.
