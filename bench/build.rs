@@ -3,7 +3,7 @@
 use std::env;
 
 const BRIDGE: &str = "src/rivals.rs";
-const SOURCES: [&str; 2] = ["cpp/rivals.cpp", "cpp/rivals_distance.cpp"];
+const SOURCES: [&str; 3] = ["cpp/rivals.cpp", "cpp/rivals_distance.cpp", "cpp/rivals_mesh.cpp"];
 
 fn main() {
     for file in SOURCES.iter().chain(&["build.rs", "cpp/rivals.h", BRIDGE]) {

@@ -37,6 +37,10 @@ GOALS = {
     "18-machine": ("two threads against one, arithmetic in registers in turns with row 18", "band", "2"),
     "18-memory": ("the same, reading and writing memory beyond a core's cache", "band", ""),
     "18-handover": ("two threads against one, handing over and encoding", "handover", ""),
+    "mesh-voxels": ("a mesh's file of 102,400 triangles to a coloured band, rate against `meshToVolume` with colours", "meshes", ""),
+    "mesh-voxels-ready": ("the same, the mesh read", "meshes", ""),
+    "polygons": ("a coloured frame to polygons' bytes, rate against `volumeToMesh` and colours", "meshes", ""),
+    "polygons-merged": ("the same with `--adaptivity 0.1`, against its adaptivity 0.01", "meshes", ""),
     "written": ("a ready frame with colour on the disk, rate against `io::File`", "handover", ""),
 }
 STAGES = ["find", "fill", "distances", "colour", "encode", "check", "disk"]
@@ -115,7 +119,7 @@ def goals(rows):
         processor = rows.get((name, scene, resolution, "processor"), (goal, []))[1] if what == "clock" and not name.startswith("18") else []
         where = f"{scene} {resolution}" if what in ("clock", "leaves", "memory") else f"{scene}, {what}"
         lines.append([
-            name.partition("-")[0].replace("written", ""), job, where.replace(",_", ", ").replace(":_", ": "), floor,
+            name.partition("-")[0] if name[0].isdigit() else "", job, where.replace(",_", ", ").replace(":_", ": "), floor,
             goal.replace("-", ""), reached(goal, values), reached(goal, processor) if processor else "", f"`{bench}`",
         ])
     return table(["#", "job", "scene, voxels", "floor", "goal", "reached", "processor time", "bench"], lines)

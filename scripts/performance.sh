@@ -11,7 +11,7 @@ cd "$(dirname "$0")/.."
 
 readonly logs=target/performance
 readonly runs=3
-readonly benches=(band evaluate leaves sparse redistance handover frames morphing stages bound)
+readonly benches=(band evaluate leaves sparse redistance handover frames morphing meshes stages bound)
 
 # program NAME ARGUMENTS...: a line with seconds by the clock, of the processor, and peak memory in bytes; and a line with
 # the most memory in use in each tenth of the time.

@@ -87,4 +87,28 @@ std::unique_ptr<RivalGrid> sphere_level_set(double radius, double voxel_size);
 std::unique_ptr<RivalGrid> cube_level_set(double edge, double voxel_size);
 std::size_t morph(RivalGrid& source, const RivalGrid& target, double from, double to);
 
+// A level set with colours on its active voxels.
+class ColouredGrid {
+public:
+    struct Parts;
+    explicit ColouredGrid(std::unique_ptr<Parts> parts);
+    ~ColouredGrid();
+    const Parts& parts() const { return *mParts; }
+    std::uint64_t active_voxels() const;
+    float value(std::int32_t x, std::int32_t y, std::int32_t z) const;
+
+private:
+    std::unique_ptr<Parts> mParts;
+};
+
+// meshToVolume of triangles, and the colour of each voxel's closest point by the grid of polygons that it fills.
+std::unique_ptr<ColouredGrid> mesh_to_volume(rust::Slice<const float> positions,
+    rust::Slice<const std::uint32_t> triangles, rust::Slice<const float> colours, double voxel_size);
+
+// The grids `surface` and `Cd` of a file.
+std::unique_ptr<ColouredGrid> read_coloured(rust::Str path);
+
+// volumeToMesh with colours sampled at its vertices; returns how many triangles it makes.
+std::size_t volume_to_mesh(const ColouredGrid& grid, double adaptivity);
+
 } // namespace rivals

@@ -38,6 +38,17 @@ mod ffi {
         fn sweep(dense: &RivalGrid) -> Result<UniquePtr<RivalGrid>>;
         fn sphere_level_set(radius: f64, voxel_size: f64) -> Result<UniquePtr<RivalGrid>>;
         fn cube_level_set(edge: f64, voxel_size: f64) -> Result<UniquePtr<RivalGrid>>;
+        type ColouredGrid;
+        fn active_voxels(self: &ColouredGrid) -> u64;
+        fn value(self: &ColouredGrid, x: i32, y: i32, z: i32) -> f32;
+        fn mesh_to_volume(
+            positions: &[f32],
+            triangles: &[u32],
+            colours: &[f32],
+            voxel_size: f64,
+        ) -> Result<UniquePtr<ColouredGrid>>;
+        fn read_coloured(path: &str) -> Result<UniquePtr<ColouredGrid>>;
+        fn volume_to_mesh(grid: &ColouredGrid, adaptivity: f64) -> Result<usize>;
         fn morph(source: Pin<&mut RivalGrid>, target: &RivalGrid, from: f64, to: f64) -> Result<usize>;
     }
 }
@@ -47,8 +58,9 @@ use glam::IVec3;
 use hfvdb::grid::{BLOCK_VOXELS, Band, BlockMask, Lattice};
 
 pub use ffi::{
-    LibraryFrame, RivalGrid, VoxelTree, accessor_loop, cube_level_set, dense_grid, encode_in_cpp, morph,
-    new_voxel_tree, read_with_library, rebuild, sphere_level_set, spheres_by_csg, sweep,
+    ColouredGrid, LibraryFrame, RivalGrid, VoxelTree, accessor_loop, cube_level_set, dense_grid, encode_in_cpp,
+    mesh_to_volume, morph, new_voxel_tree, read_coloured, read_with_library, rebuild, sphere_level_set, spheres_by_csg,
+    sweep, volume_to_mesh,
 };
 
 /// A rival's level set as a band, positive inside: active where it is within `half_width` voxels, and limited there.

@@ -36,7 +36,12 @@ pub fn prepare(name: &str, sampling: Sampling) -> Prepared {
         Some(_) => Source::Builtin(name.into()),
         None => Source::Text { name: format!("{name}.toml"), text: text(name), folder: "bench/scenes".into() },
     };
-    let model = load(&source, &Overrides::default()).unwrap_or_else(|error| panic!("{error}"));
+    prepare_source(&source, sampling)
+}
+
+/// A scene of any kind made ready.
+pub fn prepare_source(source: &Source, sampling: Sampling) -> Prepared {
+    let model = load(source, &Overrides::default()).unwrap_or_else(|error| panic!("{error}"));
     let (voxel_size, resolution) = match sampling {
         Sampling::OfBox(resolution) => (Some(2.0 / f64::from(resolution)), None),
         Sampling::OfSolid(resolution) => (None, Some(resolution)),
