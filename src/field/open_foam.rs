@@ -132,16 +132,29 @@ impl<'f> OpenFoamEvaluator<'f> {
     fn visit(&mut self, position: DVec3, mut least: f64, mut each: impl FnMut(&Strut) -> f64) {
         let OpenFoam { seeds, radius } = *self.foam;
         let Some(cube) = seeds.cube(position) else { return };
+        let (at, nearest) = (position / seeds.edge, -seeds.to_nearest(position).0 / seeds.edge);
+        // The points around an edge are nearer to its places than all others: no farther from here than to such a place, and from
+        // there the way back to here and to the point that is nearest here.
+        let reach = |least: f64| (nearest + 2.0 * (radius - least) / seeds.edge) * (1.0 + 1e-9);
         let mut ring = 0;
-        while radius - ((ring - 1) as f64 - FAR).max(0.0) * seeds.edge >= least {
-            cells_around(ring, |by| {
-                let cut = self.cut(cube + by);
+        let mut around: Vec<(f64, I64Vec3)> = Vec::new();
+        while (ring - 1) as f64 <= reach(least) {
+            cells_around(ring, |by| around.push((seeds.point(cube + by).distance(at), cube + by)));
+            ring += 1;
+            if ring == 1 {
+                continue;
+            }
+            around.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
+            for (far, cube) in around.drain(..) {
+                if far > reach(least) {
+                    continue;
+                }
+                let cut = self.cut(cube);
                 let away = |core: Aabb| (core.min - position).max(position - core.max).max(DVec3::ZERO).length();
                 if cut.core.is_some_and(|core| radius - away(core) >= least) {
                     cut.struts.iter().for_each(|strut| least = each(strut));
                 }
-            });
-            ring += 1;
+            }
         }
     }
 
