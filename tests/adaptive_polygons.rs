@@ -212,10 +212,7 @@ fn a_turned_box() {
     let [dense_back, few_back] =
         [&dense, &few].map(|surface| away_back(surface, on_box(half, 60).map(|p| turn * p), voxel));
     assert!(of_few < of_dense.max(0.1) + 1e-4 && few_back < dense_back.max(0.1) + 1e-4);
-    assert!(
-        of_few < 0.1 || told.contains("triangles are further than 0.1 voxels from the surface, one near ("),
-        "{told}"
-    );
+    assert!(of_few < 0.1 || told.contains("triangles may be further than 0.1 voxels from the surface"), "{told}");
 }
 
 /// A ball through a plate that is not much thicker than a voxel: neither is lost, nor joined.

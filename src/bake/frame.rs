@@ -181,13 +181,11 @@ impl Staged {
         else {
             return None;
         };
-        let (which, error) = (
-            if triangles == 1 { "1 triangle is" } else { &format!("{triangles} triangles are") },
-            output.identity.adaptivity,
-        );
+        let which = if triangles == 1 { "1 triangle" } else { &format!("{triangles} triangles") };
         Some(format!(
-            "{which} further than {error} voxels from the surface, one near ({x:.4}, {y:.4}, {z:.4}), as without \
-             --adaptivity; take smaller voxels"
+            "{which} may be further than {} voxels from the surface, as without --adaptivity: notches and slivers at sharp \
+             edges, one near ({x:.4}, {y:.4}, {z:.4}); take smaller voxels",
+            output.identity.adaptivity
         ))
     }
 }

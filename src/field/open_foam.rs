@@ -10,7 +10,7 @@ use rayon::prelude::*;
 use rustc_hash::FxHashMap;
 
 use super::noise::hash::cells_around;
-use super::part::Sample;
+use super::part::{Parts, Sample};
 use super::part_tree::PartTree;
 use super::struts::Strut;
 use super::voronoi::Cell;
@@ -67,11 +67,19 @@ struct Cut {
 impl OpenFoam {
     /// What the cell of a cube's point has that is no earlier one's.
     fn cut(&self, cube: I64Vec3) -> Cut {
-        let mut cell = Cell::within(self.seeds.point(cube), FAR);
+        let point = self.seeds.point(cube);
+        let mut cell = Cell::within(point, FAR);
         let mut ring = 1;
+        let mut around: Vec<(f64, DVec3, I64Vec3)> = Vec::new();
         // What is in the cubes of a ring is farther away than there are whole cubes between.
         while ((ring - 1) as f64) < 2.0 * cell.reach() {
-            cells_around(ring, |by| cell.cut(self.seeds.point(cube + by), (cube + by).to_array()));
+            cells_around(ring, |by| {
+                let other = self.seeds.point(cube + by);
+                around.push((other.distance_squared(point), other, cube + by));
+            });
+            // The nearer ones leave less for others to cut off.
+            around.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
+            around.drain(..).for_each(|(_, other, cube)| cell.cut(other, cube.to_array()));
             ring += 1;
         }
         let strut = |[from, to]: [DVec3; 2]| Strut::new(from * self.seeds.edge, to * self.seeds.edge, [self.radius; 2]);
@@ -105,9 +113,56 @@ struct Region {
     /// F at the centre.
     value: f64,
     /// The struts that may be the nearest of a position in it; none are listed of a large one.
-    few: Option<Vec<Strut>>,
+    few: Option<Few>,
     /// Those of them whose surface may pass through it.
     carriers: OnceCell<Vec<Strut>>,
+}
+
+/// Struts that are asked one by one, or by a tree where they are many.
+struct Few {
+    struts: Listed,
+    tree: Option<PartTree>,
+}
+
+struct Listed(Vec<Strut>);
+
+impl Few {
+    fn new(struts: Vec<Strut>) -> Self {
+        /// More of them are more work at each point than a look into the tree.
+        const MOST: usize = 6;
+        let struts = Listed(struts);
+        let tree = if struts.0.len() > MOST { PartTree::new(&struts) } else { None };
+        Self { struts, tree }
+    }
+
+    fn best(&self, position: DVec3) -> Sample {
+        match &self.tree {
+            Some(tree) => tree.best(&self.struts, position).1,
+            None => self.struts.0.iter().map(|strut| strut.at(position)).fold((f64::NEG_INFINITY, DVec3::ZERO), better),
+        }
+    }
+}
+
+impl Parts for Listed {
+    fn count(&self) -> usize {
+        self.0.len()
+    }
+
+    fn part(&self, index: usize, position: DVec3) -> Sample {
+        self.0[index].at(position)
+    }
+
+    fn core(&self, index: usize) -> Option<(Aabb, f64)> {
+        Some(self.0[index].core())
+    }
+
+    fn bounding_box(&self) -> Option<Aabb> {
+        None
+    }
+
+    fn slope(&self) -> Slope {
+        Slope::Exact { outside: true, inside: false }
+    }
 }
 
 struct OpenFoamEvaluator<'f> {
@@ -170,7 +225,7 @@ impl<'f> OpenFoamEvaluator<'f> {
 
     fn at(&mut self, position: DVec3) -> Sample {
         match self.regions.last().and_then(|region| region.few.as_ref()) {
-            Some(few) => best_of(few, position),
+            Some(few) => few.best(position),
             None => self.best(position),
         }
     }
@@ -180,7 +235,8 @@ impl<'f> OpenFoamEvaluator<'f> {
         const MOST: usize = 12;
         let Some(Region { centre, reach, few: Some(few), carriers, .. }) = self.regions.last() else { return &[] };
         carriers.get_or_init(|| {
-            let found: Vec<Strut> = few.iter().filter(|strut| strut.at(*centre).0.abs() <= *reach).copied().collect();
+            let found: Vec<Strut> =
+                few.struts.0.iter().filter(|strut| strut.at(*centre).0.abs() <= *reach).copied().collect();
             if found.len() > MOST { Vec::new() } else { found }
         })
     }
@@ -188,10 +244,6 @@ impl<'f> OpenFoamEvaluator<'f> {
 
 fn better(one: Sample, other: Sample) -> Sample {
     if other.0 > one.0 { other } else { one }
-}
-
-fn best_of(struts: &[Strut], position: DVec3) -> Sample {
-    struts.iter().map(|strut| strut.at(position)).fold((f64::NEG_INFINITY, DVec3::ZERO), better)
 }
 
 impl Evaluator for OpenFoamEvaluator<'_> {
@@ -202,22 +254,23 @@ impl Evaluator for OpenFoamEvaluator<'_> {
         // Slopes are 1 at most: what is farther below the best than twice the way to a corner is nowhere the best.
         let least = value - 2.0 * reach - 1e-9 * (value.abs() + reach);
         let outer = self.regions.last().and_then(|outer| outer.few.as_ref());
+        let near = |strut: &Strut| strut.at(centre).0 >= least;
         let narrowed: Option<Vec<Strut>> =
-            outer.map(|outer| outer.iter().filter(|strut| strut.at(centre).0 >= least).copied().collect());
+            outer.map(|outer| outer.struts.0.iter().filter(|strut| near(strut)).copied().collect());
         let few = match narrowed {
-            Some(few) => Some(few),
             None if reach <= NARROW * self.foam.seeds.edge && value.is_finite() => {
                 let mut few = Vec::new();
                 self.visit(centre, least, |strut| {
-                    if strut.at(centre).0 >= least {
+                    if near(strut) {
                         few.push(*strut);
                     }
                     least
                 });
                 Some(few)
             }
-            None => None,
+            narrowed => narrowed,
         };
+        let few = few.map(Few::new);
         self.regions.push(Region { centre, reach, value, few, carriers: OnceCell::new() });
     }
 

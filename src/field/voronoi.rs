@@ -39,6 +39,10 @@ impl<K: Copy + Ord> Cell<K> {
     pub fn cut(&mut self, other: DVec3, name: K) {
         let (middle, across) = ((self.point + other) / 2.0, other - self.point);
         let beyond = |corner: DVec3| (corner - middle).dot(across);
+        // Most others cut nothing off.
+        if !self.faces.iter().flat_map(|face| &face.corners).any(|corner| beyond(*corner) > 0.0) {
+            return;
+        }
         let mut faces = Vec::with_capacity(self.faces.len() + 1);
         // From where the cut leaves a face to where it enters it: round the new face.
         let mut rim: Vec<[DVec3; 2]> = Vec::new();

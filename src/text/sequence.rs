@@ -144,7 +144,7 @@ impl FileSequence {
             in_ranges(&self.missing),
             if self.missing.len() == 1 { "is" } else { "are" },
         );
-        let help = format!("write {} again, or let `frames` of the scene leave it out", self.file_name(*one));
+        let help = format!("write {} again, or leave it out of the frames asked for", self.file_name(*one));
         Some(Diagnostic::error(self.span, problem).help(help))
     }
 
