@@ -180,7 +180,7 @@ impl Evaluator for JoinedEvaluator<'_> {
 
     fn gradients(&mut self, points: &Points, out: &mut Gradients) {
         for i in 0..points.len {
-            put(out, i, self.field.eval(self.kept.last().unwrap(), points.position(i)));
+            out.set(i, self.field.eval(self.kept.last().unwrap(), points.position(i)));
         }
     }
 
@@ -191,14 +191,9 @@ impl Evaluator for JoinedEvaluator<'_> {
     fn branch(&mut self, branch: usize, points: &Points, out: &mut Gradients) {
         let leaf = self.field.leaves[self.kept.last().unwrap()[branch]];
         for i in 0..points.len {
-            put(out, i, leaf.eval(points.position(i)));
+            out.set(i, leaf.eval(points.position(i)));
         }
     }
-}
-
-fn put(out: &mut Gradients, i: usize, (value, gradient): (f64, DVec3)) {
-    out.value[i] = value as f32;
-    (out.dx[i], out.dy[i], out.dz[i]) = gradient.as_vec3().into();
 }
 
 /// Another field seen through s ↦ tanh(s/width): the same surface, hardly a slope a few widths away.

@@ -276,7 +276,7 @@ impl Evaluator for WithoutEvaluator<'_> {
             for i in 0..points.len {
                 let (room, gradient) = self.without.room(points.position(i));
                 if (room as f32) < out.value[i] {
-                    set(out, i, room, gradient);
+                    out.set(i, (room, gradient));
                 }
             }
         }
@@ -292,15 +292,9 @@ impl Evaluator for WithoutEvaluator<'_> {
             return;
         }
         for i in 0..points.len {
-            let (room, gradient) = self.without.room(points.position(i));
-            set(out, i, room, gradient);
+            out.set(i, self.without.room(points.position(i)));
         }
     }
-}
-
-fn set(out: &mut Gradients, i: usize, value: f64, gradient: DVec3) {
-    out.value[i] = value as f32;
-    (out.dx[i], out.dy[i], out.dz[i]) = gradient.as_vec3().into();
 }
 
 #[cfg(test)]

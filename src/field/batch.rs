@@ -156,7 +156,7 @@ impl Gradients {
     }
 
     /// Value and gradient at a point.
-    pub(super) fn set(&mut self, i: usize, (value, gradient): Sample) {
+    pub(crate) fn set(&mut self, i: usize, (value, gradient): Sample) {
         let gradient = gradient.as_vec3();
         self.value[i] = value as f32;
         (self.dx[i], self.dy[i], self.dz[i]) = (gradient.x, gradient.y, gradient.z);

@@ -139,9 +139,7 @@ impl Evaluator for HeightsEvaluator<'_> {
 
     fn gradients(&mut self, points: &Points, out: &mut Gradients) {
         for i in 0..points.len {
-            let (value, gradient) = self.heights.sample(points.position(i));
-            out.value[i] = value as f32;
-            [out.dx[i], out.dy[i], out.dz[i]] = gradient.as_vec3().to_array();
+            out.set(i, self.heights.sample(points.position(i)));
         }
     }
 }

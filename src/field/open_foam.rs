@@ -9,10 +9,11 @@ use glam::{DVec3, I64Vec3};
 use rayon::prelude::*;
 use rustc_hash::FxHashMap;
 
+use super::copies::distance_to;
 use super::noise::hash::cells_around;
 use super::part::{Parts, Sample};
 use super::part_tree::PartTree;
-use super::struts::Strut;
+use super::struts::{Strut, Struts};
 use super::voronoi::Cell;
 use super::walls::Centres;
 use super::{Aabb, BATCH, Evaluator, Field, Gradients, Hint, Hints, Interval, Points, Seeds, Slope};
@@ -120,48 +121,26 @@ struct Region {
 
 /// Struts that are asked one by one, or by a tree where they are many.
 struct Few {
-    struts: Listed,
+    struts: Struts,
     tree: Option<PartTree>,
 }
-
-struct Listed(Vec<Strut>);
 
 impl Few {
     fn new(struts: Vec<Strut>) -> Self {
         /// More of them are more work at each point than a look into the tree.
         const MOST: usize = 6;
-        let struts = Listed(struts);
-        let tree = if struts.0.len() > MOST { PartTree::new(&struts) } else { None };
+        let struts = Struts::loose(struts);
+        let tree = if struts.count() > MOST { PartTree::new(&struts) } else { None };
         Self { struts, tree }
     }
 
     fn best(&self, position: DVec3) -> Sample {
         match &self.tree {
             Some(tree) => tree.best(&self.struts, position).1,
-            None => self.struts.0.iter().map(|strut| strut.at(position)).fold((f64::NEG_INFINITY, DVec3::ZERO), better),
+            None => {
+                self.struts.all().iter().map(|strut| strut.at(position)).fold((f64::NEG_INFINITY, DVec3::ZERO), better)
+            }
         }
-    }
-}
-
-impl Parts for Listed {
-    fn count(&self) -> usize {
-        self.0.len()
-    }
-
-    fn part(&self, index: usize, position: DVec3) -> Sample {
-        self.0[index].at(position)
-    }
-
-    fn core(&self, index: usize) -> Option<(Aabb, f64)> {
-        Some(self.0[index].core())
-    }
-
-    fn bounding_box(&self) -> Option<Aabb> {
-        None
-    }
-
-    fn slope(&self) -> Slope {
-        Slope::Exact { outside: true, inside: false }
     }
 }
 
@@ -205,8 +184,7 @@ impl<'f> OpenFoamEvaluator<'f> {
                     continue;
                 }
                 let cut = self.cut(cube);
-                let away = |core: Aabb| (core.min - position).max(position - core.max).max(DVec3::ZERO).length();
-                if cut.core.is_some_and(|core| radius - away(core) >= least) {
+                if cut.core.is_some_and(|core| radius - distance_to(&core, position) >= least) {
                     cut.struts.iter().for_each(|strut| least = each(strut));
                 }
             }
@@ -236,7 +214,7 @@ impl<'f> OpenFoamEvaluator<'f> {
         let Some(Region { centre, reach, few: Some(few), carriers, .. }) = self.regions.last() else { return &[] };
         carriers.get_or_init(|| {
             let found: Vec<Strut> =
-                few.struts.0.iter().filter(|strut| strut.at(*centre).0.abs() <= *reach).copied().collect();
+                few.struts.all().iter().filter(|strut| strut.at(*centre).0.abs() <= *reach).copied().collect();
             if found.len() > MOST { Vec::new() } else { found }
         })
     }
@@ -256,7 +234,7 @@ impl Evaluator for OpenFoamEvaluator<'_> {
         let outer = self.regions.last().and_then(|outer| outer.few.as_ref());
         let near = |strut: &Strut| strut.at(centre).0 >= least;
         let narrowed: Option<Vec<Strut>> =
-            outer.map(|outer| outer.struts.0.iter().filter(|strut| near(strut)).copied().collect());
+            outer.map(|outer| outer.struts.all().iter().filter(|strut| near(strut)).copied().collect());
         let few = match narrowed {
             None if reach <= NARROW * self.foam.seeds.edge && value.is_finite() => {
                 let mut few = Vec::new();

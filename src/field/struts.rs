@@ -80,6 +80,16 @@ impl Struts {
         Self { all, period: None, is_flat: false, inside }
     }
 
+    /// Some of many that go on beyond them, or none.
+    pub(super) fn loose(all: Vec<Strut>) -> Self {
+        Self { all, period: None, is_flat: false, inside: false }
+    }
+
+    /// All of them.
+    pub(super) fn all(&self) -> &[Strut] {
+        &self.all
+    }
+
     /// A curve by straight pieces, places and radii given by the share of the way.
     pub fn along(at: impl Fn(f64) -> DVec3, radius: impl Fn(f64) -> f64, pieces: usize) -> Self {
         let share = |i: usize| i as f64 / pieces as f64;

@@ -228,7 +228,7 @@ impl Evaluator for MeshEvaluator<'_> {
             let position = points.position(i);
             let (nearest, inside) = self.located(position);
             let foot = self.mesh.foot_of(position, &nearest, inside);
-            set(out, i, foot.distance, foot.gradient);
+            out.set(i, (foot.distance, foot.gradient));
         }
     }
 
@@ -240,17 +240,10 @@ impl Evaluator for MeshEvaluator<'_> {
         match self.planes().get(branch).copied() {
             Some(plane) => {
                 for i in 0..points.len {
-                    set(out, i, plane.offset - plane.normal.dot(points.position(i)), -plane.normal);
+                    out.set(i, (plane.offset - plane.normal.dot(points.position(i)), -plane.normal));
                 }
             }
             None => self.gradients(points, out),
         }
     }
-}
-
-fn set(out: &mut Gradients, i: usize, value: f64, gradient: DVec3) {
-    out.value[i] = value as f32;
-    out.dx[i] = gradient.x as f32;
-    out.dy[i] = gradient.y as f32;
-    out.dz[i] = gradient.z as f32;
 }

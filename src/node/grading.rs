@@ -74,15 +74,18 @@ impl Grading<'_> {
             self.has_no_lattice(build, key)?;
             Darts { around, solid: self.solid.as_ref(), sizes, by: self.by.as_ref(), seed }.thrown()
         };
-        made.map_err(|error| self.failed(build, key, error))
+        made.map_err(|error| self.failed(build, key, size, error))
     }
 
     /// Why there are no cells of a size, or nothing is known of them.
-    pub fn failed(&self, build: &dyn Build, key: &str, error: DartError) -> Problem {
+    pub fn failed(&self, build: &dyn Build, key: &str, Ends(sizes): Ends, error: DartError) -> Problem {
         match error {
             DartError::TooMany => {
                 let DVec3 { x, y, z } = self.around.size();
-                let problem = format!("`{key}` has too many cells to place them in a box of {x:.4} x {y:.4} x {z:.4}");
+                let (smallest, largest) = (sizes[0].min(sizes[1]), sizes[0].max(sizes[1]));
+                let problem = format!(
+                    "`{key}` has too many cells to place them: of {smallest} to {largest} in a box of {x:.4} x {y:.4} x {z:.4}"
+                );
                 build.wrong(key, problem).help("larger cells, or fewer places where they are small")
             }
             DartError::NoNumber(DVec3 { x, y, z }) => {

@@ -14,8 +14,7 @@ use super::{Measured, Method, Request};
 use crate::distance::nearest::{FieldFeet, Watch};
 use crate::distance::octree::{BuildError, DistanceObject, Settings};
 use crate::field::{Aabb, BATCH, Field, Points};
-use crate::grid::measure::local_of;
-use crate::grid::{BLOCK_EDGE, BLOCK_VOXELS, Band, Lattice, is_active};
+use crate::grid::{BLOCK_EDGE, Band, mask};
 
 /// The octree of a band: a cell and its corners, of which there are a few for each voxel that the surface passes through.
 const BYTES_A_NODE: usize = 16;
@@ -56,27 +55,15 @@ impl Method for Adf {
         distances.par_iter_mut().zip(origins).zip(active).for_each_init(
             || (object.evaluator(), Box::new([0.0; BATCH])),
             |(evaluator, values), ((distances, origin), active)| {
-                let places: Vec<usize> = (0..BLOCK_VOXELS).filter(|&place| is_active(active, place)).collect();
-                for places in places.chunks(BATCH) {
-                    let points = points_of(&lattice, *origin, places);
-                    evaluator.values(&points, values);
-                    for (&place, value) in places.iter().zip(values.iter()) {
-                        let own = distances[place];
-                        let magnitude = if own.is_sign_negative() { -value } else { *value };
-                        // 0 has no side.
-                        distances[place] = magnitude.clamp(f32::MIN_POSITIVE, most).copysign(own);
-                    }
+                evaluator.values(&Points::of_block(*origin, &lattice), values);
+                for place in mask::places(active) {
+                    let own = distances[place];
+                    let magnitude = if own.is_sign_negative() { -values[place] } else { values[place] };
+                    // 0 has no side.
+                    distances[place] = magnitude.clamp(f32::MIN_POSITIVE, most).copysign(own);
                 }
             },
         );
         Ok(())
     }
-}
-
-/// The centres of some voxels of a block.
-fn points_of(lattice: &Lattice, origin: glam::IVec3, places: &[usize]) -> Points {
-    let first = lattice.centre(origin);
-    let mut points = Points::new(first);
-    places.iter().for_each(|&place| points.push((lattice.centre(origin + local_of(place)) - first).as_vec3()));
-    points
 }

@@ -34,7 +34,7 @@ pub const NODE: Spec = Spec {
         let cells = grading.cells(build, "open_foam", size)?;
         let edges = edges_of(cells.into_iter().map(|cell| cell.at).collect(), FAR * size.0[0].max(size.0[1]));
         let ends = shares_at(grading.by.as_ref(), edges.as_flattened());
-        let ends = ends.map_err(|error| grading.failed(build, "open_foam", error))?;
+        let ends = ends.map_err(|error| grading.failed(build, "open_foam", size, error))?;
         let strut =
             |([from, to], ends): (&[DVec3; 2], &[f64; 2])| Strut::new(*from, *to, ends.map(|share| radius.at(share)));
         let struts: Vec<Strut> = edges.iter().zip(ends.as_chunks().0).map(strut).collect();
