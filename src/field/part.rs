@@ -10,6 +10,9 @@ pub(super) const WITHIN: f64 = 0.45;
 /// A value and its gradient.
 pub type Sample = (f64, DVec3);
 
+/// Positions that are asked for at once.
+pub const LANES: usize = 8;
+
 /// Parts that make a solid, or whose union is the boundary of one.
 pub trait Parts: Send + Sync {
     /// How many there are, at least one.
@@ -18,6 +21,24 @@ pub trait Parts: Send + Sync {
     /// The value of a part and its gradient, slope 1 at most: of a solid its signed distance, positive inside; of a piece
     /// of a boundary minus the distance to it.
     fn part(&self, index: usize, position: DVec3) -> Sample;
+
+    /// The greatest value of some parts at each position, and which has it, the first where several have: those of
+    /// [`Self::part`], bit for bit. Where none has a number it is −∞ of [`u32::MAX`].
+    fn best(&self, among: &[u32], at: &[DVec3; LANES]) -> [(f64, u32); LANES] {
+        at.map(|at| {
+            let mut best = (f64::NEG_INFINITY, u32::MAX);
+            for index in among {
+                let value = self.part(*index as usize, at).0;
+                best = if value > best.0 { (value, *index) } else { best };
+            }
+            best
+        })
+    }
+
+    /// More parts of a region than this are more work at each point than a look for those of the point.
+    fn most_listed(&self) -> usize {
+        6
+    }
 
     /// Whether a position is inside, where parts are pieces of a boundary.
     fn inside(&self, _position: DVec3) -> Option<bool> {

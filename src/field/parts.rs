@@ -10,12 +10,9 @@ use std::sync::Arc;
 use glam::DVec3;
 
 use super::candidates::Candidates;
-use super::part::{Parts, Sample, WITHIN};
+use super::part::{LANES, Parts, Sample, WITHIN};
 use super::part_tree::PartTree;
 use super::{Aabb, BATCH, Evaluator, Field, Gradients, Hint, Hints, Interval, Points, Slope};
-
-/// More parts of a region than this are more work at each point than a look into the tree.
-const MOST_LISTED: usize = 6;
 
 /// More parts than this are found by a tree of boxes, where they have any.
 const MANY: usize = 64;
@@ -158,7 +155,7 @@ impl<P: Parts> JoinedEvaluator<'_, P> {
                     return joined.signed(best, inside.or_else(|| joined.parts.inside(own)));
                 }
                 // Of many the cubes know the few of the point.
-                let cubes = joined.candidates.as_ref().filter(|_| few.len() > MOST_LISTED);
+                let cubes = joined.candidates.as_ref().filter(|_| few.len() > joined.parts.most_listed());
                 (own, cubes.map_or(&few[..], |cubes| cubes.at(own)), *inside)
             }
             // In a region where no single cube repeats each point has parts of its own.
@@ -172,6 +169,30 @@ impl<P: Parts> JoinedEvaluator<'_, P> {
             }
         };
         joined.signed(joined.best(few, own), inside.or_else(|| joined.parts.inside(own)))
+    }
+
+    /// The region whose parts are listed, and what is taken from positions in it.
+    fn listed(&self) -> Option<(&Region, DVec3)> {
+        let region = self.regions.last().filter(|region| region.is_whole)?;
+        let has_cubes = self.joined.candidates.is_some();
+        let is_short = !has_cubes || region.few.len() <= self.joined.parts.most_listed();
+        region.shift.filter(|_| is_short).map(|shift| (region, shift))
+    }
+
+    /// Tells each point of a batch, as the parts see it, its greatest value and which part has it.
+    fn at_once(&self, points: &Points, region: &Region, shift: DVec3, mut each: impl FnMut(usize, DVec3, (f64, u32))) {
+        for first in (0..points.len).step_by(LANES) {
+            let last = points.len - 1;
+            let own = std::array::from_fn(|lane| self.flat(points.position((first + lane).min(last)) - shift));
+            let best = self.joined.parts.best(&region.few, &own);
+            for lane in 0..LANES.min(points.len - first) {
+                each(first + lane, own[lane], best[lane]);
+            }
+        }
+    }
+
+    fn side(&self, region: &Region, own: DVec3, sample: Sample) -> Sample {
+        self.joined.signed(sample, region.inside.or_else(|| self.joined.parts.inside(own)))
     }
 
     fn flat(&self, position: DVec3) -> DVec3 {
@@ -270,15 +291,29 @@ impl<P: Parts> Evaluator for JoinedEvaluator<'_, P> {
     }
 
     fn values(&mut self, points: &Points, out: &mut [f32; BATCH]) {
-        for (i, value) in out.iter_mut().enumerate().take(points.len) {
-            *value = self.sample(points.position(i)).0 as f32;
-        }
+        let Some((region, shift)) = self.listed() else {
+            for (i, value) in out.iter_mut().enumerate().take(points.len) {
+                *value = self.sample(points.position(i)).0 as f32;
+            }
+            return;
+        };
+        self.at_once(points, region, shift, |i, own, (value, _)| {
+            out[i] = self.side(region, own, (value, DVec3::ZERO)).0 as f32;
+        });
     }
 
     fn gradients(&mut self, points: &Points, out: &mut Gradients) {
-        for i in 0..points.len {
-            out.set(i, self.sample(points.position(i)));
-        }
+        let Some((region, shift)) = self.listed() else {
+            for i in 0..points.len {
+                out.set(i, self.sample(points.position(i)));
+            }
+            return;
+        };
+        self.at_once(points, region, shift, |i, own, (value, part)| {
+            let has_none = part == u32::MAX;
+            let sample = if has_none { (value, DVec3::ZERO) } else { self.joined.parts.part(part as usize, own) };
+            out.set(i, self.side(region, own, sample));
+        });
     }
 
     fn branches(&self) -> usize {

@@ -4,8 +4,9 @@
 //! what these balls give, which is concave in t: its one maximum, held to 0 … 1, is in closed form.
 
 use glam::DVec3;
+use multiversion::multiversion;
 
-use super::part::{Parts, Sample};
+use super::part::{LANES, Parts, Sample};
 use super::{Aabb, Slope};
 
 /// All near a line.
@@ -41,9 +42,11 @@ impl Strut {
     /// The signed distance, positive inside, and its gradient.
     pub(super) fn at(&self, position: DVec3) -> Sample {
         let way = position - self.from;
-        let along = way.dot(self.along);
-        let across = (way - self.along * along).length();
-        let place = (along - across * self.tangent).clamp(0.0, self.length);
+        let mut along = way.dot(self.along);
+        if self.tangent != 0.0 {
+            along -= (way - self.along * along).length() * self.tangent;
+        }
+        let place = along.clamp(0.0, self.length);
         let share = if self.length > 0.0 { place / self.length } else { 0.0 };
         let radius = self.radii[0] + (self.radii[1] - self.radii[0]) * share;
         let from_axis = way - self.along * place;
@@ -136,6 +139,18 @@ impl Parts for Struts {
         self.all[index].at(position)
     }
 
+    fn best(&self, among: &[u32], at: &[DVec3; LANES]) -> [(f64, u32); LANES] {
+        let (mut values, mut chosen) = ([f64::NEG_INFINITY; LANES], [u32::MAX; LANES]);
+        let at = [at.map(|at| at.x), at.map(|at| at.y), at.map(|at| at.z)];
+        best_of(&self.all, among, &at, &mut values, &mut chosen);
+        std::array::from_fn(|lane| (values[lane], chosen[lane]))
+    }
+
+    /// Eight positions take as long as one and a half.
+    fn most_listed(&self) -> usize {
+        24
+    }
+
     fn core(&self, index: usize) -> Option<(Aabb, f64)> {
         Some(self.all[index].core())
     }
@@ -159,6 +174,37 @@ impl Parts for Struts {
 
     fn period(&self) -> Option<f64> {
         self.period
+    }
+}
+
+/// [`Strut::at`] without the gradients, operation by operation.
+#[multiversion(targets = "simd")]
+fn best_of(
+    all: &[Strut],
+    among: &[u32],
+    [x, y, z]: &[[f64; LANES]; 3],
+    values: &mut [f64; LANES],
+    chosen: &mut [u32; LANES],
+) {
+    for index in among {
+        let Strut { from, along: axis, length, radii, tangent } = all[*index as usize];
+        let mut found = [0.0; LANES];
+        if tangent == 0.0 {
+            for i in 0..LANES {
+                let way = [x[i] - from.x, y[i] - from.y, z[i] - from.z];
+                let along = way[0] * axis.x + way[1] * axis.y + way[2] * axis.z;
+                let place = along.max(0.0).min(length);
+                let off = [way[0] - axis.x * place, way[1] - axis.y * place, way[2] - axis.z * place];
+                found[i] = radii[0] - (off[0] * off[0] + off[1] * off[1] + off[2] * off[2]).sqrt();
+            }
+        } else {
+            found = std::array::from_fn(|i| all[*index as usize].at(DVec3::new(x[i], y[i], z[i])).0);
+        }
+        for i in 0..LANES {
+            let is_better = found[i] > values[i];
+            values[i] = if is_better { found[i] } else { values[i] };
+            chosen[i] = if is_better { *index } else { chosen[i] };
+        }
     }
 }
 
