@@ -62,11 +62,20 @@ impl Quality {
         }
     }
 
-    /// Directions that a lit pixel looks into for the sky; the first of them is one for the key.
+    /// Directions that a lit pixel looks into for the sky; the key has half as many.
     fn draws(self) -> usize {
         match self {
             Self::Draft => 1,
             Self::Final => 2,
+        }
+    }
+
+    /// A pixel's mean unit normal is longer than this where its samples lie on one patch: they differ by some 5° (draft: 12°)
+    /// at most.
+    fn smoothness(self) -> f32 {
+        match self {
+            Self::Draft => 0.985,
+            Self::Final => 0.9975,
         }
     }
 
@@ -232,22 +241,23 @@ struct Object {
     /// Its own colour.
     colour: [f32; 3],
     normal: Vec3,
-    /// Along the rays, in voxels.
-    depth: f32,
     /// The least depth along the camera's axis, world units.
     nearest: f32,
     /// Where the first of the samples lies (index position).
     first: DVec3,
+    /// The unit normal there. At an edge the mean of several belongs to no surface.
+    first_normal: Vec3,
+    /// The way there along its ray, in voxels.
+    first_depth: f32,
     /// What that one sees of the lights, where it was looked for.
     seen: Option<Seen>,
 }
 
 impl Object {
-    /// Whether all samples of a pixel, so many with these colours, lie on one smooth patch of one colour: more would
-    /// tell nothing new. Beside the object they might: a crumb is small.
-    fn is_all_of(&self, samples: u8, colours: &[[f32; 3]]) -> bool {
-        // The sum of unit normals that differ by 5° or less is longer than this.
-        let smooth = self.normal.length() > 0.9975 * self.samples;
+    /// Whether all samples of a pixel, so many with these colours, lie on one patch of one colour, as smooth as told: more
+    /// would tell nothing new. Beside the object they might: a crumb is small.
+    fn is_all_of(&self, samples: u8, colours: &[[f32; 3]], smoothness: f32) -> bool {
+        let smooth = self.normal.length() > smoothness * self.samples;
         self.samples == f32::from(samples) && smooth && colours.iter().all(|colour| alike(*colour, colours[0]))
     }
 
@@ -266,9 +276,10 @@ impl Object {
             shade: both.shade.scaled(0.5),
             colour: both.colour.map(|sum| 0.5 * sum),
             normal: both.normal.normalize_or_zero(),
-            depth: 0.5 * both.depth,
             nearest: 0.5 * (self.nearest + other.nearest),
             first: 0.5 * (self.first + other.first),
+            first_normal: (self.first_normal + other.first_normal).normalize_or_zero(),
+            first_depth: 0.5 * (self.first_depth + other.first_depth),
             seen: None,
         }
     }
@@ -280,7 +291,6 @@ impl Object {
             *sum += value;
         }
         self.normal += sample.normal;
-        self.depth += sample.depth;
         self.nearest = self.nearest.min(sample.nearest);
     }
 }
@@ -363,7 +373,7 @@ impl<'a> Painter<'a> {
             rows.par_iter_mut().enumerate().step_by(step).for_each(|(row, line)| {
                 for column in (0..self.width).step_by(step) {
                     if let Some(object) = line.objects.get_mut(line.pixels[column].object as usize) {
-                        object.seen = Some(self.seen(object, column / step, row / step));
+                        object.seen = Some(self.seen(object, self.draws_of(column / step, row / step)));
                     }
                 }
             });
@@ -461,11 +471,12 @@ impl<'a> Painter<'a> {
     fn sample(&self, line: &mut Row, column: usize, row: usize, order: Range<usize>) {
         const ENOUGH: usize = 5;
         let may_show = self.screen.may_show(column, row);
-        let mut colours = [[0.0; 3]; ENOUGH];
-        for place in order.clone() {
-            if order.start == 0 && place == ENOUGH {
-                let samples = line.pixels[column].samples;
-                if !may_show || line.object(column).is_some_and(|object| object.is_all_of(samples, &colours)) {
+        let mut colours = [line.object(column).map_or([0.0; 3], |object| object.colour); ENOUGH];
+        for place in order {
+            if place == ENOUGH {
+                let (samples, smoothness) = (line.pixels[column].samples, self.scene.look.quality.smoothness());
+                let is_all_of = |object: &Object| object.is_all_of(samples, &colours, smoothness);
+                if !may_show || line.object(column).is_some_and(is_all_of) {
                     break;
                 }
             }
@@ -506,19 +517,24 @@ impl<'a> Painter<'a> {
             shade,
             colour: albedo,
             normal: normal.as_vec3(),
-            depth: t as f32,
             nearest: (t * self.volume.voxel_size() * ray.direction.dot(camera.forward)) as f32,
             first: position,
+            first_normal: normal.as_vec3(),
+            first_depth: t as f32,
             seen: None,
         })
     }
 
-    /// What a point of the surface sees, in the directions of a place in the window.
-    fn seen(&self, object: &Object, column: usize, row: usize) -> Seen {
+    /// The draws of a place in the window.
+    fn draws_of(&self, column: usize, row: usize) -> &[DVec2] {
         let count = self.scene.look.quality.draws();
         let phase = row % WINDOW * WINDOW + column % WINDOW;
-        let draws = &self.draws[phase * count..][..count];
-        let [sky, key] = self.studio.seen_from(object.first, object.normal.as_dvec3().normalize_or_zero(), draws);
+        &self.draws[phase * count..][..count]
+    }
+
+    /// What a pixel's first sample sees, in the directions of these draws.
+    fn seen(&self, object: &Object, draws: &[DVec2]) -> Seen {
+        let [sky, key] = self.studio.seen_from(object.first, object.first_normal.as_dvec3(), draws);
         Seen { sky, key }
     }
 
@@ -566,8 +582,7 @@ impl<'a> Painter<'a> {
     /// What a pixel sees of sky and key: means over the lit pixels around it that lie on the same piece of surface.
     fn smoothed(&self, rows: &[Row], object: &Object, column: usize, row: usize) -> Seen {
         let step = self.scene.look.quality.lit_step();
-        let normal = object.normal.normalize_or_zero();
-        let depth = object.depth / object.samples;
+        let (normal, depth) = (object.first_normal, object.first_depth);
         // Across a window, a surface seen at a slant recedes by some pixels' width; more is another surface.
         let pixel_width = 2.0 * self.scene.camera.half_extent.y as f32 * depth / self.height as f32;
         let near = 8.0 * pixel_width * step as f32;
@@ -580,8 +595,7 @@ impl<'a> Painter<'a> {
             for place in window(column, self.width) {
                 let Some(other) = rows[line].object(place) else { continue };
                 let Some(seen) = other.seen else { continue };
-                let apart = (other.depth / other.samples - depth).abs();
-                if apart < near && other.normal.dot(normal) > 0.8 * other.samples {
+                if (other.first_depth - depth).abs() < near && other.first_normal.dot(normal) > 0.8 {
                     sum.sky += seen.sky;
                     sum.key += seen.key;
                     weight += 1.0;
@@ -589,7 +603,8 @@ impl<'a> Painter<'a> {
             }
         }
         match weight {
-            0.0 => self.seen(object, column, row),
+            // Alone with its surface, it looks in all directions.
+            0.0 => self.seen(object, &self.draws),
             _ => Seen { sky: sum.sky / weight, key: sum.key / weight },
         }
     }

@@ -90,10 +90,10 @@ impl<'a> Studio<'a> {
     }
 
     /// The parts of sky and key that a point of the object (index position) sees. `draws` are places in the unit square
-    /// that choose the directions looked into, the first of them for the key; more of them give less noise.
+    /// that choose the directions looked into, the first half of them for the key; more of them give less noise.
     pub(super) fn seen_from(&self, position: DVec3, normal: DVec3, draws: &[DVec2]) -> [f32; 2] {
         let from = position + normal * LIFT;
-        let key = if normal.dot(self.key) > 0.0 { self.key_seen(from, &draws[..draws.len().min(1)]) } else { 0.0 };
+        let key = if normal.dot(self.key) > 0.0 { self.key_seen(from, &draws[..draws.len().div_ceil(2)]) } else { 0.0 };
         [self.sky_seen(from, normal, draws), key]
     }
 
