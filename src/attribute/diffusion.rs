@@ -1,4 +1,4 @@
-//! Diffusion distances inside a solid (HFRep, section 4.2: interior distance functions; Rustamov, Lipman and Funkhouser,
+//! Diffusion distances inside a solid or a shape of the plane (HFRep, section 4.2: interior distance functions; Rustamov, Lipman and Funkhouser,
 //! Interior distance using barycentric coordinates, 2009).
 //!
 //! Heat that starts at two places of the boundary spreads alike where many short ways along it join them. Each vertex of
@@ -11,6 +11,7 @@
 //! has on a lattice of some thousand cells; walls thinner than a cell may join there.
 
 mod mean_value;
+mod planar;
 mod spectrum;
 mod surface;
 
@@ -20,8 +21,9 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use glam::{DVec3, IVec3};
 use rayon::prelude::*;
 
+use self::planar::Outline;
 use self::spectrum::Spectrum;
-use self::surface::Grid;
+use self::surface::{Grid, Surface};
 use super::positional::{Positional, PositionalSampler};
 use super::{Attribute, Sampler};
 use crate::field::{Aabb, Field, Interval};
@@ -58,9 +60,9 @@ impl std::error::Error for DiffusionError {}
 
 /// What diffusion distances are found for.
 pub struct Spreading<'a> {
-    /// The solid.
+    /// The solid, or the shape of the plane.
     pub solid: &'a dyn Field,
-    /// Its box.
+    /// Its box, [`Aabb::without_z`] of a shape of the plane.
     pub aabb: Aabb,
     /// Where it starts; of several, the least distance counts.
     pub sources: &'a [DVec3],
@@ -96,41 +98,28 @@ impl Diffusion {
         }
         let stopped = || if cancel.load(Ordering::Relaxed) { Err(DiffusionError::Cancelled) } else { Ok(()) };
         stopped()?;
-        let grid = Grid::fitting(*solid, *aabb);
-        let surface = grid.surface(*solid);
-        if let Some(pieces) = surface.two_pieces() {
-            return Err(DiffusionError::Pieces(pieces));
-        }
-        let wrong = |problem: String| DiffusionError::Surface(problem);
-        let mesh = TriangleMesh::new(surface.positions.clone(), surface.triangles.clone(), None)
-            .map_err(|problem| wrong(problem.to_string()))?;
-        let closest = MeshDistance::new(mesh, Holes::Parity).map_err(|problem| wrong(problem.to_string()))?;
+        // What knows no z has no end along it.
+        let is_flat = *aabb == aabb.without_z();
+        let (grid, boundary): (Grid, Box<dyn Boundary>) = if is_flat {
+            let grid = planar::fitting(*solid, *aabb);
+            let outline = Outline::new(&grid, *solid, *time)?;
+            (grid, Box::new(outline))
+        } else {
+            let grid = Grid::fitting(*solid, *aabb);
+            let shell = Shell::new(grid.surface(*solid), *time, cancel)?;
+            (grid, Box::new(shell))
+        };
         stopped()?;
-        let spectrum = Spectrum::new(&surface, *time, cancel).ok_or(DiffusionError::Cancelled)?;
-        // By the mesh that is asked, whose vertices may be in another order.
-        let positions = closest.mesh().positions();
-        let order = surface.order_of(positions).ok_or_else(|| wrong("its triangles cross one another".into()))?;
-        let numbers: Vec<&[f64]> = order.iter().map(|vertex| spectrum.of_vertex(*vertex as usize)).collect();
-        let triangles = closest.mesh().triangles();
-        let count = spectrum.modes();
         let of_place = |position: DVec3, is_inside: bool, weights: &mut Vec<f64>, out: &mut Vec<f64>| {
-            let foot = closest.nearest(position);
-            out.clear();
-            if !is_inside || foot.distance_squared.sqrt() < AT_BOUNDARY * grid.step {
-                let [a, b, c] = triangles[foot.triangle as usize].map(|vertex| numbers[vertex as usize]);
-                let [second, third] = foot.weights;
-                out.extend((0..count).map(|k| (1.0 - second - third) * a[k] + second * b[k] + third * c[k]));
-                return;
-            }
-            mean_value::weights(position, positions, triangles, weights);
-            out.resize(count, 0.0);
-            for (weight, numbers) in weights.iter().zip(&numbers) {
-                out.iter_mut().zip(*numbers).for_each(|(sum, number)| *sum += weight * number);
+            let far = boundary.closest(position, out);
+            if is_inside && far >= AT_BOUNDARY * grid.step {
+                boundary.mixed(position, weights, out);
             }
         };
         let start = |source: &DVec3| {
+            let source = if is_flat { source.with_z(0.0) } else { *source };
             let mut start = Vec::new();
-            of_place(*source, true, &mut Vec::new(), &mut start);
+            of_place(source, true, &mut Vec::new(), &mut start);
             start
         };
         let starts: Vec<Vec<f64>> = sources.iter().map(start).collect();
@@ -138,7 +127,7 @@ impl Diffusion {
             let to = |start: &Vec<f64>| start.iter().zip(numbers).map(|(a, b)| (a - b) * (a - b)).sum::<f64>();
             starts.iter().map(to).fold(f64::INFINITY, f64::min)
         };
-        let greatest = numbers.iter().map(|numbers| square(numbers)).fold(f64::MIN_POSITIVE, f64::max);
+        let greatest = boundary.numbers().map(square).fold(f64::MIN_POSITIVE, f64::max);
         let of_node = |(weights, out): &mut (Vec<f64>, Vec<f64>), node: usize| {
             if cancel.load(Ordering::Relaxed) {
                 return 0.0;
@@ -154,6 +143,73 @@ impl Diffusion {
     }
 }
 
+/// A boundary, each vertex with its numbers φₖ·exp(−λₖt).
+trait Boundary: Sync {
+    /// Those of each vertex.
+    fn numbers(&self) -> Box<dyn Iterator<Item = &[f64]> + '_>;
+
+    /// Those of the closest point, and how far that is.
+    fn closest(&self, position: DVec3, out: &mut Vec<f64>) -> f64;
+
+    /// Those of a position inside, mixed by mean-value coordinates.
+    fn mixed(&self, position: DVec3, weights: &mut Vec<f64>, out: &mut Vec<f64>);
+}
+
+/// The boundary of a solid.
+struct Shell {
+    closest: MeshDistance,
+    spectrum: Spectrum,
+    /// For each of the mesh's vertices, its place in the spectrum.
+    order: Vec<u32>,
+}
+
+impl Shell {
+    fn new(surface: Surface, time: f64, cancel: &AtomicBool) -> Result<Self, DiffusionError> {
+        if let Some(pieces) = surface.two_pieces() {
+            return Err(DiffusionError::Pieces(pieces));
+        }
+        let wrong = |problem: String| DiffusionError::Surface(problem);
+        let mesh = TriangleMesh::new(surface.positions.clone(), surface.triangles.clone(), None)
+            .map_err(|problem| wrong(problem.to_string()))?;
+        let closest = MeshDistance::new(mesh, Holes::Parity).map_err(|problem| wrong(problem.to_string()))?;
+        let spectrum = Spectrum::new(&surface, time, cancel).ok_or(DiffusionError::Cancelled)?;
+        // By the mesh that is asked, whose vertices may be in another order.
+        let order = surface
+            .order_of(closest.mesh().positions())
+            .ok_or_else(|| wrong("its triangles cross one another".into()))?;
+        Ok(Self { closest, spectrum, order })
+    }
+
+    fn of_vertex(&self, vertex: u32) -> &[f64] {
+        self.spectrum.of_vertex(self.order[vertex as usize] as usize)
+    }
+}
+
+impl Boundary for Shell {
+    fn numbers(&self) -> Box<dyn Iterator<Item = &[f64]> + '_> {
+        Box::new((0..self.order.len() as u32).map(|vertex| self.of_vertex(vertex)))
+    }
+
+    fn closest(&self, position: DVec3, out: &mut Vec<f64>) -> f64 {
+        let foot = self.closest.nearest(position);
+        let corners = self.closest.mesh().triangles()[foot.triangle as usize];
+        let ([a, b, c], [second, third]) = (corners.map(|vertex| self.of_vertex(vertex)), foot.weights);
+        out.clear();
+        out.extend((0..self.spectrum.modes()).map(|k| (1.0 - second - third) * a[k] + second * b[k] + third * c[k]));
+        foot.distance_squared.sqrt()
+    }
+
+    fn mixed(&self, position: DVec3, weights: &mut Vec<f64>, out: &mut Vec<f64>) {
+        let mesh = self.closest.mesh();
+        mean_value::weights(position, mesh.positions(), mesh.triangles(), weights);
+        out.clear();
+        out.resize(self.spectrum.modes(), 0.0);
+        for (vertex, weight) in (0..).zip(&*weights) {
+            out.iter_mut().zip(self.of_vertex(vertex)).for_each(|(sum, number)| *sum += weight * number);
+        }
+    }
+}
+
 impl Positional for Diffusion {
     /// The distance at a position: the square is cubic between nodes (Catmull and Rom), so the distance has no creases.
     fn at(&self, position: DVec3) -> f32 {
@@ -162,7 +218,7 @@ impl Positional for Diffusion {
             return f32::NAN;
         }
         let place = place.clamp(DVec3::ZERO, (self.size - 1).as_dvec3());
-        let least = place.floor().as_ivec3().clamp(IVec3::ZERO, self.size - 2);
+        let least = place.floor().as_ivec3().min(self.size - 2).max(IVec3::ZERO);
         let share = place - least.as_dvec3();
         let weights = [catmull_rom(share.x), catmull_rom(share.y), catmull_rom(share.z)];
         let node = |x: i32, y: i32, z: i32| {

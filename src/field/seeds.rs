@@ -51,9 +51,10 @@ impl Seeds {
         let (cube, square) = (at.floor().as_i64vec3(), way.length_squared());
         let from_own = square.sqrt();
         let mut best = (f64::INFINITY, DVec3::ZERO);
+        let to_side = to_side(at);
         for ring in 0..=WALL_AROUND {
             // The plane to a point is at least half of how much farther that is.
-            if (ring - 1) as f64 > from_own + 2.0 * best.0 {
+            if self.least_of(ring, to_side) > from_own + 2.0 * best.0 {
                 break;
             }
             cells_around(ring, |by| {
@@ -80,7 +81,12 @@ impl Seeds {
     fn nearest(&self, position: DVec3) -> Option<(I64Vec3, DVec3)> {
         let (at, cube) = (position / self.edge, self.cube(position)?);
         let mut nearest = (f64::INFINITY, cube, DVec3::ZERO);
+        let to_side = to_side(at);
         for ring in 0..=NEAREST_AROUND {
+            let least = self.least_of(ring, to_side);
+            if least > 0.0 && least * least >= nearest.0 {
+                break;
+            }
             cells_around(ring, |by| {
                 let other = cube + by;
                 if self.least_square(other, at) >= nearest.0 {
@@ -107,11 +113,22 @@ impl Seeds {
         cube.as_dvec3() + 0.5 + (shares(of_cell(cube, self.seed)) - 0.5) * self.jitter
     }
 
+    /// No point of a ring of cubes is nearer to a position that is `to_side` away from its cube's nearest side.
+    fn least_of(&self, ring: i64, to_side: f64) -> f64 {
+        (ring - 1) as f64 + to_side + 0.5 * (1.0 - self.jitter)
+    }
+
     /// The point of a cube is no nearer.
     fn least_square(&self, cube: I64Vec3, at: DVec3) -> f64 {
         let apart = (at - (cube.as_dvec3() + 0.5)).abs() - 0.5 * self.jitter;
         apart.max(DVec3::ZERO).length_squared()
     }
+}
+
+/// How far a position is from the nearest side of its cube, in edges.
+fn to_side(at: DVec3) -> f64 {
+    let within = at - at.floor();
+    within.min(1.0 - within).min_element()
 }
 
 #[cfg(test)]

@@ -273,10 +273,25 @@ fn what_is_done_to_a_shape_of_the_plane_along_z_is_told() {
         ("elongate = [0, 0.1, 0.2]", "elongate"),
         ("array = [2, 1, 3]", "array"),
         ("places = [[0, 0, 1], [1, 0, 0]]", "places"),
+        ("scale = [1, 2, 3]", "scale"),
+        ("do = [{ scale = [1, 1, 3] }]", "scale"),
+        ("mirror = \"z\"", "mirror"),
+        ("mirror = [0, 0, -1]", "mirror"),
     ] {
         assert!(said(done).contains(&format!("`{key}` along z does nothing to `b`")), "{done}: {}", said(done));
     }
-    for done in ["move = [0, 1, 0]", "elongate = 0.2", "elongate = [0.1, 0, 0]", "array = 2", "array = [2, 3, 1]"] {
+    for done in [
+        "move = [0, 1, 0]",
+        "elongate = 0.2",
+        "elongate = [0.1, 0, 0]",
+        "array = 2",
+        "array = [2, 3, 1]",
+        "scale = 2",
+        "scale = [2, 3, 1]",
+        "do = [{ scale = 3 }]",
+        "mirror = \"x\"",
+        "mirror = [1, 0, 1]",
+    ] {
         assert!(!said(done).contains("along z"), "{done}: {}", said(done));
     }
 }

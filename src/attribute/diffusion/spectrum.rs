@@ -9,7 +9,7 @@ use rayon::prelude::*;
 use super::surface::Surface;
 
 /// Modes that heat has left to this share count no more.
-const LEAST: f64 = 1e-3;
+pub(super) const LEAST: f64 = 1e-3;
 /// Vectors that are iterated at first, and at most: beyond it the highest modes are left out.
 const VECTORS: [usize; 2] = [24, 160];
 /// Vectors beyond those wanted: the last ones settle slowly.

@@ -36,13 +36,17 @@ pub struct Surface {
 impl Grid {
     /// With about as many cells that the surface crosses as vertices are wanted.
     pub fn fitting(solid: &dyn Field, aabb: Aabb) -> Self {
-        let of = |cells: f64| Self::new(solid, aabb, aabb.size().max_element() / cells);
+        let of = |cells: f64| Self::new(solid, aabb, aabb.size().max_element() / cells, false);
         let crossed = of(FIRST).crossed_cells().count().max(1) as f64;
         of((FIRST * (VERTICES / crossed).sqrt()).clamp(CELLS[0], CELLS[1]))
     }
 
-    fn new(solid: &dyn Field, aabb: Aabb, step: f64) -> Self {
-        let size = (aabb.size() / step + 2.0 * MARGIN).ceil().as_ivec3() + 1;
+    /// Around a box, in one layer of the plane or in space.
+    pub(super) fn new(solid: &dyn Field, aabb: Aabb, step: f64, is_flat: bool) -> Self {
+        let mut size = (aabb.size() / step + 2.0 * MARGIN).ceil().as_ivec3() + 1;
+        if is_flat {
+            size.z = 1;
+        }
         let origin = aabb.centre() - 0.5 * (size - 1).as_dvec3() * step;
         let mut grid = Self { origin, step, size, values: Vec::new() };
         let mut evaluator = solid.evaluator();
@@ -61,13 +65,13 @@ impl Grid {
         (self.size.x * self.size.y * self.size.z) as usize
     }
 
-    fn place(&self, node: usize) -> IVec3 {
+    pub(super) fn place(&self, node: usize) -> IVec3 {
         let node = node as i32;
         let across = self.size.y * self.size.z;
         IVec3::new(node / across, node / self.size.z % self.size.y, node % self.size.z)
     }
 
-    fn node(&self, place: IVec3) -> usize {
+    pub(super) fn node(&self, place: IVec3) -> usize {
         ((place.x * self.size.y + place.y) * self.size.z + place.z) as usize
     }
 

@@ -1,7 +1,10 @@
+use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
 
+use glam::DVec2;
+
 use super::*;
-use crate::field::{Expression, Graph, Node, SetSystem};
+use crate::field::{Expression, Graph, Joined, Node, Procedure, SetSystem, Slope};
 
 fn field(make: impl FnOnce(&mut Graph) -> Node) -> Arc<dyn Field> {
     let mut graph = Graph::new();
@@ -86,6 +89,77 @@ fn a_neck_parts_two_balls() {
     assert!(found.at(DVec3::X * 1.8) > 0.8);
     // Outside as at the closest point.
     assert!((found.at(DVec3::X * 9.0) - found.at(DVec3::X * 1.8)).abs() < 0.03);
+}
+
+/// A disc, a box of the plane, or what is in one of some.
+fn plane(shape: impl Fn(DVec3) -> f64 + Send + Sync + 'static, half: f64) -> Arc<dyn Field> {
+    let at = move |p: DVec3| (shape(p), DVec3::ZERO);
+    let bounds = Aabb::new(DVec3::splat(-half), DVec3::splat(half)).without_z();
+    Joined::shared(Procedure { at, bounds: Some(bounds), slope: Slope::Unknown, is_flat: true })
+}
+
+/// Σₖ exp(−2k²·t)·(2 − 2·cos kα), the square between two places of a closed curve that are α of it apart.
+fn around(angle: f64, time: f64) -> f64 {
+    (1..30).map(|k| f64::from(k)).map(|k| libm::exp(-2.0 * k * k * time) * (2.0 - 2.0 * libm::cos(k * angle))).sum()
+}
+
+/// On an outline it is known by the share of the way around, inside by its mean over all directions, each weighted by how near
+/// the outline is: by rays, without corners.
+#[test]
+fn on_the_plane_it_is_a_sum_of_cosines() {
+    let disc = plane(|p| 1.0 - p.truncate().length(), 1.0);
+    for time in [0.25, 1.0] {
+        let found = spread(&*disc, DVec3::new(0.999, 0.0, 7.0), time).expect("distances");
+        for degrees in [30.0_f64, 90.0, 150.0, 180.0] {
+            let (sin, cos) = libm::sincos(degrees.to_radians());
+            let is = f64::from(found.at(DVec3::new(cos, sin, -3.0)));
+            let exact = (around(degrees.to_radians(), time) / around(PI, time)).sqrt();
+            assert!((is - exact).abs() < 0.02, "{time} {degrees}: {is} {exact}");
+        }
+        for at in [DVec2::ZERO, DVec2::new(0.3, 0.4), DVec2::new(-0.6, 0.1), DVec2::new(0.1, -0.85)] {
+            let (rays, mut sum) = (4000, [0.0; 61]);
+            for i in 0..rays {
+                let (sin, cos) = libm::sincos(TAU * f64::from(i) / f64::from(rays));
+                let along = at.x * cos + at.y * sin;
+                let far = -along + (along * along + 1.0 - at.length_squared()).sqrt();
+                let angle = libm::atan2(at.y + far * sin, at.x + far * cos);
+                sum[0] += 1.0 / far;
+                for k in 1..=30 {
+                    let (sin, cos) = libm::sincos(k as f64 * angle);
+                    sum[2 * k - 1] += cos / far;
+                    sum[2 * k] += sin / far;
+                }
+            }
+            let of = |k: usize| {
+                let [cos, sin] = [sum[2 * k - 1] / sum[0] - 1.0, sum[2 * k] / sum[0]];
+                libm::exp(-2.0 * (k * k) as f64 * time) * (cos * cos + sin * sin)
+            };
+            let exact = ((1..=30).map(of).sum::<f64>() / around(PI, time)).sqrt();
+            let is = f64::from(found.at(at.extend(0.0)));
+            assert!((is - exact).abs() < 0.02, "{time} {at}: {is} {exact}");
+        }
+    }
+    let square = plane(|p| 1.0 - p.x.abs().max(p.y.abs()), 1.0);
+    let found = spread(&*square, DVec3::new(0.0, -0.999, 0.0), 0.5).expect("distances");
+    for (x, y, way) in [(1.0, -1.0, 1.0), (1.0, 0.0, 2.0), (-1.0, 0.5, 2.5), (0.0, 1.0, 4.0)] {
+        let exact = (around(TAU * way / 8.0, 0.5) / around(PI, 0.5)).sqrt();
+        let is = f64::from(found.at(DVec3::new(x, y, 0.0)));
+        assert!((is - exact).abs() < 0.02, "{x} {y}: {is} {exact}");
+    }
+}
+
+#[test]
+fn an_outline_is_one_piece() {
+    let ring = plane(|p| 0.4 - (p.truncate().length() - 0.6).abs(), 1.0);
+    let found = spread(&*ring, DVec3::X * 0.6, 0.5).err();
+    assert!(matches!(found, Some(DiffusionError::Pieces(_))), "{found:?}");
+    // Two that meet at a corner of the lattice's squares are one or two, never a curve without an end.
+    for by in 0..20 {
+        let by = 1e-3 * f64::from(by);
+        let two = plane(move |p| ((p.x + by) * (p.y - by)).min(1.0 - p.x.abs().max(p.y.abs())), 1.0);
+        let found = spread(&*two, DVec3::new(0.5, 0.5, 0.0), 0.5);
+        assert!(matches!(found, Ok(_) | Err(DiffusionError::Pieces(_))));
+    }
 }
 
 #[test]

@@ -18,7 +18,8 @@ pub const NODE: Source<1> = Source {
         Required,
         "How far heat has to spread from these places in the shape, `[[x, y, z], …]` in its own space: 0 there, about 1 at the \
          farthest place of the boundary, the least of several. Smoother than `interior`, which is in units and exact; as fine as some \
-         two thousand triangles of the boundary, which must be one piece. Places outside have that of the closest point.",
+         two thousand triangles of the boundary, which must be one piece; of a shape of the plane, along its outline, whatever z. \
+         Places outside have that of the closest point.",
     )
     .unit("units"),
     parameters: &[Key::new(

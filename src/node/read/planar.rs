@@ -161,21 +161,26 @@ impl Building<'_, '_> {
 
 /// What is done to a shape along z alone or as well, of which nothing shows in the plane.
 fn idle_along_z(shape: &Shape) -> Vec<(&'static str, Span)> {
-    let moves = |number: &Number| number.as_constant() != Some(0.0);
-    let [_, _, up] = &shape.placement.translate;
+    let differs = |number: &Number, from: f64| number.as_constant() != Some(from);
+    // One number for all three axes means those of the plane.
+    let is_one = |vector: &[Number; 3]| vector[0].span == vector[2].span;
+    let placement = &shape.placement;
+    let up = Some(&placement.translate[2]).filter(|up| differs(up, 0.0)).map(|up| ("move", up.span));
+    let tall = Some(&placement.scale[2]).filter(|tall| differs(tall, 1.0) && !is_one(&placement.scale));
     let modifiers = shape.modifiers.iter().filter_map(|modifier| {
         let key = modifier.spec.key.name;
         let is_idle = match modifier.arguments.get(key)? {
-            // One number for all three axes means those of the plane.
-            Argument::Vector(vector) if vector[0].span == vector[2].span => false,
-            Argument::Vector(vector) => matches!(key, "move" | "elongate") && moves(&vector[2]),
+            Argument::Vector(normal) if key == "mirror" => !normal[..2].iter().any(|along| differs(along, 0.0)),
+            Argument::Vector(vector) if is_one(vector) => false,
+            Argument::Vector(vector) if key == "scale" => differs(&vector[2], 1.0),
+            Argument::Vector(vector) => matches!(key, "move" | "elongate") && differs(&vector[2], 0.0),
             Argument::Counts([x, y, z]) => *z > 1 && !(x == z && y == z),
             Argument::Places(places) => places.rows.iter().any(|place| place.at.z != 0.0),
             _ => false,
         };
         is_idle.then(|| (key, modifier.arguments.span(key).unwrap_or(shape.span)))
     });
-    moves(up).then_some(("move", up.span)).into_iter().chain(modifiers).collect()
+    up.into_iter().chain(tall.map(|tall| ("scale", tall.span))).chain(modifiers).collect()
 }
 
 impl Arguments {
