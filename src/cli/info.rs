@@ -61,13 +61,15 @@ fn in_words(info: &FileInfo) -> String {
 fn grid_in_words(grid: &GridInfo) -> String {
     let mut lines = Vec::new();
     let vector_type = grid.vector_type.as_ref().map(|kind| format!(", {kind}")).unwrap_or_default();
+    let bits = match grid.value_type.as_str() {
+        _ if grid.half => ", 16-bit",
+        "double" | "vec3d" | "int64" => ", 64-bit",
+        "float" | "vec3s" | "int32" | "vec3i" => ", 32-bit",
+        _ => "",
+    };
     lines.push(format!(
-        "grid {}: {}, {}{vector_type}, {}-bit, {}",
-        grid.name,
-        grid.value_type,
-        grid.class,
-        if grid.half { 16 } else { 32 },
-        grid.compression
+        "grid {}: {}, {}{vector_type}{bits}, {}",
+        grid.name, grid.value_type, grid.class, grid.compression
     ));
     if let Some(parent) = &grid.shares_tree_of {
         lines.push(format!("shares the voxels of {parent}"));

@@ -1,18 +1,23 @@
-//! A rough distance, for what is only to be estimated: to points where F changes its sign on the edges of a coarse lattice.
-//! Misses what is thinner than a cell of it. No scene can name it.
+//! A rough distance, for what is only to be estimated: to points where F changes its sign on the edges of a coarse lattice, and
+//! where a few steps of Newton's method lead from the middles of cells that may hold what slips through. No scene can name it.
 
 use std::sync::Arc;
 
 use glam::{DVec3, IVec3};
 
+use super::closest_point::ClosestPoint as Exact;
 use super::{Measured, Method, Request};
 use crate::distance::Foot;
 use crate::distance::nearest::{ClosestPoint, PointTree, Watch};
 use crate::distance::octree::{BuildError, DistanceObject, Settings};
-use crate::field::{BATCH, Evaluator, Field, Points};
+use crate::field::{Aabb, BATCH, Evaluator, Field, Gradients, Points};
 
 /// Cells of the lattice along the longest side of the solid's box.
 pub(crate) const CELLS: f64 = 24.0;
+
+/// Steps of Newton's method, and what the last one may be, in cells.
+const STEPS: usize = 4;
+const SETTLED: f64 = 0.1;
 
 /// The method.
 pub struct Rough;
@@ -26,7 +31,12 @@ impl Method for Rough {
         let Request { field, solid, .. } = *request;
         let field = field.as_ref();
         let edge = solid.size().max_element() / CELLS;
-        let feet = RoughFeet { field, seeds: PointTree::new(crossings(request, edge)) };
+        let mut seeds = crossings(request, edge);
+        seeds.extend(slipped(request, edge));
+        if seeds.is_empty() {
+            return Exact.measure(request, watch);
+        }
+        let feet = RoughFeet { field, seeds: PointTree::new(seeds) };
         // A foot may be wrong by a cell: to follow it further would refine noise.
         let settings = Settings {
             tolerance: edge,
@@ -67,6 +77,50 @@ fn crossings(request: &Request<'_>, edge: f64) -> Vec<DVec3> {
         }
     }
     found
+}
+
+/// Points of the surface near the middles of those cells that F's bounds do not rule out.
+fn slipped(request: &Request<'_>, edge: f64) -> Vec<DVec3> {
+    let mut evaluator = request.field.evaluator();
+    let mut middles = Vec::new();
+    add_middles(&mut *evaluator, request.solid, edge, &mut middles);
+    let mut gradients = Box::<Gradients>::default();
+    let mut found = Vec::new();
+    for middles in middles.chunks(BATCH) {
+        let mut positions = middles.to_vec();
+        let mut last = vec![f64::INFINITY; positions.len()];
+        for _ in 0..STEPS {
+            evaluator.gradients(&Points::of_positions(&positions), &mut gradients);
+            for (i, (position, last)) in positions.iter_mut().zip(&mut last).enumerate() {
+                let slope = gradients.gradient(i).as_dvec3();
+                let step = -slope * (f64::from(gradients.value[i]) / slope.length_squared());
+                *last = if step.is_finite() { step.length() } else { f64::INFINITY };
+                *position += if step.is_finite() { step.clamp_length_max(edge) } else { DVec3::ZERO };
+            }
+        }
+        let is_found = |i: &usize| last[*i] <= SETTLED * edge && positions[*i].distance(middles[*i]) <= edge;
+        found.extend((0..positions.len()).filter(is_found).map(|i| positions[i]));
+    }
+    found
+}
+
+/// The middles of a box's parts, no longer than an edge, in which F may vanish.
+fn add_middles(evaluator: &mut dyn Evaluator, cell: Aabb, edge: f64, middles: &mut Vec<DVec3>) {
+    evaluator.enter(&cell);
+    let bounds = evaluator.bounds();
+    if bounds.lo <= 0.0 && bounds.hi >= 0.0 {
+        let axis = cell.size().max_position();
+        if cell.size()[axis] <= edge {
+            middles.push(cell.centre());
+        } else {
+            let (mut lower, mut upper) = (cell, cell);
+            lower.max[axis] = cell.centre()[axis];
+            upper.min[axis] = lower.max[axis];
+            add_middles(evaluator, lower, edge, middles);
+            add_middles(evaluator, upper, edge, middles);
+        }
+    }
+    evaluator.leave();
 }
 
 /// F at positions, one after the other.

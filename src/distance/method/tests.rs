@@ -9,7 +9,7 @@ use super::*;
 use crate::distance::accuracy::{compare, exact};
 use crate::distance::band;
 use crate::distance::testing::{Joined, Leaf};
-use crate::field::{BATCH, Gradients, Points};
+use crate::field::{BATCH, Gradients, Points, Strut, Struts};
 use crate::grid::{Lattice, VoxelSize};
 
 /// Each method measures what is no distance itself.
@@ -51,6 +51,26 @@ fn a_rough_distance_is_about_right() {
         let (value, truth) = (rough.reference(p), exact::torus(p, 0.7, 0.25));
         assert!((value - truth).abs() < 1.5 * cell, "{p}: {value} for {truth}");
         assert!(truth.abs() < cell || (value < 0.0) == (truth < 0.0), "{p}: {value} for {truth}");
+    }
+}
+
+/// Of a rod that slips through the lattice everywhere there is a distance too.
+#[test]
+fn what_is_thin_everywhere_has_a_rough_distance() {
+    for radius in [0.02, 0.001] {
+        let (from, to) = (DVec3::new(-1.0, -0.01, 0.02), DVec3::new(1.0, 0.03, -0.04));
+        let field = crate::field::Joined::shared(Struts::new(vec![Strut::new(from, to, [radius; 2])]));
+        let solid = field.bounding_box().expect("it ends");
+        let request = Request { field: &field, solid, detail: 0.5 * radius, settings: Settings::new(solid, radius) };
+        let watch = Watch { cancel: &AtomicBool::new(false), progress: &|_| {} };
+        let rough = Rough.measure(&request, &watch).expect("a rod").distance;
+        let found = rough.bounding_box().expect("a box");
+        assert!(found.size().is_finite() && found.size().x > 1.8, "{radius}: {found:?}");
+        for x in [-0.9, 0.0, 0.7] {
+            let p = DVec3::new(x, 0.5, -0.3);
+            let (value, truth) = (rough.reference(p), field.reference(p));
+            assert!((value - truth).abs() < 1.5 * 2.0 / rough::CELLS, "{radius} {p}: {value} for {truth}");
+        }
     }
 }
 
