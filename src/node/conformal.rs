@@ -128,11 +128,15 @@ pub(crate) fn conformal<const N: usize, M: Mix<N> + 'static>(
     mix: impl Fn([f32; N], [f32; N]) -> M,
 ) -> Result<Paint<N>, Problem> {
     let shapes = features(source)?;
-    let mut paints = Vec::with_capacity(shapes.len());
+    let mut found = Vec::with_capacity(shapes.len());
     for shape in &shapes {
-        let absent = source.absent();
-        paints.push(source.of_shape(*shape)?.unwrap_or_else(|| Paint::solid(absent)));
+        found.push(source.of_shape(*shape)?);
     }
+    if found.iter().all(Option::is_none) {
+        return Err(source.none_has(&shapes));
+    }
+    let absent = source.absent();
+    let paints: Vec<Paint<N>> = found.into_iter().map(|paint| paint.unwrap_or_else(|| Paint::solid(absent))).collect();
     let goals: Vec<_> = shapes.into_iter().map(Some).collect();
     let (body, features) = inside(source, &goals, "conformal")?;
     if let Some(value) = paints[0].solid.filter(|value| paints.iter().all(|paint| paint.solid == Some(*value))) {

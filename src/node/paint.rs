@@ -352,6 +352,17 @@ impl<const N: usize, W: Asked<N>> Sourcing<N> for Painting<'_, W> {
         self.what.absent()
     }
 
+    fn none_has(&self, shapes: &[ShapeId]) -> Problem {
+        let model = self.solids.model();
+        let names: Vec<String> = shapes.iter().map(|id| format!("`{}`", model.shape(*id).name)).collect();
+        let what = match self.what.name() {
+            "" => "a colour".into(),
+            name => format!("`attribute.{name}`"),
+        };
+        let problem = format!("`{}` takes {what} from {}, and none of them has it", self.shape.name, names.join(", "));
+        self.problem(&problem).help(format!("give {what} to one of them, or leave it out here"))
+    }
+
     fn problem(&self, message: &str) -> Problem {
         Problem::new(self.shape.span, message)
     }

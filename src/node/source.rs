@@ -133,6 +133,8 @@ pub trait Sourcing<const N: usize> {
     fn of_material(&self, which: NumberOf) -> Result<Arc<Scalar>, Problem>;
     /// What a shape has that has none, beside others that have one.
     fn absent(&self) -> [f32; N];
+    /// The problem of shapes that should have it, and none of them has.
+    fn none_has(&self, shapes: &[ShapeId]) -> Problem;
     /// A problem of the shape.
     fn problem(&self, message: &str) -> Problem;
 }
@@ -223,7 +225,7 @@ pub(crate) fn of_parts<const N: usize>(source: &mut dyn Sourcing<N>) -> Result<P
     let shapes = source.arguments().shapes("parts").cloned().unwrap_or_default();
     let seam = source.arguments().constant("seam").copied().unwrap_or(0.0);
     let paint = source.parts(&shapes, Rule::Union { seam })?;
-    Ok(paint.unwrap_or_else(|| Paint::solid(source.absent())))
+    paint.ok_or_else(|| source.none_has(&shapes))
 }
 
 /// How a volume's values go on outside.

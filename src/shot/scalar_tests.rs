@@ -246,3 +246,19 @@ fn scalars_that_are_wrong_are_refused_with_their_place() {
     wrong(&scene("[output]\ngrids = ['Cd']"), "4:9 `output.grids` has no `surface`, on whose voxels all others stand");
     wrong(&scene("attribute.wear = 1\n[output]\ncolor_name = 'wear'"), "5:15 a grid cannot be called `wear`");
 }
+
+/// What none of them has would be 0, or grey, everywhere.
+#[test]
+fn what_none_of_the_parts_has_is_told() {
+    let of = |keys: &str| {
+        refused(&format!(
+            "[shape.a]\nsphere = 1\n{keys}\n[shape.b]\nsphere = 0.2\nmove = [-0.7, 0, 0]\n[shape.c]\nsphere = 0.2\n\
+             move = [0.7, 0, 0]\nattribute.cold = 1\n[output]\nshape = \"a\"\n"
+        ))
+    };
+    for row in ["parts", "conformal"] {
+        let said = of(&format!("attribute.heat = {{ {row} = ['b', 'c'] }}"));
+        assert!(said.contains("`a` takes `attribute.heat` from `b`, `c`, and none of them has it"), "{said}");
+        assert!(of(&format!("color = {{ {row} = ['b', 'c'] }}")).contains("takes a colour from `b`, `c`"));
+    }
+}
