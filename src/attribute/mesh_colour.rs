@@ -74,18 +74,17 @@ impl super::Sampler<3> for Sampler<'_> {
 
     fn sample(&mut self, points: &Points, out: &mut [LinearRgb; BATCH]) {
         let MeshColours { mesh, materials, lookup, voxel, below } = self.colours;
-        for (i, colour) in out.iter_mut().enumerate().take(points.len) {
-            let nearest = self.evaluator.nearest(points.position(i));
+        for ((i, colour), nearest) in out.iter_mut().enumerate().zip(self.evaluator.nearest(points)) {
             if let Some(Below { depth, colour: below }) = below
                 && nearest.distance_squared > depth * depth
-                && mesh.is_inside(points.position(i), &nearest)
+                && mesh.is_inside(points.position(i), nearest)
             {
                 *colour = *below;
                 continue;
             }
             // A mesh with neither has no colours: `new` saw to it.
-            *colour = mesh.colour(&nearest).unwrap_or([1.0; 3]);
-            if let Some((material, place, across)) = material_at(mesh, materials, &nearest, *voxel) {
+            *colour = mesh.colour(nearest).unwrap_or([1.0; 3]);
+            if let Some((material, place, across)) = material_at(mesh, materials, nearest, *voxel) {
                 let painted = material.colour(place, *lookup, across);
                 colour.iter_mut().zip(painted).for_each(|(colour, painted)| *colour *= painted);
             }

@@ -55,9 +55,8 @@ impl super::Sampler<1> for Sampler<'_> {
 
     fn sample(&mut self, points: &Points, out: &mut [[f32; 1]; BATCH]) {
         let MeshNumbers { mesh, materials, which, lookup, voxel } = self.numbers;
-        for (i, number) in out.iter_mut().enumerate().take(points.len) {
-            let nearest = self.evaluator.nearest(points.position(i));
-            let found = material_at(mesh, materials, &nearest, *voxel)
+        for (number, nearest) in out.iter_mut().zip(self.evaluator.nearest(points)) {
+            let found = material_at(mesh, materials, nearest, *voxel)
                 .and_then(|(material, place, across)| material.number(*which, place, *lookup, across));
             *number = [found.unwrap_or(1.0)];
         }

@@ -66,6 +66,24 @@ pub struct Nearest {
     pub part: Part,
 }
 
+impl Nearest {
+    /// Of no triangle: any is nearer.
+    pub(super) const NONE: Self = Self {
+        point: DVec3::ZERO,
+        distance_squared: f64::INFINITY,
+        triangle: u32::MAX,
+        weights: [0.0; 2],
+        part: Part::Face,
+    };
+
+    /// Whether it is nearer than another, or as near and of an earlier triangle: which of several wins does not depend on the
+    /// order they come in.
+    pub(super) fn is_before(&self, other: &Self) -> bool {
+        let as_near = self.distance_squared == other.distance_squared;
+        self.distance_squared < other.distance_squared || as_near && self.triangle < other.triangle
+    }
+}
+
 /// A triangle mesh as a field: the exact signed distance, positive inside, with its foot.
 ///
 /// A closed mesh is asked for the solid that its winding number gives ([`super::solid`] has the rules), and distances
@@ -217,10 +235,15 @@ impl MeshDistance {
         MeshEvaluator::new(self)
     }
 
-    /// The closest point, where one is known to lie within some distance. The answer does not depend on it.
+    /// The closest point, where one is known to lie within some distance. The answer does not depend on it. From what is no
+    /// number the distance is none.
     pub(super) fn nearest_within(&self, position: DVec3, within: f64) -> Nearest {
+        if position.is_nan() {
+            return self.nearest_on(0, position);
+        }
         // A little more than asked for, so that rounding hides nobody.
-        let best = Cell::new(Best { distance_squared: within * within * (1.0 + 1e-9), triangle: u32::MAX });
+        let within = Nearest { distance_squared: within * within * (1.0 + 1e-9), ..Nearest::NONE };
+        let best = Cell::new(within);
         let p = position.to_array();
         self.tree.find_best(
             f64::INFINITY,
@@ -229,37 +252,29 @@ impl MeshDistance {
                 if distance_squared > best.get().distance_squared { f64::MAX } else { distance_squared }
             },
             |triangle, _| {
-                let distance_squared = self.closest_on(triangle, position).point.distance_squared(position);
-                best.set(best.get().or(distance_squared, triangle));
+                let found = self.nearest_on(triangle, position);
+                if found.is_before(&best.get()) {
+                    best.set(found);
+                }
                 None::<f64>
             },
         );
-        let triangle = best.get().triangle;
-        if triangle == u32::MAX {
+        if best.get().triangle == u32::MAX {
             // Nothing within: the caller's bound was wrong, which rounding at huge coordinates can do.
-            debug_assert!(within < f64::INFINITY);
+            debug_assert!(within.distance_squared < f64::INFINITY);
             return self.nearest_within(position, f64::INFINITY);
         }
-        self.nearest_on(triangle, position)
+        best.get()
     }
 
-    /// The closest point among some triangles, in rising order.
-    pub(super) fn nearest_among(&self, triangles: &[u32], position: DVec3) -> Nearest {
-        let mut best = Best { distance_squared: f64::INFINITY, triangle: u32::MAX };
-        for &triangle in triangles {
-            best = best.or(self.closest_on(triangle, position).point.distance_squared(position), triangle);
-        }
-        self.nearest_on(best.triangle, position)
+    /// The triangles' boxes.
+    pub(super) fn tree(&self) -> &Bvh {
+        &self.tree
     }
 
     /// Calls with every triangle whose box, grown by `margin`, meets the region, until told to stop.
     pub(super) fn visit(&self, region: &Aabb, margin: f64, mut stop: impl FnMut(u32) -> bool) {
         visit(&self.tree, region, margin, &mut stop);
-    }
-
-    /// The distance from a position to one triangle.
-    pub(super) fn distance_to(&self, triangle: u32, position: DVec3) -> f64 {
-        self.closest_on(triangle, position).point.distance(position)
     }
 
     /// The outward unit normal of a triangle; zero where it has no area.
@@ -304,7 +319,8 @@ impl MeshDistance {
         }
     }
 
-    fn nearest_on(&self, triangle: u32, position: DVec3) -> Nearest {
+    /// The closest point of one triangle.
+    pub(super) fn nearest_on(&self, triangle: u32, position: DVec3) -> Nearest {
         let Closest { point, weights, part } = self.closest_on(triangle, position);
         Nearest { point, distance_squared: point.distance_squared(position), triangle, weights, part }
     }
@@ -349,21 +365,6 @@ impl Distance for MeshDistance {
     fn closest_points(&self, positions: &[DVec3], closest: &mut [Foot]) -> bool {
         positions.iter().zip(closest).for_each(|(position, closest)| *closest = self.foot(*position));
         true
-    }
-}
-
-/// The closest triangle so far. Which one wins does not depend on the order they come in.
-#[derive(Clone, Copy)]
-struct Best {
-    distance_squared: f64,
-    triangle: u32,
-}
-
-impl Best {
-    fn or(self, distance_squared: f64, triangle: u32) -> Self {
-        let nearer = distance_squared < self.distance_squared;
-        let as_near = distance_squared == self.distance_squared && triangle < self.triangle;
-        if nearer || as_near { Self { distance_squared, triangle } } else { self }
     }
 }
 

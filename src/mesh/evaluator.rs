@@ -1,4 +1,4 @@
-//! Evaluating a mesh in batches: regions bound and prune, neighbours in a batch help one another.
+//! Evaluating a mesh in batches: regions bound and prune.
 //!
 //! The closest triangle and the side never depend on what was asked before, only the time to find them does.
 
@@ -6,11 +6,10 @@ use std::cell::OnceCell;
 
 use glam::DVec3;
 
+use super::batch::Batch;
 use super::{MeshDistance, Nearest};
 use crate::field::{Aabb, BATCH, Evaluator, Gradients, Hint, Hints, Interval, Points};
 
-/// Triangles a region may have for all of them to be tried at each point. More, and the tree is faster.
-const FEW: usize = 24;
 /// Planes that still count as branches. Finer meshes are treated as smooth.
 const MOST_PLANES: usize = 16;
 /// What the approximate winding number may be off by.
@@ -31,8 +30,6 @@ struct Region {
     /// No point of the region is farther from the surface than this plus its distance to the centre.
     centre_distance: f64,
     centre_inside: bool,
-    /// All triangles that can be closest to a point of the region, in rising order; `None` when they are many.
-    few: Option<Vec<u32>>,
     /// The side all of the region is on.
     inside: Option<bool>,
     planes: OnceCell<Vec<Plane>>,
@@ -51,67 +48,45 @@ pub struct MeshEvaluator<'a> {
     mesh: &'a MeshDistance,
     regions: Vec<Region>,
     known: Option<Known>,
-    spare: Vec<Vec<u32>>,
+    batch: Batch,
+    found: Vec<Nearest>,
 }
 
 impl<'a> MeshEvaluator<'a> {
     pub(super) fn new(mesh: &'a MeshDistance) -> Self {
-        Self { mesh, regions: Vec::new(), known: None, spare: Vec::new() }
+        Self { mesh, regions: Vec::new(), known: None, batch: Batch::default(), found: Vec::new() }
     }
 
-    /// The closest point of the mesh to a position in the region entered.
-    pub fn nearest(&mut self, position: DVec3) -> Nearest {
-        let region = self.regions.last();
-        if let Some(few) = region.and_then(|region| region.few.as_deref()) {
-            return self.mesh.nearest_among(few, position);
+    /// The closest points of the mesh to some points.
+    pub fn nearest(&mut self, points: &Points) -> &[Nearest] {
+        self.batch.nearest(self.mesh, points, &mut self.found);
+        &self.found
+    }
+
+    /// Calls with each point's number, position, closest point and whether it is inside.
+    fn locate(&mut self, points: &Points, mut take: impl FnMut(usize, DVec3, &Nearest, bool)) {
+        self.batch.nearest(self.mesh, points, &mut self.found);
+        let found = std::mem::take(&mut self.found);
+        for (i, nearest) in found.iter().enumerate() {
+            let position = points.position(i);
+            take(i, position, nearest, self.is_inside(position, nearest));
         }
-        let by_region = region.map_or(f64::INFINITY, |r| r.centre_distance + r.centre.distance(position));
-        let by_known = self.known.map_or(f64::INFINITY, |known| known.distance + known.position.distance(position));
-        // The sum of two roots may round below the truth.
-        self.mesh.nearest_within(position, by_region.min(by_known) * (1.0 + 1e-12))
+        self.found = found;
     }
 
-    /// The closest point and whether the position is inside.
-    fn located(&mut self, position: DVec3) -> (Nearest, bool) {
-        let nearest = self.nearest(position);
-        let distance = nearest.distance_squared.sqrt();
+    /// Whether a position is inside, given its closest point.
+    fn is_inside(&mut self, position: DVec3, nearest: &Nearest) -> bool {
         let inside = self.regions.last().and_then(|region| region.inside);
         let inside = inside.or_else(|| self.side_of_known(position));
-        let inside = inside.unwrap_or_else(|| self.mesh.is_inside(position, &nearest));
-        self.known = Some(Known { position, distance, inside });
-        (nearest, inside)
+        let inside = inside.unwrap_or_else(|| self.mesh.is_inside(position, nearest));
+        self.known = Some(Known { position, distance: nearest.distance_squared.sqrt(), inside });
+        inside
     }
 
     /// The side, when no surface lies between the position and the last one.
     fn side_of_known(&self, position: DVec3) -> Option<bool> {
         let known = self.known.filter(|_| self.mesh.is_closed())?;
         (known.position.distance(position) < known.distance * (1.0 - 1e-9)).then_some(known.inside)
-    }
-
-    /// All triangles that can be closest to a point within `reach` of the centre: those within `within` of it.
-    fn few_within(&mut self, centre: DVec3, within: f64) -> Option<Vec<u32>> {
-        let mut found = self.spare.pop().unwrap_or_default();
-        found.clear();
-        let mut consider = |triangle: u32| {
-            if self.mesh.distance_to(triangle, centre) <= within {
-                found.push(triangle);
-            }
-            found.len() > FEW
-        };
-        match self.regions.last().and_then(|region| region.few.as_deref()) {
-            Some(few) => {
-                few.iter().for_each(|&triangle| {
-                    consider(triangle);
-                });
-            }
-            None => self.mesh.visit(&Aabb::new(centre, centre), within, consider),
-        }
-        if found.len() > FEW {
-            self.spare.push(found);
-            return None;
-        }
-        found.sort_unstable();
-        Some(found)
     }
 
     /// The side all of a region is on, if it is known to be on one.
@@ -171,21 +146,17 @@ impl Evaluator for MeshEvaluator<'_> {
     fn enter(&mut self, region: &Aabb) {
         let centre = region.centre();
         let reach = region.size().length() * 0.5;
-        let (nearest, centre_inside) = self.located(centre);
+        let outer = self.regions.last();
+        let by_outer = outer.map_or(f64::INFINITY, |r| r.centre_distance + r.centre.distance(centre));
+        let by_known = self.known.map_or(f64::INFINITY, |known| known.distance + known.position.distance(centre));
+        // The sum of two roots may round below the truth.
+        let nearest = self.mesh.nearest_within(centre, by_outer.min(by_known) * (1.0 + 1e-12));
+        let centre_inside = self.is_inside(centre, &nearest);
         let distance = nearest.distance_squared.sqrt();
         let outer = self.regions.last().and_then(|outer| outer.inside);
         let inside = outer.or_else(|| self.side(centre, reach, distance, centre_inside));
-        let few = self.few_within(centre, (distance + 2.0 * reach) * (1.0 + 1e-9));
         let planes = OnceCell::new();
-        self.regions.push(Region {
-            bounds: *region,
-            centre,
-            centre_distance: distance,
-            centre_inside,
-            few,
-            inside,
-            planes,
-        });
+        self.regions.push(Region { bounds: *region, centre, centre_distance: distance, centre_inside, inside, planes });
     }
 
     fn bounds(&mut self) -> Interval {
@@ -212,24 +183,22 @@ impl Evaluator for MeshEvaluator<'_> {
     }
 
     fn leave(&mut self) {
-        self.spare.extend(self.regions.pop().and_then(|region| region.few));
+        self.regions.pop();
     }
 
     fn values(&mut self, points: &Points, out: &mut [f32; BATCH]) {
-        for (i, value) in out.iter_mut().enumerate().take(points.len) {
-            let (nearest, inside) = self.located(points.position(i));
+        self.locate(points, |i, _, nearest, inside| {
             let distance = nearest.distance_squared.sqrt() as f32;
-            *value = if inside { distance } else { -distance };
-        }
+            out[i] = if inside { distance } else { -distance };
+        });
     }
 
     fn gradients(&mut self, points: &Points, out: &mut Gradients) {
-        for i in 0..points.len {
-            let position = points.position(i);
-            let (nearest, inside) = self.located(position);
-            let foot = self.mesh.foot_of(position, &nearest, inside);
+        let mesh = self.mesh;
+        self.locate(points, |i, position, nearest, inside| {
+            let foot = mesh.foot_of(position, nearest, inside);
             out.set(i, (foot.distance, foot.gradient));
-        }
+        });
     }
 
     fn branches(&self) -> usize {

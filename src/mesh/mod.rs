@@ -5,6 +5,7 @@
 //! its up axis and its colours' encoding, is given to the reader ([`Conventions`]), which turns the mesh and decodes its
 //! colours to scene-linear once, and nowhere else.
 
+mod batch;
 mod closest;
 mod cloud;
 mod contact;
