@@ -169,6 +169,33 @@ fn sampled<const N: usize>(attribute: &dyn Attribute<N>, positions: &[DVec3]) ->
     chunks.collect::<Vec<_>>().concat()
 }
 
+/// The values of a block's voxels and of those after them on each axis.
+struct Values([f32; Values::EDGE * Values::EDGE * Values::EDGE]);
+
+impl Values {
+    const EDGE: usize = BLOCK_EDGE as usize + 1;
+
+    fn of(around: &Surroundings<'_>) -> Self {
+        let along = |at: usize, stride: usize| (at / stride % Self::EDGE) as i32;
+        let local = |at: usize| IVec3::new(along(at, Self::EDGE * Self::EDGE), along(at, Self::EDGE), along(at, 1));
+        Self(std::array::from_fn(|at| around.value(local(at))))
+    }
+
+    fn at(&self, local: IVec3) -> f32 {
+        let [x, y, z] = local.to_array().map(|along| along as usize);
+        self.0[(x * Self::EDGE + y) * Self::EDGE + z]
+    }
+
+    /// The bits of a cell's corners, 1 inside.
+    fn corners(&self, least: IVec3) -> u8 {
+        let bit = |corner: i32| {
+            let voxel = least + IVec3::new(corner >> 2, corner >> 1 & 1, corner & 1);
+            u8::from(self.at(voxel) >= 0.0) << corner
+        };
+        (0..8).map(bit).sum()
+    }
+}
+
 /// Where the edges from a block's voxels to their next ones cross the surface.
 struct Crossings {
     /// The voxels whose edge along each axis does.
@@ -179,7 +206,7 @@ struct Crossings {
 
 impl Crossings {
     fn of(band: &Band, lookup: &Lookup<'_>, block: usize, evaluator: &mut dyn Evaluator) -> Self {
-        let around = lookup.around(block);
+        let values = Values::of(&lookup.around(block));
         let (origin, edge) = (band.origins[block], band.lattice.voxel_size.get());
         let mut edges = [[0; 8]; 3];
         // Both ends of each crossed edge, and the values there.
@@ -188,7 +215,7 @@ impl Crossings {
             for at in 0..BLOCK_VOXELS {
                 let here = local_of(at);
                 let next = here + IVec3::AXES[axis];
-                let values = [around.value(here), around.value(next)];
+                let values = [values.at(here), values.at(next)];
                 if (values[0] >= 0.0) != (values[1] >= 0.0) {
                     edges[at >> 6] |= 1 << (at & 63);
                     let places = [here, next].map(|voxel| (origin + voxel).as_dvec3() * edge);
@@ -271,12 +298,13 @@ struct Cells {
 impl Cells {
     fn of(band: &Band, lookup: &Lookup<'_>, block: usize, crossings: &[Crossings]) -> Self {
         let around = lookup.around(block);
+        let values = Values::of(&around);
         let (origin, edge) = (band.origins[block], band.lattice.voxel_size.get());
         let mut cells = Self { crossed: [0; 8], of_cell: Vec::new(), vertices: Vec::new(), first: 0 };
         let mut planes: [Vec<(DVec3, DVec3)>; 4] = Default::default();
         for at in 0..BLOCK_VOXELS {
             let least = local_of(at);
-            let corners = corners(&around, least);
+            let corners = values.corners(least);
             if corners == 0 || corners == u8::MAX {
                 continue;
             }
@@ -304,15 +332,6 @@ impl Cells {
         let (corners, first) = self.of_cell[mask::rank(&self.crossed, at)];
         self.first + first + u32::from(pieces_of(corners).of_edge[edge])
     }
-}
-
-/// The bits of a cell's corners, 1 inside.
-fn corners(around: &Surroundings<'_>, least: IVec3) -> u8 {
-    let bit = |corner: i32| {
-        let voxel = least + IVec3::new(corner >> 2, corner >> 1 & 1, corner & 1);
-        u8::from(around.value(voxel) >= 0.0) << corner
-    };
-    (0..8).map(bit).sum()
 }
 
 /// Around each crossed edge of a block's voxels the vertices of its four cells, counter-clockwise seen from outside.
