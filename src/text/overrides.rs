@@ -58,7 +58,11 @@ fn apply_set(root: &mut Table, top: &[Key], text: &str, sources: &mut Sources) -
         .or_else(|_| parse_toml(&format!("{name}={value:?}"), source, Origin::Set))
         .map_err(|_| Diagnostic::without_place(format!("--set `{}` is not name=value", clip(&text))))?;
     let set = match set.0.first() {
-        Some(only) if !matches!(only.value.data, Data::Table(_)) || is_inline(&only.value, sources) => {
+        // Of `a.b={ … }`, too, the table of a ends in braces.
+        Some(only)
+            if !matches!(only.value.data, Data::Table(_))
+                || (!name.contains('.') && is_inline(&only.value, sources)) =>
+        {
             let known = root.get("param").and_then(|entry| entry.value.table());
             let is_parameter = known.is_some_and(|known| known.get(&only.key).is_some());
             if !is_parameter && top.iter().any(|key| key.kind != Kind::Table && key.is_called(&only.key)) {
