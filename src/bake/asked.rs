@@ -36,6 +36,8 @@ pub struct Interior {
 pub enum ComputeError {
     /// The distances.
     Distance(band::Error),
+    /// What the method by which the scene measures them has to say.
+    Method(BuildError),
     /// A colour is negative, infinite or not a number at a world position.
     Colour {
         /// World units.
@@ -72,6 +74,7 @@ impl fmt::Display for ComputeError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Distance(error) => error.fmt(f),
+            Self::Method(error) => error.fmt(f),
             Self::Colour { position: [x, y, z], value: [r, g, b] } => write!(
                 f,
                 "the colour at ({x:.6}, {y:.6}, {z:.6}) is ({r}, {g}, {b}): a channel is negative, infinite or not a number"
@@ -97,8 +100,8 @@ impl ComputeError {
         match error {
             BuildError::Surface(error) => Self::Distance(error),
             BuildError::NotFinite { position } => Self::Distance(band::Error::NotANumber { position }),
-            // It solves the band's own voxels, so it has no sizes of its own.
-            _ => Self::Distance(band::Error::Cancelled),
+            BuildError::Cancelled => Self::Distance(band::Error::Cancelled),
+            error => Self::Method(error),
         }
     }
 }

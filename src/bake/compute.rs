@@ -4,6 +4,7 @@ use std::sync::atomic::AtomicBool;
 
 use glam::{DVec3, Vec3};
 
+use super::Bytes;
 use super::asked::{Attributes, ComputeError, Interior};
 use super::inside::{self, Inside, Insides};
 use super::range::Range;
@@ -11,8 +12,9 @@ use super::survey::{Survey, survey};
 use super::velocity::{self, BlockVelocities, Velocities};
 use crate::attribute::{Attribute, LinearRgb, Sampler};
 use crate::distance::band::{MeasuredBlock, Report, Settings};
-use crate::distance::method::{Method, USUAL};
+use crate::distance::method::{AsChosen, Choice, USUAL};
 use crate::distance::nearest::Watch;
+use crate::distance::step::soften;
 use crate::distance::without::{Keep, measure_kept};
 use crate::field::{Aabb, BATCH, Field, Points};
 use crate::grid::{Band, Channel, mask};
@@ -76,13 +78,24 @@ struct Sampled<const N: usize> {
     wrong: Option<([f64; 3], [f32; N])>,
 }
 
-/// Measures what is kept of a field, by a method, and samples attributes at the closest points.
+/// What the distances of a band are.
+#[derive(Clone, Copy, Debug)]
+pub struct Distances {
+    /// What measures them.
+    pub choice: Choice,
+    /// s of the smooth step in the place of their sign, in voxels.
+    pub step: Option<f64>,
+    /// The most memory that building a tree for them may hold.
+    pub limit: Bytes,
+}
+
+/// Measures what is kept of a field, and samples attributes at the closest points.
 pub fn compute(
     field: &dyn Field,
     attributes: Attributes<'_>,
     settings: &Settings,
     keep: Keep,
-    method: &dyn Method,
+    distances: Distances,
 ) -> Result<Computed, ComputeError> {
     let new_visitor = || {
         let mut colour = attributes.colour.map(|(_, colour)| Visitor::new(colour, 0.0));
@@ -124,9 +137,14 @@ pub fn compute(
         scalars.iter_mut().zip(block.scalars).for_each(|(all, one)| all.push(one));
     }
     let mut band = measured.band;
-    if method.name() != USUAL {
+    let Distances { choice, step, limit } = distances;
+    if choice.method != USUAL || step.is_some() {
         let watch = Watch { cancel: settings.cancel, progress: &|_| {} };
-        method.measure_band(field, &mut band, &watch).map_err(ComputeError::of_method)?;
+        let as_chosen = AsChosen { choice, memory_limit: usize::try_from(limit.0).unwrap_or(usize::MAX) };
+        choice.method().measure_band(field, &mut band, as_chosen, &watch).map_err(ComputeError::of_method)?;
+        if let Some(s) = step {
+            soften(&mut band, s);
+        }
         let of_block = |(distances, active)| Range::of_active(distances, active);
         ranges.distances = band.distances.iter().zip(&band.active).map(of_block).fold(Range::none(), Range::joined);
     }

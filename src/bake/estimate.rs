@@ -5,7 +5,6 @@ use super::{Bytes, Error, inside, velocity};
 use crate::attribute::LinearRgb;
 use crate::distance::descent::Scope;
 use crate::distance::extent::{BandBoxes, Effort};
-use crate::distance::method;
 use crate::grid::BLOCK_VOXELS;
 use crate::shot::{FrameContent, Prepared};
 
@@ -56,7 +55,7 @@ fn estimate_by(prepared: &Prepared, content: &FrameContent, in_flight: usize, ef
     }
     let model = prepared.model();
     // One frame at a time is measured.
-    memory += found.blocks * BLOCK_VOXELS as f64 * method::named(model.written_distance()).bytes_a_node() as f64;
+    memory += found.blocks * BLOCK_VOXELS as f64 * model.written_distance().method().bytes_a_node() as f64;
     let output = &model.output;
     // Colours in other primaries are there twice while a frame is encoded.
     let is_converted = content.colour.is_some() && output.other_primaries().is_some();

@@ -3,7 +3,7 @@
 use std::time::{Duration, Instant};
 
 use super::asked::{Attributes, ComputeError, Interior};
-use super::compute::{Computed, Ranges, compute};
+use super::compute::{Computed, Distances, Ranges, compute};
 use super::estimate::check_memory;
 use super::output::Encoded;
 use super::record::{Beyond, PolygonRecord, Record, RecordFile};
@@ -11,7 +11,6 @@ use super::sealed::{self, hexadecimal};
 use super::{Bytes, Error, Interrupt, Output, Velocities, inside, output};
 use crate::disk;
 use crate::distance::band::{self, Dropped, Settings, Thin};
-use crate::distance::method;
 use crate::grid::Band;
 use crate::shot;
 use crate::shot::Prepared;
@@ -35,7 +34,8 @@ pub fn compute_frame(
         cancel: interrupt.flag(),
         progress,
     };
-    let output = &prepared.model().output;
+    let model = prepared.model();
+    let output = &model.output;
     let name = output.colour_name.as_str();
     let attributes = Attributes {
         colour: content.colour.as_deref().map(|colour| (name, colour)),
@@ -47,8 +47,8 @@ pub fn compute_frame(
         let problem = format!("frame {frame}: {error}");
         prepared.attribute_problem(grid, &problem).map_or(Error::Frame(frame, error), Error::Scene)
     };
-    let method = method::named(prepared.model().written_distance());
-    compute(&*content.field, attributes, &settings, content.keep, method).map_err(|error| match error {
+    let distances = Distances { choice: model.written_distance(), step: model.written_step(), limit };
+    compute(&*content.field, attributes, &settings, content.keep, distances).map_err(|error| match error {
         ComputeError::Distance(band::Error::Cancelled) => Error::Interrupted,
         // What measuring was stopped for is no number.
         _ if interrupt.is_raised() => Error::Interrupted,
@@ -58,6 +58,9 @@ pub fn compute_frame(
         ComputeError::Density { .. } => of_grid(inside::DENSITY, error),
         ComputeError::Colour { .. } => of_grid(name, error),
         ComputeError::Scalar { name: ref grid, .. } => of_grid(&grid.clone(), error),
+        ComputeError::Method(ref problem) => {
+            Error::Scene(prepared.distance_problem(format!("frame {frame}: {problem}")))
+        }
         error => Error::Frame(frame, error),
     })
 }

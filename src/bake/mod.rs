@@ -37,7 +37,7 @@ mod wish;
 pub use crate::text::{FramePattern, PatternError};
 pub use asked::{Attributes, ComputeError, Interior};
 pub use claim::Claim;
-pub use compute::{Computed, Ranges, compute};
+pub use compute::{Computed, Distances, Ranges, compute};
 pub use done::{State, judge_all};
 pub use error::Error;
 pub use estimate::{Estimate, check_memory, estimate, in_flight};

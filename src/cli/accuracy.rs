@@ -8,16 +8,17 @@ use clap::Args;
 use super::failure::Failure;
 use super::options::Global;
 use crate::attribute::conformal::accuracy;
-use crate::distance::accuracy::all_cases;
-use crate::distance::accuracy::table::{markdown, table};
+use crate::distance::accuracy::table::{markdown, table, table_in_plane};
+use crate::distance::accuracy::{all_cases, plane_cases};
 use crate::distance::nearest::Watch;
+use crate::distance::octree::BuildError;
 
 /// Arguments of `hfvdb accuracy`.
 #[derive(Args)]
 #[command(after_help = "\
 Columns, one number a resolution each: mean and greatest error of the distance in voxels, mean of | |∇d| − 1 |, the order of
 convergence that fits the mean errors, voxels on the wrong side, seconds (of the first method the whole band, of the
-others what comes on top of that).
+others what comes on top of that; in the plane, of each, all of it).
 
 A second table judges `interior` and `conformal`, at as many cells of their lattice (16 to 256): errors of the way along the
 inside in cells, and of a weight.
@@ -42,8 +43,10 @@ pub fn run(arguments: &Arguments, global: &Global) -> Result<(), Failure> {
     resolutions.sort_unstable();
     resolutions.dedup();
     let cancel = AtomicBool::new(false);
-    let rows = table(&all_cases(), &resolutions, &Watch { cancel: &cancel, progress: &|_| {} })
-        .map_err(|error| Failure::work(error.to_string()))?;
+    let watch = Watch { cancel: &cancel, progress: &|_| {} };
+    let told = |error: BuildError| Failure::work(error.to_string());
+    let mut rows = table(&all_cases(), &resolutions, &watch).map_err(told)?;
+    rows.extend(table_in_plane(&plane_cases(), &resolutions, &watch).map_err(told)?);
     let cells: Vec<u32> = resolutions.into_iter().filter(|cells| CELLS.contains(cells)).collect();
     let inside = accuracy::table(&cells, &cancel).map_err(|error| Failure::work(error.to_string()))?;
     if global.json {

@@ -12,6 +12,8 @@ use super::paths;
 use super::progress::Progress;
 use super::{check_mesh, files, job};
 use crate::bake;
+use crate::distance::method::ADF;
+use crate::distance::octree::Report;
 use crate::grid;
 use crate::node::Model;
 use crate::shot;
@@ -28,7 +30,7 @@ Examples:
   hfvdb check cubism                              a scene: errors with their line, voxels, memory
   hfvdb check cubism -v                           each value, and whether the scene gave it; a morph is measured,
                                                   and each of its frames told of; closed hollows of structures
-                                                  are counted
+                                                  are counted; of `adf` its tree is built
   hfvdb check cubism --no-estimate                errors alone
   hfvdb check any.0001.vdb                        a file: what all programs would show wrong
   hfvdb check any.0001.vdb --for blender,houdini  and what these two ask for
@@ -221,6 +223,16 @@ fn of_scene(arguments: &Arguments, global: &Global) -> Result<(), Failure> {
     } else {
         None
     };
+    // The tree of an adaptive distance is built to be told of.
+    let mut trees: Vec<(&str, Report)> = Vec::new();
+    if global.verbose && model.written_distance().method == ADF && estimate.memory <= limit {
+        progress.stage("measuring distances");
+        if let Some(shape) = prepared.in_plane(shot.first)? {
+            trees.push(("quadtree in the plane", prepared.distance_in_plane(shot.first, &shape)?.report));
+        }
+        let content = prepared.frame(shot.first)?;
+        trees.push(("octree", prepared.distance(shot.first, &content.field, limit.0)?.report));
+    }
     drop(progress);
     let voxel_size = prepared.lattice.voxel_size.get();
     if global.json {
@@ -251,6 +263,9 @@ fn of_scene(arguments: &Arguments, global: &Global) -> Result<(), Failure> {
         if let Some(hollows) = &hollows {
             let volume: f64 = hollows.iter().sum();
             document["hollows"] = json!({ "frame": shot.first, "count": hollows.len(), "volume": volume });
+        }
+        if !trees.is_empty() {
+            document["adf"] = trees.iter().map(|(tree, report)| json!({ "tree": tree, "report": report })).collect();
         }
         super::print_json(&document)?;
     } else {
@@ -290,6 +305,14 @@ fn of_scene(arguments: &Arguments, global: &Global) -> Result<(), Failure> {
                     model.unit
                 ),
             };
+        }
+        for (tree, report) in &trees {
+            let Report { depth, cells, corners, hanging, bytes, .. } = report;
+            let size = bake::Bytes(*bytes as u64);
+            let _ = writeln!(
+                text,
+                "adf: {tree} of depth {depth}, {cells} leaves, {corners} corners of which {hanging} hang, {size}"
+            );
         }
         text.push_str(&table(&numbers, model.shot.fps));
         super::print(&text)?;

@@ -1,5 +1,6 @@
 //! How right a band is: its distances against exact answers.
 
+pub mod in_plane;
 mod planar;
 pub mod table;
 
@@ -182,6 +183,8 @@ pub fn cases() -> Vec<Case> {
         ),
     ]
 }
+
+pub use planar::plane_cases;
 
 /// What methods are compared on: the same and extruded outlines. The ellipsoid is left out, whose exact distance by
 /// bisection is 0/0 at some nodes on its planes of symmetry.

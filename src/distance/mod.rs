@@ -11,9 +11,12 @@ mod facing;
 pub mod method;
 pub mod nearest;
 pub mod octree;
+pub mod outline;
 pub mod polish;
+pub mod quadtree;
 mod sampled;
 mod staged;
+pub mod step;
 pub mod without;
 
 #[cfg(test)]

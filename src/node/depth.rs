@@ -8,7 +8,7 @@ use glam::DVec3;
 
 use crate::attribute::{Attribute, Sampler};
 use crate::distance::Distance;
-use crate::distance::method::Method;
+use crate::distance::method::Choice;
 use crate::distance::octree::BuildError;
 use crate::field::{Aabb, BATCH, Evaluator, Field, Gradients, Interval, Points};
 
@@ -28,7 +28,7 @@ pub(crate) struct Depth {
     /// Points are on the surface that are no further from it, world units.
     pub tolerance: f64,
     /// What measures it.
-    pub method: &'static dyn Method,
+    pub choice: Choice,
     /// Where it is kept, and what decides it.
     pub kept: Option<(Keeping, Solid)>,
     /// Set to stop measuring.
@@ -46,9 +46,9 @@ impl Depth {
     /// So this thread waits for one of no pool, and that for a pool of its own.
     fn measured(&self) -> Option<&dyn Distance> {
         let measure = || {
-            let Self { solid, aabb, levels, voxel, method, cancel, .. } = self;
+            let Self { solid, aabb, levels, voxel, choice, cancel, .. } = self;
             let kept = self.kept.as_ref().map(|(keeping, of)| (keeping, *of, None));
-            measured(*method, solid, *aabb, *levels, *voxel, kept, cancel)
+            measured(*choice, solid, *aabb, *levels, *voxel, kept, cancel)
         };
         let threads = rayon::current_num_threads();
         let apart = || match rayon::ThreadPoolBuilder::new().num_threads(threads).build() {

@@ -5,7 +5,7 @@ mod morph;
 
 pub use morph::{DELAY, FILL, MORPH, ROUND, morph_keys};
 
-use crate::distance::method::{NAMES, USUAL};
+use crate::distance::method::{DEPTHS, NAMES, USUAL};
 use crate::text::key::{Absent, Key, Kind, Limit};
 use crate::vdb::PROGRAM_NAMES;
 
@@ -107,6 +107,34 @@ pub const DO: Key = Key::new(
      the keys above, or `scale`, `rotate` or `move`, with its parameters. A shape with `do` has none of these keys beside it.",
 );
 
+/// The smooth step in the place of the sign.
+const STEP: Key = Key::new(
+    "step",
+    Kind::Constant,
+    Nothing,
+    "s of the smooth step tanh(d/s) in the place of the sign (HFRep, eq. 23), of the distances that are written and drawn: they \
+     become abs(d)·tanh(d/s). For comparison only: the result has no slope on the surface, which programs take the normal from.",
+)
+.limit(Limit::Positive)
+.unit("voxels");
+
+/// `distance` written as a table.
+pub const ADF: &[Key] = &[
+    Key::new(
+        "adf",
+        Kind::Whole,
+        Required,
+        "How often the tree is halved at most, from a cube (in the plane a square) of four times the longest side on.",
+    )
+    .limit(Limit::Within(DEPTHS.0 as f64, DEPTHS.1 as f64)),
+    Key::new(
+        "restore",
+        Kind::Choice(&["spline", "linear"]),
+        Text("spline"),
+        "What a cell is between its corners: `spline` has one slope everywhere; of `linear` slopes jump from cell to cell, and values where cells of different size meet.",
+    ),
+];
+
 /// What every shape takes beside what it is and what is done to it: where it stands, and its attributes.
 pub const SHAPE: &[Key] = &[
     DO,
@@ -123,11 +151,13 @@ pub const SHAPE: &[Key] = &[
     ),
     Key::new(
         "distance",
-        Kind::Choice(&NAMES),
+        Kind::Distance(&NAMES),
         Text(USUAL),
         "What measures its distance, wherever that is asked for (`offset`, `displace`, `bands`, a morph, …): see \
-         [accuracy.md](accuracy.md). Any but the first is measured even where F is the distance.",
+         [accuracy.md](accuracy.md). Any but the first is measured even where F is the distance. Shapes of the plane are \
+         measured by `closest-point` and `adf`.",
     ),
+    STEP,
     Key::new(
         "let",
         Kind::Table,
@@ -262,11 +292,12 @@ pub const OUTPUT: &[Key] = &[
     .unit("units/s"),
     Key::new(
         "distance",
-        Kind::Choice(&NAMES),
+        Kind::Distance(&NAMES),
         Words("that of the shape that is baked; of a morph `closest-point`"),
         "What measures the distances of `surface`: see [accuracy.md](accuracy.md). Its sign, which voxels it has and where \
          colours are taken are the same by each.",
     ),
+    STEP,
     Key::new(
         "color_name",
         Kind::Text,

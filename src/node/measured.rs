@@ -5,9 +5,11 @@ use std::collections::{BTreeMap, HashMap};
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
+use glam::DVec3;
+
 use crate::distance::Distance;
 use crate::distance::extent;
-use crate::distance::method::{Method, Request, USUAL, named};
+use crate::distance::method::{Choice, MeasuredInPlane, Request};
 use crate::distance::nearest::Watch;
 use crate::distance::octree::{self, BuildError};
 use crate::field::{Aabb, Expression, Field, Graph, Interval, Node, Side};
@@ -49,10 +51,10 @@ pub(crate) fn smallest_cell(voxel: f64, solid: &Aabb) -> f64 {
     voxel.max(solid.size().max_element() / MOST_CELLS)
 }
 
-/// The distance of a solid in a box by a method, as good as its band wherever it is one of `levels`, positive inside.
+/// The distance of a solid in a box by what was chosen, as good as its band wherever it is one of `levels`, positive inside.
 /// `voxel` is a voxel's edge. It is kept by `key` where there is a cache.
 pub(crate) fn measured(
-    method: &dyn Method,
+    choice: Choice,
     field: &Arc<dyn Field>,
     solid: Aabb,
     levels: Interval,
@@ -61,27 +63,33 @@ pub(crate) fn measured(
     cancel: &AtomicBool,
 ) -> Result<Arc<dyn Distance>, BuildError> {
     let watch = Watch { cancel, progress: &|_| {} };
+    let request = request(choice, field, solid, levels, voxel);
+    measured_or_kept(choice, &request, kept, &[levels.lo, levels.hi, voxel], &watch)
+}
+
+/// What is to be measured for that.
+fn request(choice: Choice, field: &Arc<dyn Field>, solid: Aabb, levels: Interval, voxel: f64) -> Request<'_> {
     let detail = smallest_cell(voxel.min(solid.size().max_element() / LEAST_SEEDS), &solid);
     let reach = reach(solid, levels);
     let mut settings = octree::Settings::new(reach, smallest_cell(AT_CREASES * voxel, &reach));
     settings.levels = levels;
     settings.tolerance = TOLERANCE * voxel;
-    let request = Request { field, solid, detail, settings };
-    measured_or_kept(method, &request, kept, &[levels.lo, levels.hi, voxel], &watch)
+    Request { field, solid, detail, settings: choice.settings(settings) }
 }
 
-/// What a method measures, or what was kept of it by these numbers and the solid's box.
+/// What is measured, or what was kept of it by these numbers and the solid's box.
 pub(crate) fn measured_or_kept(
-    method: &dyn Method,
+    choice: Choice,
     request: &Request<'_>,
     kept: Option<Kept<'_>>,
     numbers: &[f64],
     watch: &Watch<'_>,
 ) -> Result<Arc<dyn Distance>, BuildError> {
+    let method = choice.method();
     let key = kept.and_then(|(keeping, solid, part)| {
         let Aabb { min, max } = request.solid;
         let numbers = [numbers, &min.to_array(), &max.to_array()].concat();
-        Some((keeping.cache(), keeping.key(solid, part, method.name(), &numbers)?))
+        Some((keeping.cache(), keeping.key(solid, part, &choice.key(), &numbers)?))
     });
     let Some((cache, key)) = key else { return Ok(method.measure(request, watch)?.distance) };
     match cache.claim(key, watch.cancel, &|| {})? {
@@ -108,9 +116,9 @@ fn sides(levels: Interval) -> (Option<Side>, Option<Side>) {
 }
 
 /// A node with a solid's zero set that is the distance to it wherever that is one of `levels`, as far as it takes no
-/// measuring. Who names another `method` than the usual wants its distances.
-pub(crate) fn told(graph: &mut Graph, solid: Node, levels: Interval, method: &str) -> Option<Node> {
-    if method != USUAL {
+/// measuring. Who makes another `choice` than the usual wants its distances.
+pub(crate) fn told(graph: &mut Graph, solid: Node, levels: Interval, choice: Choice) -> Option<Node> {
+    if choice != Choice::USUAL {
         return None;
     }
     let slope = graph.slope(solid);
@@ -135,22 +143,23 @@ pub(crate) struct Purpose<'a> {
     pub span: Span,
     /// A voxel's edge, where it is not to hang on the voxels of the whole.
     pub voxel: Option<f64>,
-    /// What the distance is measured by: the name of a method.
-    pub method: &'static str,
+    /// What the distance is measured by.
+    pub choice: Choice,
 }
 
 impl Purpose<'_> {
     fn failed(&self, error: &BuildError) -> Problem {
-        Problem::new(self.span, format!("`{}`: {error}", self.shape.name))
+        // What the chosen method cannot do is told where it is chosen.
+        let is_of_choice = self.choice.depth.is_some() || matches!(error, BuildError::SolidsOnly { .. });
+        let span = if is_of_choice { self.shape.distance_span } else { self.span };
+        Problem::new(span, format!("`{}`: {error}", self.shape.name))
     }
 
-    /// Solids are measured in space, and a shape of the plane has no end there.
-    fn in_the_plane(&self) -> Problem {
+    /// A shape of the plane is measured there, and one that leaves it has no end.
+    fn leaves_the_plane(&self) -> Problem {
         let (Shape { name, .. }, key) = (self.shape, self.key);
-        let problem = format!(
-            "`{key}` needs the distance to `{name}`, and only that of solids is measured: this one is a shape of the plane"
-        );
-        Problem::new(self.span, problem).help(format!("{} first", lift_it()))
+        let problem = format!("`{key}` needs the distance to `{name}`, a shape of the plane that leaves it");
+        Problem::new(self.span, problem).help(format!("turn it about z alone, or {} first", lift_it()))
     }
 
     fn without_box(&self, error: extent::Error) -> Problem {
@@ -182,7 +191,7 @@ pub(crate) struct Distances {
     /// Where they are kept for other runs.
     keeping: Option<Keeping>,
     /// Those found so far, by their solids, levels, voxels and methods.
-    known: HashMap<(Node, [u64; 3], &'static str), Node>,
+    known: HashMap<(Node, [u64; 3], Choice), Node>,
 }
 
 impl Distances {
@@ -215,16 +224,16 @@ impl Distances {
         levels: Interval,
         purpose: &Purpose<'_>,
     ) -> Result<Node, Problem> {
-        if let Some(distance) = told(graph, solid, levels, purpose.method) {
+        if let Some(distance) = told(graph, solid, levels, purpose.choice) {
             return Ok(distance);
         }
         let levels_and_voxel = [levels.lo, levels.hi, purpose.voxel.unwrap_or(0.0)].map(f64::to_bits);
-        let key = (solid, levels_and_voxel, purpose.method);
+        let key = (solid, levels_and_voxel, purpose.choice);
         if let Some(known) = self.known.get(&key) {
             return Ok(*known);
         }
         let found = match sides(levels) {
-            (None, Some(side)) | (Some(side), None) if purpose.method == USUAL => {
+            (None, Some(side)) | (Some(side), None) if purpose.choice == Choice::USUAL && !purpose.shape.is_flat => {
                 self.by_parts(graph, (solid, side), levels, purpose)?
             }
             _ => None,
@@ -269,7 +278,7 @@ impl Distances {
         purpose: &Purpose<'_>,
     ) -> Result<Node, Problem> {
         if purpose.shape.is_flat {
-            return Err(purpose.in_the_plane());
+            return self.measured_in_plane(graph, solid, levels, purpose);
         }
         let field: Arc<dyn Field> = Arc::new(Expression::new(graph, solid));
         let aabb = match part {
@@ -278,12 +287,54 @@ impl Distances {
         };
         // No solid has more voxels than the whole that is baked, but where it is scaled.
         let voxel = purpose.voxel.unwrap_or(reach(aabb, levels).size().max_element() / self.resolution);
-        let method = named(purpose.method);
         let kept = self.keeping.as_ref().map(|keeping| (keeping, purpose.solid, part.map(|(place, _)| place)));
-        let measured = measured(method, &field, aabb, levels, voxel, kept, &self.cancel);
+        let measured = measured(purpose.choice, &field, aabb, levels, voxel, kept, &self.cancel);
         let measured = measured.map_err(|error| purpose.failed(&error))?;
         let node = graph.field(measured);
         let node = graph.bounded(node, aabb);
         Ok(graph.falling(node, 1.0 / SLACK))
     }
+
+    /// Of a shape of the plane. That takes so little time that nothing is kept.
+    fn measured_in_plane(
+        &self,
+        graph: &mut Graph,
+        shape: Node,
+        levels: Interval,
+        purpose: &Purpose<'_>,
+    ) -> Result<Node, Problem> {
+        if !graph.is_flat(shape) {
+            return Err(purpose.leaves_the_plane());
+        }
+        let aabb = box_in_plane(graph, shape).map_err(|error| purpose.without_box(error))?;
+        let field: Arc<dyn Field> = Arc::new(Expression::new(graph, shape));
+        let voxel = purpose.voxel.unwrap_or(reach(aabb, levels).size().truncate().max_element() / self.resolution);
+        let measured = measured_in_plane(purpose.choice, &field, aabb, levels, voxel, &self.cancel);
+        let node = graph.field(measured.map_err(|error| purpose.failed(&error))?.distance);
+        let node = graph.bounded(node, aabb.without_z());
+        Ok(graph.falling(node, 1.0 / SLACK))
+    }
+}
+
+/// The box of a shape of the plane, of no height.
+pub(crate) fn box_in_plane(graph: &mut Graph, shape: Node) -> Result<Aabb, extent::Error> {
+    // A slab of about its size: cells are as fine as the longest side asks for.
+    let height = graph.known_box(shape).map_or(1.0, Aabb::longest_side);
+    let caps = graph.slab(DVec3::Z, if height > 0.0 { height } else { 1.0 });
+    let solid = graph.corner(shape, caps);
+    let Aabb { min, max } = box_of(&Expression::new(graph, solid))?;
+    Ok(Aabb::new(min.with_z(0.0), max.with_z(0.0)))
+}
+
+/// The distance of a shape of the plane in a box of no height, as [`measured`] has that of a solid.
+pub(crate) fn measured_in_plane(
+    choice: Choice,
+    field: &Arc<dyn Field>,
+    shape: Aabb,
+    levels: Interval,
+    voxel: f64,
+    cancel: &AtomicBool,
+) -> Result<MeasuredInPlane, BuildError> {
+    let request = request(choice, field, shape, levels, voxel);
+    choice.method().measure_in_plane(&request, &Watch { cancel, progress: &|_| {} })
 }

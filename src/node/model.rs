@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use crate::attribute::{LinearRgb, Outside, Overlap, Power, Primaries};
-use crate::distance::method::USUAL;
+use crate::distance::method::Choice;
 use crate::distance::without::Keep;
 
 use crate::node::argument::{Argument, Arguments, Bounds};
@@ -101,12 +101,18 @@ pub struct Shape {
     pub colour: Option<ShapeColour>,
     /// Its own scalars, by the names of their grids.
     pub scalars: BTreeMap<String, ShapeScalar>,
-    /// What its distances are measured by: the name of a method.
-    pub distance: &'static str,
+    /// What its distances are measured by.
+    pub distance: Choice,
+    /// Where it says so, or else its name's place.
+    pub distance_span: Span,
+    /// s of the smooth step in the place of the sign, in voxels, of what is written of it.
+    pub step: Option<f64>,
     /// The shapes whose distances its formulas read, by the names that they have there.
     pub reads: BTreeMap<String, ShapeId>,
     /// Whether it is a shape of the plane.
     pub is_flat: bool,
+    /// The shape of the plane that it was extruded from because nothing else makes a solid of that.
+    pub lifts: Option<ShapeId>,
 }
 
 /// Something that is done to a shape.
@@ -445,8 +451,10 @@ pub struct Output {
     pub primaries: Option<Primaries>,
     /// The greatest speed of `vel`, units a second; `None` for the longest side of the shot's box in one frame.
     pub max_speed: Option<f64>,
-    /// What the distances that are written are measured by: the name of a method, where the scene gives one.
-    pub distance: Option<&'static str>,
+    /// What the distances that are written are measured by, where the scene says so, and where that is.
+    pub distance: Option<(Choice, Span)>,
+    /// s of the smooth step in the place of the sign, in voxels.
+    pub step: Option<f64>,
     /// Whether attributes go through the inside.
     pub inside: bool,
     /// Whether there is a fog volume.
@@ -538,13 +546,29 @@ impl Model {
         Moment { parameters: values.collect(), ..bare }
     }
 
-    /// What the distances that are written are measured by: the name of a method.
-    pub fn written_distance(&self) -> &'static str {
-        let of_content = match self.content {
-            Content::Shape(id) => self.shape(id).distance,
-            Content::Morph(_) => USUAL,
-        };
-        self.output.distance.unwrap_or(of_content)
+    /// What the distances that are written are measured by.
+    pub fn written_distance(&self) -> Choice {
+        let of_content = self.shown_shape().map_or(Choice::USUAL, |shape| shape.distance);
+        self.output.distance.map_or(of_content, |(choice, _)| choice)
+    }
+
+    /// Where the scene says so.
+    pub fn written_distance_span(&self) -> Option<Span> {
+        let of_output = self.output.distance.map(|(_, span)| span);
+        of_output.or_else(|| self.shown_shape().map(|shape| shape.distance_span))
+    }
+
+    /// s of the smooth step in the place of the sign of the distances that are written, in voxels.
+    pub fn written_step(&self) -> Option<f64> {
+        self.output.step.or_else(|| self.shown_shape().and_then(|shape| shape.step))
+    }
+
+    /// The shape that is baked, where it is one.
+    fn shown_shape(&self) -> Option<&Shape> {
+        match self.content {
+            Content::Shape(id) => Some(self.shape(id)),
+            Content::Morph(_) => None,
+        }
     }
 
     /// The shape of an id.

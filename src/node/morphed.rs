@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use crate::attribute::{ColourSpace, Straight};
-use crate::distance::method::{Request, named};
+use crate::distance::method::Request;
 use crate::distance::nearest::Watch;
 use crate::distance::octree;
 use crate::field::{Aabb, Field};
@@ -98,10 +98,11 @@ impl Solids {
         let model = self.model();
         let shape = model.shape(id);
         let cell = smallest_cell(voxel, &solid);
-        let request = Request { field: &surface, solid, detail: cell, settings: octree::Settings::new(solid, cell) };
+        let settings = shape.distance.settings(octree::Settings::new(solid, cell));
+        let request = Request { field: &surface, solid, detail: cell, settings };
         let watch = Watch { cancel: self.cancel(), progress: &|_| {} };
         let kept = self.keeping().map(|keeping| (keeping, Solid::Stage(id, Stage::Placed), None));
-        let distance = measured_or_kept(named(shape.distance), &request, kept, &[cell], &watch)
+        let distance = measured_or_kept(shape.distance, &request, kept, &[cell], &watch)
             .map_err(|error| Problem::new(shape.span, format!("`{}`: {error}", shape.name)))?;
         let paint = self.paint(TheColour, id, Stage::Placed, voxel)?;
         let colour = paint.unwrap_or_else(|| Paint::solid(TheColour.absent())).attribute;

@@ -7,7 +7,6 @@ use std::sync::{Arc, OnceLock};
 use glam::DAffine3;
 
 use crate::attribute::{Attribute, CellIndex, FieldValue, Part, Parts, Rule, Scalar, ScalarField};
-use crate::distance::method::named;
 use crate::distance::octree::BuildError;
 use crate::field::{Expression, Field, Graph, Interval};
 use crate::mesh::NumberOf;
@@ -190,8 +189,8 @@ impl Solids {
             Rule::Union { seam } if seam > 0.0 && box_of(&plain).is_ok() => {
                 let model = self.model();
                 let shape = model.shape(id);
-                let (span, method, solid) = (shape.span, shape.distance, Solid::Stage(id, Stage::Placed));
-                let purpose = Purpose { solid, shape, key: "seam", span, voxel: None, method };
+                let (span, choice, solid) = (shape.span, shape.distance, Solid::Stage(id, Stage::Placed));
+                let purpose = Purpose { solid, shape, key: "seam", span, voxel: None, choice };
                 self.distance_values(id, Interval::new(-seam / 2.0, seam / 2.0), &purpose)?
             }
             _ => plain,
@@ -314,9 +313,9 @@ impl<const N: usize, W: Asked<N>> Sourcing<N> for Painting<'_, W> {
         });
         let cancel = Arc::clone(self.solids.cancel());
         let tolerance = TOLERANCE_VOXELS * voxel;
-        let (method, measured) = (named(self.shape.distance), OnceLock::new());
+        let (choice, measured) = (self.shape.distance, OnceLock::new());
         let kept = self.solids.keeping().cloned().map(|keeping| (keeping, Solid::Stage(id, Stage::Bare)));
-        Ok(Arc::new(Depth { solid, aabb, levels, voxel, tolerance, method, kept, cancel, failed, measured }))
+        Ok(Arc::new(Depth { solid, aabb, levels, voxel, tolerance, choice, kept, cancel, failed, measured }))
     }
 
     fn inside(&mut self, asked: &InsideRequest<'_>) -> Result<Inside, Problem> {

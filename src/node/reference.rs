@@ -62,7 +62,7 @@ the ends hold.
 the distance on the side that they use, the distance is measured first, which takes from a tenth of a second to some
 seconds, for a shape that changes in every frame. F is the distance where it is given as the signed distance or as a
 length in [nodes.md](nodes.md), outside of unions of such shapes, and inside what is cut from them. What has no end cannot be measured: give it
-`bounds`. Of a blend of three, what the first two make counts by its F. `distance` on the shape says by what it is measured, and
+`bounds`. Shapes of the plane are measured in the plane. Of a blend of three, what the first two make counts by its F. `distance` on the shape says by what it is measured, and
 [accuracy.md](accuracy.md) how right that is.
 
 **The plane.** `circle`, `polygon`, `star` and others are shapes of the xy plane. `extrude`, `revolve` and `sweep` make
@@ -253,6 +253,7 @@ pub fn reference() -> String {
     out.push_str(MODIFIERS);
     names(&mut out, "MODIFIERS");
     section(&mut out, "Every shape", "Beside what it is and what is done to it.", keys::SHAPE);
+    section(&mut out, "`distance` as a table", "", keys::ADF);
     section(&mut out, "`bounds` as a table", "", keys::BOUNDS);
     section(&mut out, "`at`: copies", "", keys::COPIES);
     section(&mut out, "`[cells.NAME]`", "", keys::CELLS);

@@ -136,6 +136,7 @@ fn of_kind(kind: Kind) -> Value {
         Kind::Flag => json!({ "type": "boolean" }),
         Kind::Text | Kind::Path | Kind::Paths | Kind::Formula | Kind::Scalar => json!({ "type": "string" }),
         Kind::Choice(names) => json!({ "enum": names }),
+        Kind::Distance(names) => json!({ "anyOf": [{ "enum": names }, closed(properties(keys::ADF.iter()))] }),
         Kind::Span | Kind::TwoNumbers | Kind::TwoColours => json!({ "type": "array", "minItems": 2, "maxItems": 2 }),
         Kind::Grids | Kind::Names => list(0, json!({ "type": "string" })),
         Kind::KeyFrames => list(2, json!({ "type": "integer" })),

@@ -8,6 +8,7 @@ use glam::{DAffine3, DVec3};
 
 use crate::attribute::{CellIndex, Scalar};
 use crate::distance::extent;
+use crate::distance::method::Choice;
 use crate::field::cells::{CellOptions, Cells};
 use crate::field::facet::Pieces;
 use crate::field::{Aabb, Expression, Field, Graph, Interval, Node, SetSystem, rotation};
@@ -18,11 +19,11 @@ use crate::node::attributes::{Paints, TheScalar};
 use crate::node::bend::Bend;
 use crate::node::cache::Cache;
 use crate::node::displacement::{self, Displacement};
-use crate::node::extent::{box_of, solid_box};
+use crate::node::extent::{box_of, no_box, solid_box};
 use crate::node::id::Stage;
 use crate::node::insides::Insides;
 use crate::node::keeping::{Keeping, Solid};
-use crate::node::measured::{BESIDE_SURFACE, Distances, Purpose, SLACK, told};
+use crate::node::measured::{BESIDE_SURFACE, Distances, Purpose, SLACK, box_in_plane, told};
 use crate::node::model::{CellsId, Fill, Model, Placement, Shape, ShapeId};
 use crate::node::reading::Reading;
 use crate::node::spec::{Build, Carries, Imported, Spec};
@@ -285,6 +286,17 @@ impl Solids {
         Ok(Expression::new(&self.graph, node).keeping_values())
     }
 
+    /// A shape of the plane where it stands, and its box there, of no height; `None` of one that leaves the plane.
+    pub fn in_plane(&mut self, id: ShapeId) -> Result<Option<(Arc<dyn Field>, Aabb)>, Problem> {
+        let node = self.node(id, Stage::Placed)?;
+        if !self.graph.is_flat(node) {
+            return Ok(None);
+        }
+        let aabb = box_in_plane(&mut self.graph, node).map_err(|error| no_box(&self.model, id, error))?;
+        let field = Expression::new(&self.graph, node).keeping_values();
+        Ok(Some((Arc::new(field), aabb)))
+    }
+
     /// A shape's distance where it stands, wherever that is one of `levels`, as a field whose values hold everywhere.
     pub fn distance_values(
         &mut self,
@@ -398,9 +410,9 @@ impl Solids {
     }
 
     /// Whether that distance takes no measuring.
-    pub fn is_told(&mut self, (id, step): (ShapeId, usize), levels: Interval, method: &str) -> Result<bool, Problem> {
+    pub fn is_told(&mut self, (id, step): (ShapeId, usize), levels: Interval, choice: Choice) -> Result<bool, Problem> {
         let solid = self.step(id, step)?;
-        Ok(told(&mut self.graph, solid, levels, method).is_some())
+        Ok(told(&mut self.graph, solid, levels, choice).is_some())
     }
 
     /// A shape in its own space with so many of its modifiers, as a field.
@@ -485,8 +497,8 @@ impl Solids {
         let model = self.model();
         let shape = model.shape(id);
         let of = |stage| Solid::Stage(id, stage);
-        let purpose = &Purpose { solid: of(Stage::Placed), method: shape.distance, ..*purpose };
-        if let Some(distance) = told(&mut self.graph, placed, levels, purpose.method) {
+        let purpose = &Purpose { solid: of(Stage::Placed), choice: shape.distance, ..*purpose };
+        if let Some(distance) = told(&mut self.graph, placed, levels, purpose.choice) {
             return Ok(distance);
         }
         let scale = self.vector(&shape.placement.scale)?;
@@ -511,7 +523,7 @@ impl Solids {
         let model = self.model();
         let shape = model.shape(id);
         let solid = Solid::Stage(id, Stage::Placed);
-        let purpose = Purpose { solid, shape, key, span, voxel: None, method: shape.distance };
+        let purpose = Purpose { solid, shape, key, span, voxel: None, choice: shape.distance };
         self.distance_values(id, Interval::new(-size, size), &purpose)
     }
 
@@ -561,7 +573,7 @@ impl<'b> Making<'b> {
             Some(Argument::Scalar(name)) => name.span,
             _ => self.shape.span,
         };
-        Purpose { solid, shape: self.shape, key, span, voxel: None, method: self.shape.distance }
+        Purpose { solid, shape: self.shape, key, span, voxel: None, choice: self.shape.distance }
     }
 }
 

@@ -335,6 +335,9 @@ fn variants_and_set_override() {
         ["shape.a.box", "fps", "shape.a.color", "seed"].map(origin),
         [Origin::Set, Origin::Variant, Origin::Scene, Origin::Default]
     );
+    let in_braces = with(None, &["output.distance={ adf = 7 }", "shape.a.distance={ adf = 8 }"]);
+    assert_eq!(in_braces.written_distance().depth, Some(7));
+    assert_eq!(shape(&in_braces, "a").distance.depth, Some(8));
     let bad = |set: &str| problems_with(text, &Overrides { set: vec![set.into()], variant: None });
     assert_eq!(bad("sizes=3"), ["1:1 there is no parameter `sizes`; did you mean `size`?"]);
     assert_eq!(bad("fsp=3"), ["1:1 there is no parameter `fsp`; there is `size` and `width`"]);

@@ -61,9 +61,4 @@ fn the_inside_of_a_plane_shape_is_asked_for_as_a_solid() {
     let said = refused("[shape.r]\nrectangle = 1\nattribute.q = { interior = [{ circle = 0.5 }] }\n");
     assert!(said.contains("`interior` needs solids, and `r` is a shape of the plane"), "{said}");
     assert!(said.contains("make it a solid with `extrude`"), "{said}");
-    let said = refused(
-        "output.shape = 'r'\n[shape.r]\nrectangle = 1\nattribute.q = \"dist('c')\"\n\
-         [shape.c]\nunion = [{ circle = 0.5 }, { rectangle = [0.9, 0.2] }]\n",
-    );
-    assert!(said.contains("`dist` needs the distance to `c`, and only that of solids is measured"), "{said}");
 }

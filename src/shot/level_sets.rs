@@ -8,7 +8,7 @@ use std::sync::atomic::AtomicBool;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use crate::distance::band::{self, Feet, Settings, measure};
-use crate::distance::method::{USUAL, named};
+use crate::distance::method::Choice;
 use crate::distance::{Distance, SampledLevelSet};
 use crate::field::{Field, Interval};
 use crate::grid::Lattice;
@@ -114,7 +114,7 @@ impl LevelSets {
         let field = self.field(frame)?;
         let Ok(solid) = box_of(field.as_ref()) else { return Ok(None) };
         let problem = |error: String| Problem::new(self.span, format!("frame {frame}: {error}"));
-        let distance = measured(named(USUAL), &field, solid, Interval::ZERO, cell, None, &self.cancel);
+        let distance = measured(Choice::USUAL, &field, solid, Interval::ZERO, cell, None, &self.cancel);
         distance.map(Some).map_err(|error| Stop::of_measuring(&error, problem))
     }
 

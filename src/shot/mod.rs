@@ -3,6 +3,7 @@
 
 mod carry;
 mod delay;
+mod drawn;
 mod error;
 mod level_sets;
 mod matching;
@@ -50,6 +51,7 @@ mod sequence_tests;
 #[cfg(test)]
 mod volume_tests;
 
+pub use drawn::{Drawn, InPlane};
 pub use error::Error;
 pub use prepare::PrepareOptions;
 pub use prepared::{FrameContent, FrameInfo, MorphReport, Prepared};

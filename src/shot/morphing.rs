@@ -10,7 +10,7 @@ use rayon::prelude::*;
 use crate::attribute::Scalar;
 use crate::distance::descent::Scope;
 use crate::distance::extent::{Effort, Estimate, estimate};
-use crate::distance::method::{self, Measured, Method, Request, Rough};
+use crate::distance::method::{Measured, Method, Request, Rough};
 use crate::distance::nearest::Watch;
 use crate::distance::octree;
 use crate::field::{Aabb, Field};
@@ -495,7 +495,7 @@ fn claims<'c, P>(
         let part = model.part_hash(side.id, side.stage).ok()?;
         let Aabb { min, max } = side.solid;
         let numbers = [side.cell(measuring.voxel), measuring.resolution, min.x, min.y, min.z, max.x, max.y, max.z];
-        let part = [&part[..], method(model, side, measuring).name().as_bytes()].concat();
+        let part = [&part[..], model.shape(side.id).distance.key().as_bytes()].concat();
         Some((cache.key(&part, &numbers), place))
     };
     let mut keys: Vec<([u8; 32], usize)> = open.iter().enumerate().filter_map(key).collect();
@@ -527,7 +527,7 @@ fn fit_at_once<P>(open: &[(&Object, P)], measuring: &Measuring<'_>) -> bool {
 
 /// How one is measured.
 fn method(model: &Model, side: &Object, measuring: &Measuring<'_>) -> &'static dyn Method {
-    if measuring.roughly { &Rough } else { method::named(model.shape(side.id).distance) }
+    if measuring.roughly { &Rough } else { model.shape(side.id).distance.method() }
 }
 
 /// The distances of one.
@@ -537,6 +537,9 @@ fn distance(model: &Model, side: &Object, measuring: &Measuring<'_>, watch: &Wat
     let problem = |what: String| Problem::new(shape.span, format!("`{}`: {what}", shape.name));
     let mut settings = octree::Settings::new(side.solid, cell);
     settings.memory_limit = measuring.memory_limit.unwrap_or(settings.memory_limit);
+    if !measuring.roughly {
+        settings = shape.distance.settings(settings);
+    }
     let request = Request { field: &side.field, solid: side.solid, detail: cell, settings };
     let method = method(model, side, measuring);
     let mut measured = method.measure(&request, watch).map_err(|error| Stop::of_measuring(&error, problem))?;

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::attribute::{Colour, Scalar};
 use crate::distance::band::Feet;
-use crate::distance::method::{Method, Request, Rough, USUAL, named};
+use crate::distance::method::{Choice, Method, Request, Rough};
 use crate::distance::nearest::Watch;
 use crate::distance::octree::Settings;
 use crate::distance::without::Keep;
@@ -283,7 +283,7 @@ impl Prepared {
                 .measure(&request, &Watch { cancel: &self.cancel, progress: &|_| {} })
                 .map(|measured| measured.distance)
         } else {
-            measured(named(USUAL), &whole, solid, Interval::ZERO, voxel, None, &self.cancel)
+            measured(Choice::USUAL, &whole, solid, Interval::ZERO, voxel, None, &self.cancel)
         };
         let distance = distance.map_err(|error| Stop::of_measuring(&error, problem))?;
         Ok(displacement.of_field(distance))
@@ -324,6 +324,16 @@ impl Prepared {
     fn info(&self, frame: i64) -> FrameInfo {
         let Shot { range, .. } = self.model.shot;
         FrameInfo { frame, t: range.share(frame as f64), outside_shot: !(range.first..=range.last).contains(&frame) }
+    }
+
+    /// A problem with the distances that are written, as an error that points to what measures them.
+    pub fn distance_problem(&self, problem: String) -> Error {
+        let place = self.model.written_distance_span();
+        let problem = match place {
+            Some(span) => Diagnostic::error(span, problem),
+            None => Diagnostic::without_place(problem),
+        };
+        self.model.error(Problem(Box::new(problem)))
     }
 
     /// A problem with a value of a grid, the colour's or a scalar's, as an error that points to the formulas it can come

@@ -45,6 +45,8 @@ pub enum Kind {
     Depth,
     /// A file.
     Path,
+    /// One of these names of what measures distances, or a table.
+    Distance(&'static [&'static str]),
     /// A file, or one for each frame.
     Paths,
     /// F itself as a formula of x, y, z.
@@ -129,6 +131,7 @@ impl Kind {
             Self::Flag => "true or false".into(),
             Self::Text => "text".into(),
             Self::Choice(names) => choices(names),
+            Self::Distance(names) => format!("{}, or a table", choices(names)),
             Self::Progress => "`\"linear\"`, `\"smooth\"`, or the progress as a number".into(),
             Self::Delay => "number without time, formula of space, or table".into(),
             Self::Span => "two numbers, rising".into(),

@@ -1,8 +1,9 @@
-//! Extruded outlines made of boxes, L and H, whose exact distance follows from the outline's edges.
+//! Outlines made of boxes, L and H, in the plane and extruded, whose exact distance follows from the outline's edges.
 
 use glam::{DVec2, DVec3};
 
 use super::Case;
+use super::in_plane::PlaneCase;
 use crate::field::{Aabb, Expression, Graph, Node, SetSystem};
 
 /// Half the height of what is extruded.
@@ -39,21 +40,54 @@ pub fn cases() -> [Case; 2] {
         Case { name, field: Expression::new(&graph, node), solid, exact }
     };
     let around = |right: f64| Aabb::new(DVec3::new(-1.0, -1.0, -HEIGHT), DVec3::new(right, 1.0, HEIGHT));
-    let upright = |x: f64| [DVec2::new(x, 0.0), DVec2::new(STROKE, 1.0)];
     [
-        case(
-            "L, extruded, boxes under R₀ union",
-            |p| extruded(p, &L),
-            &[upright(-0.8), [DVec2::new(-0.2, -0.8), DVec2::new(0.8, STROKE)]],
-            around(0.6),
-        ),
-        case(
-            "H, extruded, boxes under R₀ union",
-            |p| extruded(p, &H),
-            &[upright(-0.8), upright(0.8), [DVec2::ZERO, DVec2::new(0.8, STROKE)]],
-            around(1.0),
-        ),
+        case("L, extruded, boxes under R₀ union", |p| extruded(p, &L), &of_l(), around(0.6)),
+        case("H, extruded, boxes under R₀ union", |p| extruded(p, &H), &of_h(), around(1.0)),
     ]
+}
+
+/// The same in the plane, and a disc.
+pub fn plane_cases() -> [PlaneCase; 3] {
+    let case = |name, right, exact, build: &dyn Fn(&mut Graph) -> Node| {
+        let mut graph = Graph::new();
+        let node = build(&mut graph);
+        let shape = Aabb::new(DVec3::new(-1.0, -1.0, 0.0), DVec3::new(right, 1.0, 0.0));
+        PlaneCase { name, field: std::sync::Arc::new(Expression::new(&graph, node)), shape, exact }
+    };
+    let boxes = |graph: &mut Graph, boxes: &[[DVec2; 2]]| {
+        let boxes: Vec<Node> = boxes.iter().map(|&[centre, half]| sides(graph, centre, half)).collect();
+        graph.union(SetSystem::R0, &boxes)
+    };
+    [
+        case("disc in the plane, r² − |p|²", 1.0, |p| 1.0 - p.length(), &|graph| {
+            let squares = [graph.x(), graph.y()].map(|along| graph.square(along));
+            let sum = graph.add(squares[0], squares[1]);
+            graph.linear(sum, -1.0, 1.0)
+        }),
+        case("L in the plane, boxes under R₀ union", 0.6, |p| polygon(p, &L), &|graph| boxes(graph, &of_l())),
+        case("H in the plane, boxes under R₀ union", 1.0, |p| polygon(p, &H), &|graph| boxes(graph, &of_h())),
+    ]
+}
+
+/// A stroke from bottom to top.
+fn upright(x: f64) -> [DVec2; 2] {
+    [DVec2::new(x, 0.0), DVec2::new(STROKE, 1.0)]
+}
+
+fn of_l() -> [[DVec2; 2]; 2] {
+    [upright(-0.8), [DVec2::new(-0.2, -0.8), DVec2::new(0.8, STROKE)]]
+}
+
+fn of_h() -> [[DVec2; 2]; 3] {
+    [upright(-0.8), upright(0.8), [DVec2::ZERO, DVec2::new(0.8, STROKE)]]
+}
+
+/// A rectangle by four half-spaces under R₀.
+fn sides(graph: &mut Graph, centre: DVec2, half: DVec2) -> Node {
+    let sides: Vec<Node> = [DVec2::X, DVec2::Y, DVec2::NEG_X, DVec2::NEG_Y]
+        .map(|normal| graph.half_space(normal.extend(0.0), half.dot(normal.abs()) + normal.dot(centre)))
+        .into();
+    graph.intersection(SetSystem::R0, &sides)
 }
 
 /// A box by six half-spaces under R₀.

@@ -5,15 +5,16 @@ use std::time::Instant;
 
 use serde::Serialize;
 
+use super::in_plane::{PlaneCase, judge};
 use super::{Case, compare};
 use crate::distance::band::{self, Feet, MeasuredBlock, Settings, measure};
-use crate::distance::method::METHODS;
+use crate::distance::method::{AsChosen, Choice, METHODS};
 use crate::distance::nearest::Watch;
 use crate::distance::octree::BuildError;
 use crate::grid::{Lattice, VoxelSize};
 
 /// Half the width of the bands that are judged, in voxels: that of level sets.
-const HALF_WIDTH: f32 = 3.0;
+pub const HALF_WIDTH: f32 = 3.0;
 
 /// A method on a shape.
 #[derive(Clone, Debug, Serialize)]
@@ -48,6 +49,23 @@ pub struct Level {
     pub seconds: f64,
 }
 
+/// Measures shapes of the plane by all methods that do.
+pub fn table_in_plane(cases: &[PlaneCase], resolutions: &[u32], watch: &Watch<'_>) -> Result<Vec<Row>, BuildError> {
+    let mut rows = Vec::new();
+    for case in cases {
+        for method in METHODS {
+            let level = |&resolution: &u32| judge(case, method, resolution, watch);
+            let levels: Vec<Level> = match resolutions.iter().map(level).collect() {
+                Err(BuildError::SolidsOnly { .. }) => continue,
+                levels => levels?,
+            };
+            let order = (levels.len() > 1).then(|| order(&levels));
+            rows.push(Row { shape: case.name, method: method.name(), levels, order });
+        }
+    }
+    Ok(rows)
+}
+
 /// Measures the bands of all cases by all methods. `done` is told the share done.
 pub fn table(cases: &[Case], resolutions: &[u32], watch: &Watch<'_>) -> Result<Vec<Row>, BuildError> {
     let mut rows = Vec::new();
@@ -68,7 +86,9 @@ pub fn table(cases: &[Case], resolutions: &[u32], watch: &Watch<'_>) -> Result<V
             for (row, method) in of_case.iter_mut().zip(METHODS) {
                 let mut own = band.clone();
                 let start = Instant::now();
-                method.measure_band(&case.field, &mut own, &Watch { cancel, progress: &|_| {} })?;
+                let watch = Watch { cancel, progress: &|_| {} };
+                let as_chosen = AsChosen { choice: Choice::by(method.name()), memory_limit: usize::MAX };
+                method.measure_band(&case.field, &mut own, as_chosen, &watch)?;
                 let took = if method.name() == METHODS[0].name() { first } else { start.elapsed() };
                 let found = compare(&own, case.exact);
                 row.levels.push(Level {

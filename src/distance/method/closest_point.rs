@@ -1,15 +1,21 @@
 //! `closest-point`: distances are the lengths of the ways to closest points on the zero set, and a spline over an octree of
-//! them answers everywhere. What holds of both is told in [`nearest`](crate::distance::nearest) and
-//! [`octree`](crate::distance::octree).
+//! them, in the plane over a quadtree, answers everywhere. What holds of these is told in
+//! [`nearest`](crate::distance::nearest), [`octree`](crate::distance::octree) and [`quadtree`](crate::distance::quadtree).
 
 use std::sync::Arc;
 
-use super::{Measured, Method, Request};
+use super::{Measured, MeasuredInPlane, Method, Request};
 use crate::distance::nearest::{FieldFeet, Watch};
 use crate::distance::octree::{BuildError, DistanceObject};
+use crate::distance::outline::OutlineFeet;
+use crate::distance::quadtree::Quadtree;
 
 /// The share that finding seeds has in the time that measuring takes.
 const SEEDING: f64 = 0.1;
+
+/// Cells along the longest side of a shape of the plane, at most, by which its outline is found: its pieces miss by the square of
+/// a cell.
+const FINEST: f64 = 2048.0;
 
 /// The method of closest points.
 pub struct ClosestPoint;
@@ -27,5 +33,13 @@ impl Method for ClosestPoint {
         let building = |part: f64| progress(SEEDING + (1.0 - SEEDING) * part);
         let object = DistanceObject::build(&feet, settings, &Watch { cancel, progress: &building })?;
         Ok(Measured::of(Arc::new(object)))
+    }
+
+    fn measure_in_plane(&self, request: &Request<'_>, watch: &Watch<'_>) -> Result<MeasuredInPlane, BuildError> {
+        let Request { field, solid, settings, .. } = request;
+        let finest = solid.size().truncate().max_element() / FINEST;
+        let feet = OutlineFeet::new(field.as_ref(), solid, settings.smallest_cell.max(finest), watch)?;
+        let tree = Quadtree::build(&feet, settings, watch)?;
+        Ok(MeasuredInPlane { report: *tree.report(), distance: Arc::new(tree) })
     }
 }

@@ -11,7 +11,7 @@ use super::blocks::Blocks;
 use super::godunov::arrival;
 use super::lattice::{self, Nodes};
 use super::rounds::settle;
-use super::{Measured, Method, Request};
+use super::{AsChosen, Measured, Method, Request};
 use crate::distance::nearest::Watch;
 use crate::distance::octree::{BuildError, DistanceObject};
 use crate::field::Field;
@@ -48,7 +48,13 @@ impl Method for Fim {
         Measured::signed(object, field)
     }
 
-    fn measure_band(&self, _field: &dyn Field, band: &mut Band, watch: &Watch<'_>) -> Result<(), BuildError> {
+    fn measure_band(
+        &self,
+        _field: &dyn Field,
+        band: &mut Band,
+        _as_chosen: AsChosen,
+        watch: &Watch<'_>,
+    ) -> Result<(), BuildError> {
         lattice::measure_band(band, &distances, watch)
     }
 }

@@ -2,6 +2,7 @@
 
 mod adf;
 pub mod blocks;
+mod choice;
 mod closest_point;
 pub mod fim;
 mod godunov;
@@ -16,12 +17,13 @@ mod tests;
 
 use std::sync::Arc;
 
+pub use choice::{AsChosen, Choice, DEPTHS};
 use own_sign::OwnSign;
 pub(crate) use rough::Rough;
 
 use super::Distance;
 use super::nearest::Watch;
-use super::octree::{BuildError, DistanceObject, Settings};
+use super::octree::{BuildError, DistanceObject, Report, Settings};
 use crate::field::{Aabb, Field};
 use crate::grid::Band;
 
@@ -60,9 +62,18 @@ impl Measured {
 
     /// The same with F's own sign.
     fn signed(object: Arc<DistanceObject>, field: &Arc<dyn Field>) -> Self {
-        let distance = Arc::new(OwnSign { object: Arc::clone(&object), field: Arc::clone(field) });
+        let distance = Arc::new(OwnSign { magnitude: Arc::clone(&object) as _, field: Arc::clone(field) });
         Self { distance, ..Self::of(object) }
     }
+}
+
+/// A distance in the plane that was measured.
+#[derive(Clone)]
+pub struct MeasuredInPlane {
+    /// The distance, everywhere.
+    pub distance: Arc<dyn Distance>,
+    /// The quadtree that restores it.
+    pub report: Report,
 }
 
 /// A way to measure distances.
@@ -76,6 +87,14 @@ pub trait Method: Sync {
     /// Those of the method; [`BuildError::Cancelled`] once the watch says so.
     fn measure(&self, request: &Request<'_>, watch: &Watch<'_>) -> Result<Measured, BuildError>;
 
+    /// Measures the distance of a field that does not know z, in the plane: the request's z is of no account.
+    ///
+    /// # Errors
+    /// [`BuildError::SolidsOnly`] where the method measures solids only; else those of [`Self::measure`].
+    fn measure_in_plane(&self, _request: &Request<'_>, _watch: &Watch<'_>) -> Result<MeasuredInPlane, BuildError> {
+        Err(BuildError::SolidsOnly { method: self.name() })
+    }
+
     /// Memory that a node takes while a band is measured, in bytes, beside the band itself.
     fn bytes_a_node(&self) -> usize {
         0
@@ -86,12 +105,18 @@ pub trait Method: Sync {
         Measured::of(object)
     }
 
-    /// Puts its distances in the place of those of a band of `field`, which are those to closest points and stay unless a
-    /// method has others. Signs, and which voxels are active, always stay.
+    /// Puts its distances, as they were chosen, in the place of those of a band of `field`, which are those to closest points
+    /// and stay unless a method has others. Signs, and which voxels are active, always stay.
     ///
     /// # Errors
     /// Those of the method; [`BuildError::Cancelled`] once the watch says so.
-    fn measure_band(&self, _field: &dyn Field, _band: &mut Band, _watch: &Watch<'_>) -> Result<(), BuildError> {
+    fn measure_band(
+        &self,
+        _field: &dyn Field,
+        _band: &mut Band,
+        _as_chosen: AsChosen,
+        _watch: &Watch<'_>,
+    ) -> Result<(), BuildError> {
         Ok(())
     }
 }
@@ -101,6 +126,9 @@ pub const NAMES: [&str; METHODS.len()] = ["closest-point", "vector-dt", "fim", "
 
 /// The usual method.
 pub const USUAL: &str = NAMES[0];
+
+/// The one that takes a depth.
+pub const ADF: &str = NAMES[3];
 
 /// The method of a name; the usual one of a name that is none.
 pub fn named(name: &str) -> &'static dyn Method {

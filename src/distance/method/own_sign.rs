@@ -4,7 +4,6 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
-use crate::distance::octree::DistanceObject;
 use crate::distance::{Distance, Foot};
 use crate::field::{Aabb, BATCH, Evaluator, Field, Gradients, Hint, Hints, Interval, Points, Slope};
 
@@ -14,7 +13,7 @@ use crate::field::{Aabb, BATCH, Evaluator, Field, Gradients, Hint, Hints, Interv
 /// there, so no slope is declared.
 pub struct OwnSign {
     /// v.
-    pub object: Arc<DistanceObject>,
+    pub magnitude: Arc<dyn Field>,
     /// F.
     pub field: Arc<dyn Field>,
 }
@@ -31,7 +30,7 @@ fn on_side(value: f32, inside: bool) -> f32 {
 
 impl Field for OwnSign {
     fn bounding_box(&self) -> Option<Aabb> {
-        self.field.bounding_box().or_else(|| self.object.bounding_box())
+        self.field.bounding_box().or_else(|| self.magnitude.bounding_box())
     }
 
     fn slope(&self) -> Slope {
@@ -43,13 +42,13 @@ impl Field for OwnSign {
     }
 
     fn reference(&self, position: DVec3) -> f64 {
-        let value = self.object.reference(position);
+        let value = self.magnitude.reference(position);
         if self.field.reference(position) >= 0.0 { value.max(0.0) } else { value.min(f64::from(-f32::MIN_POSITIVE)) }
     }
 
     fn evaluator(&self) -> Box<dyn Evaluator + '_> {
         Box::new(OwnSignEvaluator {
-            object: self.object.evaluator(),
+            magnitude: self.magnitude.evaluator(),
             field: self.field.evaluator(),
             signs: [0.0; BATCH],
         })
@@ -64,7 +63,7 @@ impl Distance for OwnSign {
 }
 
 struct OwnSignEvaluator<'a> {
-    object: Box<dyn Evaluator + 'a>,
+    magnitude: Box<dyn Evaluator + 'a>,
     field: Box<dyn Evaluator + 'a>,
     signs: [f32; BATCH],
 }
@@ -81,13 +80,13 @@ impl OwnSignEvaluator<'_> {
 
 impl Evaluator for OwnSignEvaluator<'_> {
     fn enter(&mut self, region: &Aabb) {
-        self.object.enter(region);
+        self.magnitude.enter(region);
         // Pruning keeps F's sign, and no more of it is used.
         self.field.enter(region);
     }
 
     fn bounds(&mut self) -> Interval {
-        let (magnitude, side) = (self.object.bounds(), self.field.bounds());
+        let (magnitude, side) = (self.magnitude.bounds(), self.field.bounds());
         if side.lo >= 0.0 {
             return Interval::new(magnitude.lo.max(0.0), magnitude.hi.max(0.0));
         }
@@ -103,17 +102,17 @@ impl Evaluator for OwnSignEvaluator<'_> {
     }
 
     fn leave(&mut self) {
-        self.object.leave();
+        self.magnitude.leave();
         self.field.leave();
     }
 
     fn values(&mut self, points: &Points, out: &mut [f32; BATCH]) {
-        self.object.values(points, out);
+        self.magnitude.values(points, out);
         self.sign(points, out);
     }
 
     fn gradients(&mut self, points: &Points, out: &mut Gradients) {
-        self.object.gradients(points, out);
+        self.magnitude.gradients(points, out);
         self.sign(points, &mut out.value);
     }
 }

@@ -90,7 +90,9 @@ fn band_of(field: &dyn Field, solid: Aabb, voxel: f64, method: &dyn Method, thre
             progress: &|_| {},
         };
         let mut band = band::measure(field, &settings, || |_: &band::MeasuredBlock| ()).expect("a surface").band;
-        method.measure_band(field, &mut band, &Watch { cancel: &cancel, progress: &|_| {} }).expect("a band");
+        let watch = Watch { cancel: &cancel, progress: &|_| {} };
+        let as_chosen = AsChosen { choice: Choice::by(method.name()), memory_limit: usize::MAX };
+        method.measure_band(field, &mut band, as_chosen, &watch).expect("a band");
         band
     })
 }

@@ -16,7 +16,7 @@ use glam::{DVec3, IVec3};
 
 use super::lattice::{self, Nodes};
 use super::rounds::settle;
-use super::{Measured, Method, Request};
+use super::{AsChosen, Measured, Method, Request};
 use crate::distance::nearest::Watch;
 use crate::distance::octree::{BuildError, DistanceObject};
 use crate::field::Field;
@@ -61,7 +61,13 @@ impl Method for VectorDt {
         Measured::signed(object, field)
     }
 
-    fn measure_band(&self, field: &dyn Field, band: &mut Band, watch: &Watch<'_>) -> Result<(), BuildError> {
+    fn measure_band(
+        &self,
+        field: &dyn Field,
+        band: &mut Band,
+        _as_chosen: AsChosen,
+        watch: &Watch<'_>,
+    ) -> Result<(), BuildError> {
         lattice::measure_band(band, &|nodes: &Nodes<'_>, watch: &Watch<'_>| distances(field, nodes, watch), watch)
     }
 }

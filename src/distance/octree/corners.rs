@@ -24,6 +24,10 @@ pub struct Corners {
     pub leaves: Vec<[u32; 8]>,
     /// The numbers of each corner.
     pub numbers: Vec<Numbers>,
+    /// How many corners hang.
+    pub hanging: usize,
+    /// The number of each corner's sample.
+    samples: Vec<u32>,
 }
 
 /// The nearest corner along an axis to one side, and how often the way there doubles a smallest cell.
@@ -54,18 +58,24 @@ impl Known {
                 (gap, (of(other) - of(corner)) / gap)
             })
         };
-        match (side(below), side(above)) {
-            (Some((a, down)), Some((b, up))) => {
-                // Exact on parabolas whatever the two gaps. Where a crease lies on one side the two differences are
-                // far apart: then no more than twice the smaller, or the crease is felt in smooth cells beside it.
-                let central = (up * a - down * b) / (a + b);
-                let limit = if up * down < 0.0 { 2.0 * up.abs().min(down.abs()) } else { 0.0 };
-                central.clamp(-limit, limit)
-            }
-            (Some((_, down)), None) => -down,
-            (None, Some((_, up))) => up,
-            (None, None) => 0.0,
+        between(side(below), side(above))
+    }
+}
+
+/// The slope at a corner from what lies below and above it, each by how far that is and by the slope from there: that of the
+/// parabola through all three, or the one there is at the border.
+pub fn between(below: Option<(f64, f64)>, above: Option<(f64, f64)>) -> f64 {
+    match (below, above) {
+        (Some((a, down)), Some((b, up))) => {
+            // Exact on parabolas whatever the two gaps. Where a crease lies on one side the two differences are
+            // far apart: then no more than twice the smaller, or the crease is felt in smooth cells beside it.
+            let central = (up * a - down * b) / (a + b);
+            let limit = if up * down < 0.0 { 2.0 * up.abs().min(down.abs()) } else { 0.0 };
+            central.clamp(-limit, limit)
         }
+        (Some((_, down)), None) => -down,
+        (None, Some((_, up))) => up,
+        (None, None) => 0.0,
     }
 }
 
@@ -87,11 +97,18 @@ pub fn corners(tree: &Tree, nodes: &[u32], order: &[u32], samples: &Samples, ste
     }
     let known = Known { beside: beside(&leaves, &cells, of_corners.len()), samples: of_corners, step };
     let mut numbers = free_jets(&known, samples);
-    hang(&leaves, nodes, &cells, step, &mut numbers);
-    Corners { leaves, numbers }
+    let hanging = hang(&leaves, nodes, &cells, step, &mut numbers);
+    Corners { leaves, numbers, hanging, samples: known.samples }
 }
 
 impl Corners {
+    /// Gives corners that hang their own values back.
+    pub fn forget_hanging(&mut self, samples: &Samples) {
+        for (numbers, &sample) in self.numbers.iter_mut().zip(&self.samples) {
+            numbers[0] = samples.numbered(sample).value as f32;
+        }
+    }
+
     /// The patch of a leaf of the given edge.
     pub fn patch(&self, leaf: usize, edge: f64) -> Patch {
         Patch { corners: self.leaves[leaf].map(|corner| jet(&self.numbers[corner as usize])), edge }
@@ -151,11 +168,13 @@ fn free_jets(known: &Known, samples: &Samples) -> Vec<Numbers> {
     corners.map(free).collect()
 }
 
-/// Gives every hanging corner the jet of the leaf it hangs on.
-fn hang(leaves: &[[u32; 8]], nodes: &[u32], cells: &[Cell], step: f64, numbers: &mut [Numbers]) {
+/// Gives every hanging corner the jet of the leaf it hangs on. Returns how many there are.
+fn hang(leaves: &[[u32; 8]], nodes: &[u32], cells: &[Cell], step: f64, numbers: &mut [Numbers]) -> usize {
+    let mut count = 0;
     // What is kept is followed, not what it was rounded from. Coarse leaves first: no corner of a leaf hangs on one of its
     // own size, so those take their jets from what is final.
     for alike in hanging(nodes, leaves) {
+        count += alike.len();
         for some in alike.chunks(HANGING_AT_ONCE) {
             let followed = |hanging: &Hanging| {
                 let leaf = hanging.leaf as usize;
@@ -169,4 +188,5 @@ fn hang(leaves: &[[u32; 8]], nodes: &[u32], cells: &[Cell], step: f64, numbers: 
             }
         }
     }
+    count
 }

@@ -5,7 +5,7 @@ use glam::DVec3;
 use super::bricks::Grid;
 use super::kernel::{self, Extent, Located};
 use super::{DistanceObject, LEAF};
-use crate::field::{Aabb, BATCH, Evaluator, Gradients, Hint, Hints, Interval, Points};
+use crate::field::{Aabb, BATCH, Evaluator, Field, Gradients, Hint, Hints, Interval, Points};
 
 /// A node with its place, in smallest cells.
 #[derive(Clone, Copy)]
@@ -179,7 +179,7 @@ impl Evaluator for OctreeEvaluator<'_> {
     }
 
     fn hints(&mut self, asked: Hint) -> Hints {
-        let region = self.regions.last().filter(|_| asked == Hint::Steepest);
+        let region = self.regions.last().filter(|_| asked == Hint::Steepest && !self.object.jumps());
         let steepest = region.map(|region| self.object.steepest_from(&region.within, region.place));
         Hints { keeps_values: true, steepest, ..Hints::NONE }
     }

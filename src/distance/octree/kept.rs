@@ -3,22 +3,24 @@
 use glam::DVec3;
 
 use super::bricks::Bricks;
-use super::{DistanceObject, LEAF, Report};
+use super::{DistanceObject, LEAF, Report, Restore};
 
 /// What the bytes begin with; its number rises whenever their form changes.
-const MAGIC: [u8; 16] = *b"hfvdb distance 1";
+const MAGIC: [u8; 16] = *b"hfvdb distance 2";
 
 impl DistanceObject {
     /// All that was measured.
     pub fn to_bytes(&self) -> Vec<u8> {
-        let Report { samples, depth, error_at_surface, error_relative, .. } = self.report;
+        let Report { samples, hanging, depth, error_at_surface, error_relative, .. } = self.report;
         let mut bytes = MAGIC.to_vec();
         let mut put = |number: [u8; 8]| bytes.extend_from_slice(&number);
         for number in [self.origin.x, self.origin.y, self.origin.z, self.step, error_at_surface, error_relative] {
             put(number.to_le_bytes());
         }
         let counts = [self.nodes.len(), self.leaves.len(), self.numbers.len(), samples].map(|count| count as u64);
-        let flags = [u64::from(self.depth), u64::from(depth), u64::from(self.bounding_box.is_some())];
+        let is_linear = u64::from(self.restore == Restore::Linear);
+        let has_surface = u64::from(self.bounding_box.is_some());
+        let flags = [u64::from(self.depth), u64::from(depth), has_surface, is_linear, hanging as u64];
         for number in counts.into_iter().chain(flags) {
             put(number.to_le_bytes());
         }
@@ -43,6 +45,8 @@ impl DistanceObject {
         let mut count = || take().and_then(|bytes| usize::try_from(u64::from_le_bytes(bytes)).ok());
         let (nodes, cells, corners, samples) = (count()?, count()?, count()?, count()?);
         let (depth, smallest, has_surface) = (count()? as u32, count()? as u32, count()? == 1);
+        let restore = if count()? == 1 { Restore::Linear } else { Restore::Spline };
+        let hanging = count()?;
         let whole = cells.checked_add(corners)?.checked_mul(8)?.checked_add(nodes)?.checked_mul(4)?;
         if rest.len() != whole || !(step > 0.0 && step.is_finite() && origin.is_finite()) || depth >= 31 {
             return None;
@@ -65,7 +69,17 @@ impl DistanceObject {
             border: super::Border::default(),
             slope: 0.0,
             bounding_box: None,
-            report: Report { cells, corners, samples, depth: smallest, bytes: 0, error_at_surface, error_relative },
+            restore,
+            report: Report {
+                cells,
+                corners,
+                hanging,
+                samples,
+                depth: smallest,
+                bytes: 0,
+                error_at_surface,
+                error_relative,
+            },
         };
         if !object.is_a_tree() {
             return None;

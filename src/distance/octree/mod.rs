@@ -14,14 +14,14 @@
 mod beyond;
 mod bounds;
 mod bricks;
-mod corners;
+pub(super) mod corners;
 mod evaluate;
 mod hanging;
 mod kept;
 mod kernel;
-mod patch;
-mod refine;
-mod samples;
+pub(super) mod patch;
+pub(super) mod refine;
+pub(super) mod samples;
 mod steepest;
 mod tree;
 
@@ -30,6 +30,7 @@ mod tests;
 
 use glam::DVec3;
 use rayon::prelude::*;
+use serde::Serialize;
 
 use self::beyond::Border;
 pub use self::bounds::Bounded;
@@ -60,6 +61,21 @@ const REFINING: f64 = 0.6;
 /// The same when all cells and corners are made.
 const MADE: f64 = 0.95;
 
+/// What a cell is between its corners.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Restore {
+    /// The cubic Hermite patch: C¹ across all cells.
+    #[default]
+    Spline,
+    /// Linear along each axis in the values at its own corners, as adaptively sampled distance fields began (Frisken et al.
+    /// 2000; HFRep, Fig. 10a): slopes jump from cell to cell, and values where cells of different size meet.
+    Linear,
+}
+
+/// What a cell takes, in bytes, beside its samples: while building, and what is kept of it.
+pub(in crate::distance) const BYTES_A_CELL: usize =
+    size_of::<tree::Cell>() + 9 * size_of::<u32>() + 40 + 3 * 64 + size_of::<Polynomial>();
+
 /// How a [`DistanceObject`] is built.
 #[derive(Clone, Copy, Debug)]
 pub struct Settings {
@@ -85,6 +101,8 @@ pub struct Settings {
     /// The distances whose level sets are asked for, positive inside: patches are right there, and cells grow with the
     /// distance to them. 0 is the surface itself.
     pub levels: Interval,
+    /// What cells are between their corners. Which cells there are does not depend on it.
+    pub restore: Restore,
     /// The most memory, in bytes, that building may hold.
     pub memory_limit: usize,
 }
@@ -98,6 +116,7 @@ impl Settings {
             region,
             smallest_cell,
             levels: Interval::ZERO,
+            restore: Restore::Spline,
             tolerance: 0.02 * smallest_cell,
             ratio: 0.5,
             ratio_across: 0.125,
@@ -107,7 +126,7 @@ impl Settings {
     }
 
     /// How far a distance is from those that are asked for.
-    fn beyond_levels(&self, distance: f64) -> f64 {
+    pub(super) fn beyond_levels(&self, distance: f64) -> f64 {
         (self.levels.lo - distance).max(distance - self.levels.hi).max(0.0)
     }
 }
@@ -138,6 +157,11 @@ pub enum BuildError {
     },
     /// The field has no surface in the region.
     NoSurface,
+    /// A shape of the plane, which this method does not measure.
+    SolidsOnly {
+        /// The method's name.
+        method: &'static str,
+    },
     /// What else may go wrong where the surface is sought.
     Surface(band::Error),
 }
@@ -152,13 +176,17 @@ impl std::fmt::Display for BuildError {
             }
             Self::Memory { needed, limit } => write!(
                 f,
-                "measuring distances needs more than {} MiB, the limit is {} MiB: raise the limit or make the smallest \
-                 cell (the voxel) larger",
+                "measuring distances needs more than {} MiB, the limit is {} MiB: raise the limit, make the smallest cell \
+                 (the voxel) larger, or take a smaller depth of `adf` where one is given",
                 needed >> 20,
                 limit >> 20
             ),
             Self::NotFinite { position } => write!(f, "the distance at {position} is not a finite number"),
             Self::Surface(error) => write!(f, "{error}"),
+            Self::SolidsOnly { method } => write!(
+                f,
+                "`{method}` measures solids only: a shape of the plane is measured by `closest-point` or `adf`"
+            ),
             Self::NoSurface => write!(f, "there is no surface in the region: F has one sign at every point tried"),
         }
     }
@@ -176,12 +204,14 @@ impl From<band::Error> for BuildError {
 }
 
 /// What was built.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Report {
     /// Leaf cells.
     pub cells: usize,
     /// Corners of leaf cells.
     pub corners: usize,
+    /// Those of them that hang on a coarser cell.
+    pub hanging: usize,
     /// Closest points asked for.
     pub samples: usize,
     /// Halvings from the root to the smallest leaf.
@@ -219,6 +249,7 @@ pub struct DistanceObject {
     border: Border,
     slope: f64,
     bounding_box: Option<Aabb>,
+    restore: Restore,
     report: Report,
 }
 
@@ -229,11 +260,8 @@ impl DistanceObject {
         let mut samples = Samples::new(oracle, watch, origin, settings.smallest_cell);
         let mut tree = Tree::new(1 << depth);
         let memory = |tree: &Tree, samples: &Samples| {
-            // Beside the samples: cells while building, and what is kept.
-            let kept = 40 + 3 * 64 + size_of::<Polynomial>();
-            let needed = samples.bytes()
-                + tree.cells.len() * (size_of::<tree::Cell>() + 9 * size_of::<u32>() + kept)
-                + Bricks::bytes_of(tree);
+            // Beside the samples.
+            let needed = samples.bytes() + tree.cells.len() * BYTES_A_CELL + Bricks::bytes_of(tree);
             if needed > settings.memory_limit {
                 return Err(BuildError::Memory { needed, limit: settings.memory_limit });
             }
@@ -259,6 +287,9 @@ impl DistanceObject {
             return Err(BuildError::Cancelled);
         }
         (watch.progress)(MADE);
+        if settings.restore == Restore::Linear {
+            made.forget_hanging(&samples);
+        }
         let smallest = order.iter().map(|&node| tree.cells[node as usize].size).min().unwrap_or(1);
         drop((tree, order));
         let mut object = Self {
@@ -276,14 +307,12 @@ impl DistanceObject {
             border: Border::default(),
             slope: 0.0,
             bounding_box: None,
+            restore: settings.restore,
             report: Report {
-                cells: 0,
-                corners: 0,
+                hanging: made.hanging,
                 samples: samples.len(),
                 depth: depth - smallest.trailing_zeros(),
-                bytes: 0,
-                error_at_surface: 0.0,
-                error_relative: 0.0,
+                ..Report::default()
             },
         };
         object.measure(&samples);
@@ -341,7 +370,11 @@ impl DistanceObject {
     /// The patch of a leaf.
     fn patch(&self, place: Place) -> Patch {
         let corners = self.leaves[self.leaf(place)].map(|corner| corners::jet(&self.numbers[corner as usize]));
-        Patch { corners, edge: f64::from(place.size) * self.step }
+        let patch = Patch { corners, edge: f64::from(place.size) * self.step };
+        match self.restore {
+            Restore::Spline => patch,
+            Restore::Linear => patch.linear(),
+        }
     }
 
     /// The polynomial of a leaf.
@@ -429,7 +462,7 @@ impl DistanceObject {
 }
 
 /// The root's least corner and depth.
-fn root(settings: &Settings) -> Result<(DVec3, u32), BuildError> {
+pub(in crate::distance) fn root(settings: &Settings) -> Result<(DVec3, u32), BuildError> {
     let Settings { region, smallest_cell, tolerance, ratio, ratio_across, tolerance_across, .. } = *settings;
     let size = region.size();
     let good = |x: f64| x.is_finite() && x > 0.0;
@@ -477,7 +510,14 @@ impl Field for DistanceObject {
     }
 
     fn slope(&self) -> Slope {
-        Slope::Lipschitz(self.slope)
+        match self.restore {
+            Restore::Spline => Slope::Lipschitz(self.slope),
+            Restore::Linear => Slope::Unknown,
+        }
+    }
+
+    fn jumps(&self) -> bool {
+        self.restore == Restore::Linear
     }
 
     fn reference(&self, position: DVec3) -> f64 {

@@ -74,6 +74,21 @@ impl Patch {
         contracted(&near, &far, SECOND, &second)
     }
 
+    /// The patch that is linear along each axis between the same values at the corners.
+    pub fn linear(&self) -> Self {
+        // Of such a one a derivative along an axis is a difference along an edge.
+        fn derivative(patch: &Patch, corner: usize, slot: usize) -> f64 {
+            let bit = slot & slot.wrapping_neg();
+            if bit == 0 {
+                return patch.corners[corner][0];
+            }
+            let at = |corner: usize| derivative(patch, corner, slot & !bit);
+            (at(corner | bit) - at(corner & !bit)) / patch.edge
+        }
+        let jet = |corner: usize| std::array::from_fn(|slot| derivative(self, corner, slot));
+        Self { corners: std::array::from_fn(jet), edge: self.edge }
+    }
+
     /// The Bernstein coefficients of the whole cell.
     pub fn bernstein(&self) -> Tensor {
         let third = self.edge / 3.0;
@@ -129,7 +144,7 @@ fn change_lines_apart<const STRIDE: usize>(tensor: &mut Tensor, change: impl Fn(
 }
 
 /// The coefficients of a sub-interval of a cubic, by blossoming.
-fn cut(c: [f64; 4], lo: f64, hi: f64) -> [f64; 4] {
+pub fn cut(c: [f64; 4], lo: f64, hi: f64) -> [f64; 4] {
     let mix = |a: f64, b: f64, t: f64| a * (1.0 - t) + b * t;
     let blossom = |r: f64, s: f64, t: f64| {
         let first = [mix(c[0], c[1], r), mix(c[1], c[2], r), mix(c[2], c[3], r)];

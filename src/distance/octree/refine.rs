@@ -12,12 +12,12 @@ use crate::distance::nearest::Watch;
 
 /// Edges of a surface cell, in smallest cells, above which it is split unseen. Greater, and a bump can hide between
 /// the points tried; smaller, and flat faces cost more cells than they need.
-const LARGEST_AT_SURFACE: u32 = 8;
+pub const LARGEST_AT_SURFACE: u32 = 8;
 
 /// How far, in edges of the cell, an error of the gradient at a point tried is taken to go on and become one of the
 /// value. Smaller, and a gradient that belongs to the other side of a crease goes unseen until a smaller cell takes it;
 /// larger, and smooth cells are split for it.
-const SLOPE_REACH: f64 = 0.0625;
+pub const SLOPE_REACH: f64 = 0.0625;
 
 /// The points of a cell in halves of its edge: its middle, then the middles of faces and edges.
 pub fn middles() -> impl Iterator<Item = [u32; 3]> {

@@ -134,6 +134,11 @@ impl<'a> Samples<'a> {
         &self.taken[number as usize]
     }
 
+    /// The place of the sample of a number.
+    pub fn place(&self, number: u32) -> [u32; 3] {
+        unmorton(self.keys[number as usize])
+    }
+
     /// Every sample with its place; neighbours mostly follow one another.
     pub fn all(&self) -> impl IndexedParallelIterator<Item = ([u32; 3], &Sample)> {
         self.keys.par_iter().map(|key| unmorton(*key)).zip(&self.taken)

@@ -4,6 +4,7 @@ mod carry;
 mod chain;
 mod colours;
 mod displace;
+mod distance;
 mod links;
 mod morph;
 mod names;

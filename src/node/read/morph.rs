@@ -269,7 +269,8 @@ impl<'r, 'a> Building<'r, 'a> {
             program,
             primaries: fields.choice("color_space").and_then(Primaries::named),
             max_speed: fields.constant("max_speed"),
-            distance: fields.choice("distance"),
+            distance: self.measured_by(&fields),
+            step: self.step(&fields),
         };
         (output, chosen)
     }
@@ -393,6 +394,7 @@ fn default_output() -> Output {
         primaries: None,
         max_speed: None,
         distance: None,
+        step: None,
         inside: false,
         density: false,
     }

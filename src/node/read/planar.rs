@@ -151,8 +151,11 @@ impl Building<'_, '_> {
             colour: None,
             scalars: Default::default(),
             distance: shape.distance,
+            distance_span: shape.distance_span,
+            step: shape.step,
             reads: Default::default(),
             is_flat: false,
+            lifts: Some(id),
         };
         self.shapes.push(Some(lifted));
         ShapeId(self.shapes.len() - 1)

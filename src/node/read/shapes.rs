@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
-use crate::distance::method::USUAL;
+use crate::distance::method::Choice;
 use crate::field::Aabb;
 
 use super::links::{Link, Node};
@@ -144,7 +144,8 @@ impl<'r, 'a> Building<'r, 'a> {
             .map(|value| self.scalars(&fields.full("attribute"), value, host))
             .unwrap_or_default();
         let name = path.trim_start_matches("shape.").into();
-        let distance = fields.choice("distance").unwrap_or(USUAL);
+        let (distance, distance_span) = self.measured_by(&fields).unwrap_or((Choice::USUAL, span));
+        let step = self.step(&fields);
         let mut shape = Shape {
             name,
             span,
@@ -155,8 +156,11 @@ impl<'r, 'a> Building<'r, 'a> {
             colour,
             scalars,
             distance,
+            distance_span,
+            step,
             reads: BTreeMap::new(),
             is_flat: false,
+            lifts: None,
         };
         shape.reads = self.reads(&shape, id);
         self.say_made_by_given(&shape);

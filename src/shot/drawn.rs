@@ -1,0 +1,83 @@
+//! What slices draw beside a frame's band: F and the distance to its zero set, as far as a picture goes. Of a shape of the plane
+//! that nothing but being baked made a solid of, both are those of the plane.
+
+use std::sync::Arc;
+
+use crate::distance::method::Request;
+use crate::distance::nearest::Watch;
+use crate::distance::octree::{Report, Settings};
+use crate::distance::step::Stepped;
+use crate::field::{Aabb, Field};
+use crate::node::extent::box_of;
+use crate::node::measured::{BESIDE_SURFACE, measured_in_plane, smallest_cell};
+use crate::node::model::Content;
+use crate::shot::error::Error;
+use crate::shot::prepared::Prepared;
+
+/// F of a shape of the plane, and its box, of no height.
+pub type InPlane = (Arc<dyn Field>, Aabb);
+
+/// A distance that answers everywhere.
+#[derive(Clone)]
+pub struct Drawn {
+    /// The distance, world units, positive inside, with the smooth step that the scene asks for.
+    pub distance: Arc<dyn Field>,
+    /// The tree that restores it.
+    pub report: Report,
+}
+
+impl Prepared {
+    /// The shape of the plane that a frame shows extruded, where nothing else makes a solid of it.
+    ///
+    /// # Errors
+    /// What is wrong with the shape.
+    pub fn in_plane(&self, frame: i64) -> Result<Option<InPlane>, Error> {
+        let Content::Shape(id) = self.model.content else { return Ok(None) };
+        let Some(flat) = self.model.shape(id).lifts else { return Ok(None) };
+        let mut solids = self.base.at(self.model.moment(frame as f64), &self.variation);
+        solids.in_plane(flat).map_err(|problem| self.model.error(problem))
+    }
+
+    /// The distance of a frame in the plane, by what measures what is written.
+    ///
+    /// # Errors
+    /// Why it cannot be measured, and that it was cancelled.
+    pub fn distance_in_plane(&self, frame: i64, (field, aabb): &InPlane) -> Result<Drawn, Error> {
+        // As good at the outline as what is measured for a band.
+        let (choice, voxel) = (self.model.written_distance(), self.lattice.voxel_size.get());
+        let measured = measured_in_plane(choice, field, *aabb, BESIDE_SURFACE, voxel, &self.cancel);
+        let measured = measured.map_err(|error| self.not_measured(frame, &error))?;
+        Ok(self.stepped(measured.distance, measured.report))
+    }
+
+    /// The distance to a frame's surface, by what measures what is written. Building it takes at most so many bytes.
+    ///
+    /// # Errors
+    /// The same.
+    pub fn distance(&self, frame: i64, field: &Arc<dyn Field>, limit: u64) -> Result<Drawn, Error> {
+        let solid = box_of(field.as_ref()).map_err(|error| self.not_measured(frame, &error))?;
+        let (choice, cell) = (self.model.written_distance(), smallest_cell(self.lattice.voxel_size.get(), &solid));
+        let settings =
+            Settings { memory_limit: usize::try_from(limit).unwrap_or(usize::MAX), ..Settings::new(solid, cell) };
+        let request = Request { field, solid, detail: cell, settings: choice.settings(settings) };
+        let measured = choice.method().measure(&request, &Watch { cancel: &self.cancel, progress: &|_| {} });
+        let measured = measured.map_err(|error| self.not_measured(frame, &error))?;
+        Ok(self.stepped(measured.distance, *measured.object.report()))
+    }
+
+    fn stepped(&self, distance: Arc<dyn Field>, report: Report) -> Drawn {
+        let step = self.model.written_step().map(|s| s * self.lattice.voxel_size.get());
+        let distance = match step {
+            Some(s) => Arc::new(Stepped { distance, s }),
+            None => distance,
+        };
+        Drawn { distance, report }
+    }
+
+    fn not_measured(&self, frame: i64, error: &dyn std::fmt::Display) -> Error {
+        if self.cancel.load(std::sync::atomic::Ordering::Relaxed) {
+            return Error::Cancelled;
+        }
+        self.distance_problem(format!("frame {frame}: {error}"))
+    }
+}
