@@ -266,6 +266,39 @@ fn a_draft_is_like_the_final_picture() {
     assert!(all().any(|apart| apart > 0), "both are the same picture");
 }
 
+/// Distances as far as the picture goes, and an attribute inside; what is not there is told with what there is.
+#[test]
+fn slices_show_distances_and_attributes() {
+    let place = Workplace::new();
+    let ball = "[shape.a]\nellipsoid = [1, 0.8, 0.6]\nattribute.heat = '10*y'\n";
+    place.write("ball.toml", ball);
+    let slice = |of: &str, file: &str| {
+        format!("preview ball.toml --slice z=0 --size 60 --resolution 32 --slice-of {of} -o {file}")
+    };
+    place.hfvdb(&slice("distance", "far.png")).ok();
+    place.hfvdb(&slice("heat", "heat.png")).ok();
+    place.hfvdb(&slice("heta", "no.png")).fails(2, &["no such attribute", "band, distance, f, gradient, heat"]);
+    place.hfvdb("bake ball.toml --resolution 16 -o ball.vdb").ok();
+    place.hfvdb("preview ball.vdb --slice z=0 --slice-of distance -o no.png").fails(2, &["has its band alone"]);
+    assert_eq!(place.names("."), ["ball.toml", "ball.vdb", "far.png", "heat.png"]);
+    // Far from the band the distance is that of the surface, and not what the band ends with.
+    place.hfvdb(&slice("distance", "far.exr")).ok();
+    let image = read().no_deep_data().largest_resolution_level().all_channels().first_valid_layer().all_attributes();
+    let image = image.from_file(place.path("far.exr")).expect("an EXR");
+    let channels = &image.layer_data.channel_data.list;
+    let distance = channels.iter().find(|channel| channel.name.to_string() == "distance").expect("distances");
+    let distance: Vec<f32> = distance.sample_data.values_as_f32().collect();
+    let pixel = 2.0 * 1.24 / 60.0;
+    // The corner of the picture sees the ellipse at about its own height.
+    let corner = f64::from(distance[0]);
+    let at = (29.5 * pixel, 29.5 * pixel);
+    let nearest = (0..1000).map(|i| f64::from(i) * std::f64::consts::FRAC_PI_2 / 1000.0);
+    let nearest = nearest.map(|turn| (at.0 - turn.cos()).hypot(at.1 - 0.8 * turn.sin())).fold(f64::MAX, f64::min);
+    assert!((corner + nearest).abs() < 0.05 * nearest, "{corner} {nearest}");
+    let told = place.hfvdb("check ball.toml -v --set shape.a.distance={adf=6}").ok().stdout;
+    assert!(told.contains("adf: octree of depth 6, "), "{told}");
+}
+
 #[test]
 fn a_slice_of_numbers_has_all_of_them() {
     let place = Workplace::new();

@@ -24,7 +24,7 @@ pub enum Numbers<'a> {
 #[derive(Clone, Debug, PartialEq)]
 pub struct SliceValues {
     size: usize,
-    /// The signed distance, world units, positive inside; as far from the surface as the band reaches, and that beyond.
+    /// The signed distance, world units, positive inside; that of a band as far as it reaches, and that beyond.
     pub distance: Vec<f32>,
     /// F, where it is known.
     pub f: Option<Vec<f32>>,
@@ -39,10 +39,12 @@ pub struct SliceValues {
 }
 
 impl Slice {
-    /// The numbers that [`Self::draw`] and [`Self::draw_field`] draw.
+    /// The numbers that [`Self::draw`] and [`Self::draw_field`] draw. `distance` answers in the place of the band where it is
+    /// known everywhere.
     pub fn values(
         &self,
         band: &Band,
+        distance: Option<&dyn Field>,
         field: Option<&dyn Field>,
         fill: Fill<'_>,
         numbers: &[(String, Numbers<'_>)],
@@ -51,8 +53,11 @@ impl Slice {
         let volume = Volume::new(band);
         let middle = |i: usize| self.world(DVec2::new((i % size) as f64 + 0.5, (i / size) as f64 + 0.5));
         let positions: Vec<DVec3> = (0..size * size).into_par_iter().map(middle).collect();
-        let distance: Vec<f32> =
-            positions.par_iter().map(|position| volume.distance(*position / volume.voxel_size()) as f32).collect();
+        let of_band = |position: &DVec3| volume.distance(*position / volume.voxel_size()) as f32;
+        let distance: Vec<f32> = match distance {
+            Some(distance) => f_at(distance, &positions),
+            None => positions.par_iter().map(of_band).collect(),
+        };
         let is_inside: Vec<bool> = distance.iter().map(|distance| *distance >= 0.0).collect();
         let within: Vec<DVec3> =
             positions.iter().zip(&is_inside).filter(|(_, inside)| **inside).map(|(position, _)| *position).collect();
@@ -110,7 +115,7 @@ fn by_batches<'p, E>(
     values
 }
 
-fn f_at(field: &dyn Field, positions: &[DVec3]) -> Vec<f32> {
+pub(super) fn f_at(field: &dyn Field, positions: &[DVec3]) -> Vec<f32> {
     by_batches(
         positions,
         || field.evaluator(),
@@ -122,7 +127,7 @@ fn f_at(field: &dyn Field, positions: &[DVec3]) -> Vec<f32> {
     )
 }
 
-fn scalar_at(scalar: &Scalar, positions: &[DVec3]) -> Vec<f32> {
+pub(super) fn scalar_at(scalar: &Scalar, positions: &[DVec3]) -> Vec<f32> {
     by_batches(
         positions,
         || scalar.sampler(),
@@ -177,7 +182,7 @@ mod tests {
         let red = Constant::new([0.5, 0.25, 0.125]);
         let heat = Constant::new([7.0]);
         let scalars = [("heat".to_owned(), Numbers::Scalar(&heat)), ("z".to_owned(), Numbers::At(&|at| at.z as f32))];
-        let values = slice.values(&band, Some(&field), Fill::Everywhere(&red), &scalars);
+        let values = slice.values(&band, None, Some(&field), Fill::Everywhere(&red), &scalars);
         let f = values.f.as_ref().unwrap();
         for i in 0..40 * 40 {
             let place = DVec2::new((i % 40) as f64 + 0.5, (i / 40) as f64 + 0.5);
@@ -190,6 +195,8 @@ mod tests {
             assert_eq!(values.colour[1][i], if distance >= 0.0 { 0.25 } else { 0.0 });
             assert_eq!((values.scalars[0].1[i], values.scalars[1].1[i]), (7.0, 0.6));
         }
+        let everywhere = slice.values(&band, Some(&field), Some(&field), Fill::None, &[]);
+        assert_eq!(Some(everywhere.distance), everywhere.f);
         let image = read().no_deep_data().largest_resolution_level().all_channels().all_layers();
         let image = image.all_attributes().from_buffered(std::io::Cursor::new(values.encode_exr().unwrap())).unwrap();
         let layer = &image.layer_data[0];

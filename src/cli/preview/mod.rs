@@ -11,6 +11,8 @@ mod watch;
 
 use std::path::PathBuf;
 
+use std::str::FromStr;
+
 use clap::{Args, ValueEnum};
 use serde_json::json;
 
@@ -20,7 +22,7 @@ use super::progress::Progress;
 use super::{files, job, paths, signals};
 use crate::bake::{Frames, Interrupt};
 use crate::grid::{Band, measure};
-use crate::render::{self, ContactSheet, Plane, SheetFrame, Shows, View};
+use crate::render::{self, ContactSheet, Plane, SheetFrame, View};
 use picture::Painter;
 use source::Source;
 use table::Table;
@@ -47,6 +49,7 @@ Examples:
   hfvdb preview cubism -o inside.png --slice z=0     colours inside, lines of equal distance
   hfvdb preview bat -o bat.exr --slice z=0           numbers: distance, F, R G B A, and attributes by name
   hfvdb preview cubism -o f.png --slice z=0 --slice-of f --frames 24    F far from the surface
+  hfvdb preview bat -o d.png --slice y=0 --slice-of distance            distances, there too
   hfvdb preview 'out/cubism.####.vdb' -o cubism.apng files that are there, of any maker
   hfvdb preview my.toml -o grid.png --vary size=0.5,1,2 --vary seed=1,2   a grid of parameters
   hfvdb preview a.vdb b.vdb -o both.png              files of several names, side by side")]
@@ -97,9 +100,10 @@ pub struct Arguments {
     #[arg(long, value_name = "AXIS=PLACE", conflicts_with_all = ["view", "turn"])]
     slice: Option<Plane>,
 
-    /// What a slice shows: distances of the band; F itself, as far as the picture goes; or how steep F is (white 1, red
-    /// more, blue less). Of F and its slope, places where F is no number or steeper than declared are magenta
-    #[arg(long, value_enum, value_name = "WHAT", default_value_t = SliceOf::Distance, requires = "slice")]
+    /// What a slice shows by its lines: band (distances as they are written, over the colours inside), distance (as far as
+    /// the picture goes, measured for it), f (F itself, as far), gradient (how steep F is: white 1, red more, blue less), or an
+    /// attribute by its name, inside. Places where F is no number or steeper than declared are magenta
+    #[arg(long, value_name = "WHAT", default_value = "band", requires = "slice")]
     slice_of: SliceOf,
 
     /// Edge of a picture in pixels [default: 800; 480 of an .apng, 220 each of a contact sheet]
@@ -139,14 +143,32 @@ pub struct Arguments {
 }
 
 /// What a slice shows.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub enum SliceOf {
-    /// Distances, as they are written, and the colours inside
+    /// Distances as they are written, and the colours inside.
+    Band,
+    /// Distances as far as the picture goes.
     Distance,
-    /// F
+    /// F.
     F,
-    /// The length of the gradient of F
+    /// The length of the gradient of F.
     Gradient,
+    /// The attribute of this name.
+    Attribute(String),
+}
+
+impl FromStr for SliceOf {
+    type Err = std::convert::Infallible;
+
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        Ok(match text {
+            "band" => Self::Band,
+            "distance" => Self::Distance,
+            "f" => Self::F,
+            "gradient" => Self::Gradient,
+            name => Self::Attribute(name.into()),
+        })
+    }
 }
 
 /// How much work goes into a picture.
@@ -171,8 +193,10 @@ impl From<Quality> for render::Quality {
 /// Runs the command.
 pub fn run(arguments: &Arguments, global: &Global) -> Result<(), Failure> {
     let target = Target::new(arguments.output.as_deref(), arguments.terminal)?;
-    if target.kind == Kind::Exr && arguments.shows().is_some() {
-        return Err(Failure::usage("an .exr of a slice has distances and F both: leave --slice-of out"));
+    if target.kind == Kind::Exr && !matches!(arguments.slice_of, SliceOf::Band | SliceOf::Distance) {
+        let problem = "an .exr of a slice has distances, F and attributes: leave --slice-of out, or say `distance` for distances \
+                       beyond the band";
+        return Err(Failure::usage(problem));
     }
     files::none_is_nanovdb(&arguments.inputs)?;
     let files = arguments.inputs.iter().filter(|input| files::is_vdb(input)).count();
@@ -184,8 +208,8 @@ pub fn run(arguments: &Arguments, global: &Global) -> Result<(), Failure> {
         if !arguments.vary.is_empty() {
             return Err(Failure::usage("--vary changes a scene, not .vdb files"));
         }
-        if arguments.shows().is_some() {
-            return Err(Failure::usage("--slice-of shows F of a scene; a .vdb file has its distances alone"));
+        if arguments.slice_of != SliceOf::Band {
+            return Err(Failure::usage("--slice-of shows what a scene knows; a .vdb file has its band alone"));
         }
         return source::of_files(arguments, &target, global, |source, progress| {
             show(arguments, &target, source, &interrupt, progress, global)
@@ -213,15 +237,6 @@ pub fn run(arguments: &Arguments, global: &Global) -> Result<(), Failure> {
 }
 
 impl Arguments {
-    /// What of a field a slice shows; none where it is of distances.
-    fn shows(&self) -> Option<Shows> {
-        match self.slice_of {
-            SliceOf::Distance => None,
-            SliceOf::F => Some(Shows::Values),
-            SliceOf::Gradient => Some(Shows::Gradient),
-        }
-    }
-
     /// How much work goes into a picture.
     fn quality(&self, target: &Target) -> Quality {
         let usual = if target.kind == Kind::Exr { Quality::Final } else { Quality::Draft };

@@ -1,11 +1,21 @@
 //! A picture of one frame: from the camera, or a slice.
 
+use std::sync::Arc;
+
 use super::source::{Shown, Source};
-use super::{Arguments, Quality};
+use super::{Arguments, Quality, SliceOf};
+use crate::attribute::Scalar;
 use crate::cli::failure::Failure;
 use crate::field::{Aabb, Field};
 use crate::grid::measure;
 use crate::render::{Camera, Fill, Image, Look, Numbers, PictureError, Scene, Shows, Slice, render, render_layers};
+
+/// What a slice shows.
+enum Of<'s> {
+    Band,
+    Field(&'s dyn Field, Shows),
+    Scalar(&'s str, &'s Scalar, &'s dyn Field),
+}
 
 /// Takes pictures that all show the same part of the world.
 pub struct Painter<'a> {
@@ -40,9 +50,10 @@ impl<'a> Painter<'a> {
         let Some(slice) = self.slice(shown) else {
             return render(&self.scene(shown), self.size, self.size);
         };
-        match self.of_field(shown) {
-            Some((field, shows)) => slice.draw_field(field, shows),
-            None => shown.inside.with_fill(|fill| slice.draw(&shown.band, fill)),
+        match self.of(shown) {
+            Of::Field(field, shows) => slice.draw_field(field, shows),
+            Of::Scalar(name, scalar, field) => slice.draw_scalar(name, scalar, field),
+            Of::Band => shown.inside.with_fill(|fill| slice.draw(&shown.band, fill)),
         }
     }
 
@@ -55,7 +66,8 @@ impl<'a> Painter<'a> {
         let of_scene = shown.scalars.iter().map(|(name, scalar)| (name.clone(), Numbers::Scalar(&**scalar)));
         let of_file = shown.grids.iter().map(|(name, grid)| (name.clone(), Numbers::At(&**grid)));
         let numbers: Vec<(String, Numbers<'_>)> = of_scene.chain(of_file).collect();
-        let values = |fill: Fill<'_>| slice.values(&shown.band, field, fill, &numbers);
+        let distance = shown.distance.as_deref();
+        let values = |fill: Fill<'_>| slice.values(&shown.band, distance, field, fill, &numbers);
         shown.inside.with_fill(values).encode_exr()
     }
 
@@ -66,9 +78,10 @@ impl<'a> Painter<'a> {
         let reach = f64::from(shown.band.background());
         let new = || {
             let slice = Slice::new(plane, self.source.bounds, self.size, reach);
-            match self.of_field(shown) {
-                Some((field, _)) => slice.for_field(field),
-                None => slice,
+            match self.of(shown) {
+                Of::Field(field, shows) => slice.for_field(field, shows),
+                Of::Scalar(_, scalar, field) => slice.for_scalar(scalar, field),
+                Of::Band => slice,
             }
         };
         let slice = match self.slice {
@@ -81,15 +94,32 @@ impl<'a> Painter<'a> {
 
     /// What there is to say about all pictures.
     pub fn caption(&self) -> Option<String> {
-        self.slice.map(|slice| match self.arguments.shows() {
-            Some(shows) => slice.caption_of_field(shows),
-            None => slice.caption(),
+        self.slice.map(|slice| match &self.arguments.slice_of {
+            SliceOf::Band => slice.caption(),
+            SliceOf::Distance => slice.caption_of_field(Shows::Distance),
+            SliceOf::F => slice.caption_of_field(Shows::Values),
+            SliceOf::Gradient => slice.caption_of_field(Shows::Gradient),
+            SliceOf::Attribute(name) => slice.caption_of(name),
         })
     }
 
-    /// The field that a slice shows, and what of it, where it shows one.
-    fn of_field<'s>(&self, shown: &'s Shown) -> Option<(&'s dyn Field, Shows)> {
-        Some((&**shown.field.as_ref()?, self.arguments.shows()?))
+    /// What a slice shows, as far as it was asked for and is there.
+    fn of<'s>(&self, shown: &'s Shown) -> Of<'s> {
+        let of_field = |field: &'s Option<Arc<dyn Field>>, shows| {
+            field.as_deref().map_or(Of::Band, |field| Of::Field(field, shows))
+        };
+        match &self.arguments.slice_of {
+            SliceOf::Band => Of::Band,
+            SliceOf::Distance => of_field(&shown.distance, Shows::Distance),
+            SliceOf::F => of_field(&shown.field, Shows::Values),
+            SliceOf::Gradient => of_field(&shown.field, Shows::Gradient),
+            SliceOf::Attribute(name) => {
+                let scalar = shown.scalars.iter().find(|(own, _)| own == name);
+                scalar
+                    .zip(shown.field.as_deref())
+                    .map_or(Of::Band, |((name, scalar), field)| Of::Scalar(name, &**scalar, field))
+            }
+        }
     }
 
     fn scene<'s>(&self, shown: &'s Shown) -> Scene<'s> {

@@ -7,7 +7,7 @@ use std::sync::Arc;
 use glam::{DVec3, IVec3};
 
 use super::target::{Kind, Target};
-use super::{Arguments, Quality};
+use super::{Arguments, Quality, SliceOf};
 use crate::attribute::{Colour, LinearRgb, Scalar};
 use crate::bake::{self, Bytes, Interrupt};
 use crate::cli::failure::Failure;
@@ -67,8 +67,10 @@ pub struct Shown {
     pub colour: Option<Channel<LinearRgb>>,
     /// Known only where a slice was asked for.
     pub inside: Inside,
-    /// F itself, of a scene of which a slice was asked for.
+    /// F itself, of a scene of which a slice was asked for. Of a shape of the plane that of the plane.
     pub field: Option<Arc<dyn Field>>,
+    /// Its distance everywhere, where that was asked for.
+    pub distance: Option<Arc<dyn Field>>,
     /// Its scalars, there too.
     pub scalars: Vec<(String, Arc<Scalar>)>,
     /// Of a file the numbers of its other grids, of vectors each part by itself.
@@ -118,7 +120,7 @@ pub fn of_scene(
     prepared.feet = feet(arguments, target);
     let limit = job::limit(&sampling);
     let compute = |place: usize| {
-        frame_of(arguments, &prepared, numbers[place], limit, interrupt, &|share| progress.at(place, share))
+        frame_of(arguments, target, &prepared, numbers[place], limit, interrupt, &|share| progress.at(place, share))
     };
     let (name, bounds) = (arguments.inputs[0].clone(), prepared.extent);
     let change_of_shape =
@@ -171,6 +173,7 @@ pub fn sampling(arguments: &Arguments, target: &Target) -> Sampling {
 /// A frame of a scene, computed in memory.
 pub fn frame_of(
     arguments: &Arguments,
+    target: &Target,
     prepared: &Prepared,
     frame: i64,
     limit: Bytes,
@@ -181,18 +184,43 @@ pub fn frame_of(
         Err(error) if arguments.allow_empty && error.is_empty_frame() => bake::empty(prepared),
         computed => computed.map_err(|error| job::failure_of(error, interrupt))?,
     };
-    let content = match arguments.slice {
-        Some(_) => Some(prepared.frame(frame).map_err(|error| job::failure_of(error, interrupt))?),
-        None => None,
-    };
-    let (field, inside, scalars) = match content {
-        Some(content) => (Some(content.field), content.colour, content.scalars),
-        None => (None, None, Vec::new()),
-    };
+    let (mut field, mut inside, mut scalars, mut distance) = (None, None, Vec::new(), None);
+    if let Some(slice) = arguments.slice {
+        let told = |error| job::failure_of(error, interrupt);
+        let content = prepared.frame(frame).map_err(told)?;
+        let in_plane = if slice.axis() == 'z' { prepared.in_plane(frame).map_err(told)? } else { None };
+        // Distances of the plane end nowhere, and those of the band at the faces of what the shape was extruded to.
+        let is_asked = arguments.slice_of == SliceOf::Distance || (target.kind == Kind::Exr && in_plane.is_some());
+        if is_asked {
+            let found = match &in_plane {
+                Some(shape) => prepared.distance_in_plane(frame, shape),
+                None => prepared.distance(frame, &content.field, limit.0),
+            };
+            distance = Some(found.map_err(told)?.distance);
+        }
+        field = Some(in_plane.map_or(content.field, |(field, _)| field));
+        (inside, scalars) = (content.colour, content.scalars);
+        known(&arguments.slice_of, &scalars)?;
+    }
     let inside = inside.map_or(Inside::None, Inside::Everywhere);
     let (fps, up) = (prepared.model().shot.fps, Up::named(prepared.model().up).unwrap_or_default());
     let grids = Vec::new();
-    Ok(Shown { band: computed.band, colour: computed.colour, inside, field, scalars, grids, fps, up })
+    Ok(Shown { band: computed.band, colour: computed.colour, inside, field, distance, scalars, grids, fps, up })
+}
+
+/// Says where a slice is to show an attribute that is not there.
+fn known(what: &SliceOf, scalars: &[(String, Arc<Scalar>)]) -> Result<(), Failure> {
+    let SliceOf::Attribute(name) = what else { return Ok(()) };
+    if scalars.iter().any(|(own, _)| own == name) {
+        return Ok(());
+    }
+    let names: Vec<&str> = ["band", "distance", "f", "gradient"]
+        .into_iter()
+        .chain(scalars.iter().map(|(name, _)| name.as_str()))
+        .collect();
+    let names = names.join(", ");
+    let (name, names) = (terminal::one_line(name), terminal::one_line(&names));
+    Err(Failure::usage(format!("--slice-of {name}: the frame has no such attribute; there is {names}")))
 }
 
 /// Calls `show` with files of any maker, read one after the other.
@@ -307,7 +335,8 @@ fn read(path: &str) -> Result<(Shown, Others), Failure> {
         origin,
         voxel_size,
     };
-    let shown = Shown { band, colour, inside, field: None, scalars: Vec::new(), grids: Vec::new(), fps, up };
+    let shown =
+        Shown { band, colour, inside, field: None, distance: None, scalars: Vec::new(), grids: Vec::new(), fps, up };
     Ok((shown, others))
 }
 

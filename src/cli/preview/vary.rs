@@ -101,7 +101,8 @@ pub fn run(arguments: &Arguments, target: &Target, interrupt: &Interrupt, global
     }
     let compute = |place: usize| -> Result<Shown, Failure> {
         let (ready, frame) = &prepared[place];
-        let shown = source::frame_of(arguments, ready, *frame, limit, interrupt, &|share| progress.at(place, share));
+        let shown =
+            source::frame_of(arguments, target, ready, *frame, limit, interrupt, &|share| progress.at(place, share));
         shown.map_err(|failure| failure.about(&all[place].join(", ")))
     };
     let frame = arguments.frames.as_ref().map_or_else(String::new, |frames| format!(", frame {frames}"));
