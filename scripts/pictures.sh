@@ -54,6 +54,14 @@ picture "$folder"/{heart-slabs,sphere-slabs,marble,marble-torus,aitch,aitch-axis
     --output "$images/grain.png"
 picture "$folder"/aitch-{diffusion,interior}.vdb --view front --size 300 --output "$images/wood-inside.png"
 picture red-blue --frames 7 --vary alpha=0.05,0.3,3 --vary beta=0.15,0.5,0.85 --output "$images/red-blue.png"
+field() { picture bat --size 320 "$@"; }
+outline() { field --set output.shape=outline --slice z=0 "$@"; }
+outline --slice-of f --output "$images/field-frep.png"
+outline --slice-of distance --output "$images/field-sdf.png"
+outline --set 'output.distance={ adf = 8 }' --slice-of distance --output "$images/field-adf.png"
+field --set 'shape.bat.attribute.body={ diffusion = [[0, 0.4, 0]] }' --slice y=0 --slice-of body --output "$images/field-idf.png"
+outline --set 'output.distance={ adf = 7, restore = "linear" }' --slice-of distance --output "$images/field-linear.png"
+outline --set output.step=8 --slice-of distance --output "$images/field-step.png"
 mkdir -p "$images/nodes" "$images/objects" "$folder/nodes"
 for object in gears logo-text rock crowd wine-glass bottle chess-king bone rope coral; do
     picture "$object" --frames 1 --size 420 --output "$images/objects/$object.png"
