@@ -104,8 +104,8 @@ fn parameters_that_make_no_shape_are_errors_with_a_way_out() {
         ("facet = { circle = 1 }\ncells = { octree = { sphere = 1 } }", "`facet` needs solids"),
         ("circle = 0.1\nscatter = 5\nhost = { circle = 1 }", "a solid is needed here, and"),
         (
-            "extrude = { union = [{ circle = 0.5 }, { rectangle = [0.9, 0.2] }], shell = 0.1 }",
-            "make it a solid with `extrude`, `revolve` or `sweep` first",
+            "extrude = { union = [{ circle = 0.5 }, { rectangle = [0.9, 0.2] }], do = [{ rotate = [40, 0, 0] }, { shell = 0.1 }] }",
+            "turn it about z alone, or make it a solid with `extrude`, `revolve` or `sweep` first",
         ),
         ("union = [{ sphere = 1 }, { box = 1 }]\norder = 2", "`order` says nothing here"),
         ("union = [{ sphere = 1 }, { box = 1 }]\nsystem = \"cn\"\norder = 1", "`order` of `cn` starts at 2"),
