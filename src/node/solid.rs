@@ -67,6 +67,9 @@ pub(crate) struct Solids {
 /// Cells that can take colours, and the step of the shape that they are of.
 type CellsOfStep = (usize, Arc<dyn CellIndex>);
 
+/// A field and the box of what it is of.
+type FieldInBox = (Arc<dyn Field>, Aabb);
+
 /// What of a shape is made.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum Made {
@@ -287,7 +290,7 @@ impl Solids {
     }
 
     /// A shape of the plane where it stands, and its box there, of no height; `None` of one that leaves the plane.
-    pub fn in_plane(&mut self, id: ShapeId) -> Result<Option<(Arc<dyn Field>, Aabb)>, Problem> {
+    pub fn in_plane(&mut self, id: ShapeId) -> Result<Option<FieldInBox>, Problem> {
         let node = self.node(id, Stage::Placed)?;
         if !self.graph.is_flat(node) {
             return Ok(None);

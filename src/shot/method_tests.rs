@@ -97,7 +97,7 @@ fn an_octree_that_fits_into_no_memory_is_refused_where_its_depth_stands() {
     let said = refused("[shape.a]\nellipsoid = [1, 0.9, 0.8]\noffset = 0.1\ndistance = { adf = 20 }\n");
     assert!(said.contains("scene.toml:4:12") && said.contains("take a smaller depth"), "{said}");
     let scene = prepared("[output]\ndistance = { adf = 20 }\n[shape.a]\nsphere = 1\n");
-    let error = computed(&scene).err().expect("too deep").to_string();
+    let error = computed(&scene).expect_err("too deep").to_string();
     assert!(error.contains("scene.toml:2:12") && error.contains("take a smaller depth"), "{error}");
 }
 

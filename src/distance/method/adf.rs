@@ -17,6 +17,7 @@ use crate::distance::descent::Scope;
 use crate::distance::extent::{BandBoxes, Effort};
 use crate::distance::nearest::{FieldFeet, Watch};
 use crate::distance::octree::refine::LARGEST_AT_SURFACE;
+use crate::distance::octree::samples::BYTES_A_SAMPLE;
 use crate::distance::octree::{self, BuildError, DistanceObject, Settings};
 use crate::field::{Aabb, BATCH, Field, Points};
 use crate::grid::{BLOCK_EDGE, Band, Lattice, VoxelSize, mask};
@@ -88,9 +89,14 @@ impl Method for Adf {
     }
 }
 
+/// What a surface takes at least of leaves and samples for each cell at it that is not split for its form: half of what a ball
+/// takes, the smoothest of shapes. Greater refuses trees that fit; less lets some grow for minutes that do not.
+const LEAVES_A_CELL: f64 = 2.5;
+const SAMPLES_A_CELL: f64 = 18.0;
+
 /// Refuses an octree that cannot but take more memory than it may, before it is built: all cells at the surface are split until
-/// they are a few smallest ones large. A surface has about as many of those as voxels of that size to one side; half of them are
-/// counted, as the estimate is quick. Surfaces at some distance outward have no fewer; of those inward nothing is known.
+/// they are a few smallest ones large, and a surface has about as many of those as voxels of that size to one side. Surfaces at
+/// some distance outward have no fewer; of those inward nothing is known.
 fn admit(field: &dyn Field, settings: &Settings) -> Result<(), BuildError> {
     if settings.levels.lo > 0.0 {
         return Ok(());
@@ -98,8 +104,9 @@ fn admit(field: &dyn Field, settings: &Settings) -> Result<(), BuildError> {
     let cell = f64::from(LARGEST_AT_SURFACE) * settings.smallest_cell;
     let Some(voxel_size) = VoxelSize::new(cell) else { return Ok(()) };
     let scope = Scope { lattice: Lattice { voxel_size }, half_width: 1.0, region: settings.region };
-    let cells = 0.25 * BandBoxes::find(field, &scope, Effort::Quick).estimate(&scope).voxels;
-    let needed = (cells * octree::BYTES_A_CELL as f64) as usize;
+    let cells = 0.5 * BandBoxes::find(field, &scope, Effort::Quick).estimate(&scope).voxels;
+    let each = LEAVES_A_CELL * octree::BYTES_A_CELL as f64 + SAMPLES_A_CELL * BYTES_A_SAMPLE as f64;
+    let needed = (cells * each) as usize;
     if needed > settings.memory_limit {
         return Err(BuildError::Memory { needed, limit: settings.memory_limit });
     }

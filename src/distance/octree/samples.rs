@@ -85,6 +85,12 @@ pub struct Sample {
     pub gradient: [f64; 3],
 }
 
+/// What a table takes for a key and a number, in bytes.
+const BYTES_IN_TABLE: usize = 18;
+
+/// What a sample takes, in bytes.
+pub const BYTES_A_SAMPLE: usize = size_of::<Sample>() + 8 + BYTES_IN_TABLE;
+
 /// Samples at lattice points, taken once each.
 pub struct Samples<'a> {
     oracle: &'a dyn ClosestPoint,
@@ -115,7 +121,7 @@ impl<'a> Samples<'a> {
 
     /// Bytes held.
     pub fn bytes(&self) -> usize {
-        self.taken.capacity() * size_of::<Sample>() + self.keys.capacity() * 8 + self.index.capacity() * 18
+        self.taken.capacity() * size_of::<Sample>() + self.keys.capacity() * 8 + self.index.capacity() * BYTES_IN_TABLE
     }
 
     /// The sample at a point asked for before.

@@ -359,6 +359,9 @@ fn lone_patch(corners: [&Sample; 4], edge: f64) -> Patch {
     Patch::hermite(jets.each_ref(), edge)
 }
 
+/// What lies beside a corner, by axis, below and above: the nearest other one, and how far that is in smallest cells.
+type Beside = [[Option<(u32, u32)>; 2]; 2];
+
 /// The corners of the leaves, numbered, and their jets as if none hung.
 struct Jets {
     jets: Vec<Jet>,
@@ -369,8 +372,7 @@ impl Jets {
     fn new(leaves: &[Cell], samples: &Samples<'_>, step: f64) -> Self {
         let mut numbers = HashMap::new();
         let mut places = Vec::new();
-        // By axis, what lies below and above: the nearest corner, and how far that is.
-        let mut beside: Vec<[[Option<(u32, u32)>; 2]; 2]> = Vec::new();
+        let mut beside: Vec<Beside> = Vec::new();
         for leaf in leaves {
             let own = leaf.corners().map(|place| {
                 *numbers.entry(place).or_insert_with(|| {
