@@ -522,8 +522,11 @@ impl Solids {
     /// The distance of a shape where it stands, as far on both sides as the shape is large; beyond, the measured distance
     /// goes on. `key` needs it, at `span` of the scene.
     pub fn distance_around(&mut self, id: ShapeId, key: &str, span: Span) -> Result<Expression, Problem> {
-        let size = box_of(&self.values(id)?).map_or(1.0, |aabb| aabb.size().length().max(f64::MIN_POSITIVE));
         let model = self.model();
+        // A shape of the plane has no end along z.
+        let flat = if model.shape(id).is_flat { self.in_plane(id).ok().flatten() } else { None };
+        let aabb = flat.map(|(_, aabb)| aabb).or(box_of(&self.values(id)?).ok());
+        let size = aabb.map_or(1.0, |aabb| aabb.size().length().max(f64::MIN_POSITIVE));
         let shape = model.shape(id);
         let solid = Solid::Stage(id, Stage::Placed);
         let purpose = Purpose { solid, shape, key, span, voxel: None, choice: shape.distance };
