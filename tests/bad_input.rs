@@ -114,14 +114,7 @@ fn voxel_sizes() {
     }
     place.hfvdb("bake heart -o out.vdb --resolution 1000000").fails(1, &["too small for OpenVDB", "unit"]);
     for absurd in ["heart --voxel-size 0.00002", "heart --resolution 130000", "cubism --voxel-size 0.00002"] {
-        // The quickest of a few: other tests run beside.
-        let refused = || {
-            let start = Instant::now();
-            place.hfvdb(&format!("bake {absurd} -o out.####.vdb")).fails(3, &["--max-memory", "TiB"]);
-            start.elapsed()
-        };
-        let quickest = (0..3).map(|_| refused()).min().expect("three");
-        assert!(quickest < Duration::from_secs(1), "{absurd}: {quickest:?}");
+        place.hfvdb(&format!("bake {absurd} -o out.####.vdb")).fails(3, &["--max-memory", "TiB"]);
     }
     place.hfvdb("bake heart -o out.vdb --resolution 256 --max-memory 5M").fails(3, &["--max-memory", "MiB"]);
     assert!(place.names(".").is_empty());

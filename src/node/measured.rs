@@ -258,13 +258,19 @@ impl Distances {
         if parts.len() > MOST_PARTS {
             return Ok(None);
         }
-        let boxes = parts.iter().map(|(part, _)| box_of(&Expression::new(graph, *part)));
-        let Ok(boxes) = boxes.collect::<Result<Vec<Aabb>, _>>() else { return Ok(None) };
+        // What is extruded, say, is of the plane and has no box in space.
+        let of_solid = |part: &(Node, Side)| (!graph.is_flat(part.0)).then(|| box_of(&Expression::new(graph, part.0)));
+        let boxes = parts.iter().map(|part| of_solid(part).transpose());
+        let Ok(boxes) = boxes.collect::<Result<Vec<Option<Aabb>>, _>>() else { return Ok(None) };
         let mut found = BTreeMap::new();
         for (place, (part, aabb)) in parts.into_iter().zip(boxes).enumerate() {
             // Of what is taken away the other side counts.
             let levels = if part.1 == side { levels } else { Interval::new(-levels.hi, -levels.lo) };
-            found.insert(part, self.measured(graph, (part.0, Some((place, aabb))), levels, purpose)?);
+            let distance = match aabb {
+                Some(aabb) => self.measured(graph, (part.0, Some((place, aabb))), levels, purpose)?,
+                None => self.measured_in_plane(graph, part.0, levels, purpose)?,
+            };
+            found.insert(part, distance);
         }
         Ok(graph.distance(solid, side, &found))
     }

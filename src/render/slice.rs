@@ -204,7 +204,8 @@ impl Slice {
         let mut pixel = colour.map(encode_srgb);
         // How much the distance changes across a pixel; where it hardly does, a line would be a stain.
         let [a, b, c, d] = [samples[0], samples[1], samples[2], samples[3]];
-        let slope = DVec2::new(b + d - a - c, c + d - a - b).length().max(0.1 * self.pixel());
+        let rise = DVec2::new(b + d - a - c, c + d - a - b).length();
+        let (slope, is_level) = (rise.max(0.1 * self.pixel()), rise < 0.01 * self.pixel());
         let nearest = (distance / self.spacing).round();
         let known = samples.iter().all(|sample| sample.abs() < known);
         let off = (distance - nearest * self.spacing).abs() / slope;
@@ -213,6 +214,7 @@ impl Slice {
         let luminance = red * colour[0] + green * colour[1] + blue * colour[2];
         let (line, weight) = match (known, nearest == 0.0) {
             (false, _) => (INK, 0.0),
+            (true, false) if is_level => (INK, 0.0),
             (true, true) => (INK, weight(HALF_LINES[0])),
             (true, false) if luminance < DARK => (CHALK, weight(HALF_LINES[1]) * FAINT),
             (true, false) => (INK, weight(HALF_LINES[1]) * FAINT),
@@ -314,6 +316,16 @@ mod tests {
             assert!(at(x) + 20 < between, "no line at {x}: {} and {between}", at(x));
         }
         assert_eq!(at(0.5), encode_srgb(CLAY[0]), "no lines beyond the band");
+    }
+
+    /// In the middle of a plate the distance is half its height wherever its rim is farther away.
+    #[test]
+    fn what_is_level_on_a_line_is_not_painted_with_it() {
+        let slice = Slice { spacing: 0.1, ..slice(plane("z=0"), 200) };
+        let drawn = |samples: [f64; 4]| slice.with_lines(CLAY, &samples, 1.0)[..3] != CLAY.map(encode_srgb);
+        let step = 0.5 * slice.pixel();
+        assert!(drawn([0.1, 0.1 + step, 0.1, 0.1 + step]) && drawn([0.0; 4]));
+        assert!(!drawn([0.1, 0.1 + 1e-8, 0.1, 0.1 - 1e-8]));
     }
 
     #[test]

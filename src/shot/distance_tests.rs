@@ -309,3 +309,28 @@ fn many_threads_ask_bands_at_once() {
         .collect();
     assert!(found.iter().all(|value| *value == 2.0), "{found:?}");
 }
+
+/// What is extruded is measured in the plane: it has no box in space.
+#[test]
+fn what_is_done_to_an_extruded_shape_measures_it_in_the_plane() {
+    // An ellipse by a scaled circle, whose F is no distance, is nowhere as bent as a circle of the radius of its edges.
+    let of = |done: &str| {
+        prepared(&format!(
+            "[output]\nshape = 'e'\n[shape.s]\ncircle = 1\nscale = [1, 0.8, 1]\n[shape.x]\nextrude = 's'\nheight = 1\n\
+             [shape.e]\n{done}\n"
+        ))
+    };
+    for (done, by, tolerance) in [
+        ("extrude = 's'\nheight = 1\nround = 0.1", 0.0, 2e-3),
+        ("union = ['x']\noffset = -0.1", -0.1, 2e-3),
+        ("union = ['x']\noffset = 0.1", 0.1, 2e-3),
+    ] {
+        let field = of(done).frame(1).expect("a frame").field;
+        for (along, radius) in [(DVec3::X, 1.0), (DVec3::NEG_X, 1.0), (DVec3::Y, 0.8), (DVec3::NEG_Y, 0.8)] {
+            let [inside, outside] = [-tolerance, tolerance].map(|off| field.reference(along * (radius + by + off)));
+            assert!(inside > 0.0 && outside < 0.0, "{done} {along}: {inside} {outside}");
+        }
+        let (below, above) = (field.reference(DVec3::Z * (0.497 + by)), field.reference(DVec3::Z * (0.503 + by)));
+        assert!(below > 0.0 && above < 0.0, "{done}: {below} {above}");
+    }
+}

@@ -54,6 +54,18 @@ fn a_morph_measures_its_objects_by_their_methods() {
     assert!((usual - other).abs() < 0.02 * usual && usual != other, "{usual} {other}");
 }
 
+/// A tree that is coarser than what is written loses what is thin.
+#[test]
+fn a_depth_that_is_coarser_than_voxels_is_told() {
+    let said = |distance: &str| prepared(&format!("[shape.a]\nsphere = 1\n{distance}\n")).warnings.to_string();
+    // The root is 8 long, and a voxel a 32nd.
+    let coarse = said("distance = { adf = 6 }");
+    assert!(coarse.contains("`adf = 6` has cells as large as 4.0 voxels") && coarse.contains("`adf = 8`"), "{coarse}");
+    for fine in ["distance = { adf = 8 }", "distance = 'adf'", ""] {
+        assert!(!said(fine).contains("cells as large"), "{fine}");
+    }
+}
+
 #[test]
 fn a_name_that_is_none_is_told_with_the_nearest() {
     wrong("[shape.a]\nsphere = 1\ndistance = 'fin'\n", "3:13 `shape.a.distance` cannot be `fin`");

@@ -172,7 +172,8 @@ fn examine(model: &Arc<Model>, options: &PrepareOptions<'_>) -> Result<Diagnosti
     match &model.content {
         Content::Shape(id) => {
             let extent = shape_box(model, &mut solids, &variation, *id, options, box_about)?;
-            lattice(model, options, extent)?;
+            let about = lattice(model, options, extent)?;
+            warnings.extend(coarse(model, extent, about.voxel_size.get()));
         }
         Content::Morph(morphs) => {
             for morph in morphs {
@@ -193,6 +194,7 @@ fn prepare(model: &Arc<Model>, options: &PrepareOptions<'_>, precision: Precisio
         Content::Morph(morphs) => ready_morphs(model, &mut solids, &variation, morphs, options, precision)?,
     };
     warnings.extend(assets.warnings());
+    warnings.extend(coarse(model, extent, lattice.voxel_size.get()));
     warnings.extend(solids.insides.take_warnings());
     if let (Content::Morph(morphs), Ready::Morph(planned)) = (&model.content, &content) {
         warnings.extend(empty_frames(model, morphs, planned));
@@ -230,6 +232,24 @@ fn prepare(model: &Arc<Model>, options: &PrepareOptions<'_>, precision: Precisio
         prepared.level_sets = Some(sets);
     }
     Ok(prepared)
+}
+
+/// A tree of distances to be written whose least cells, by the depth that the scene asks for, are larger than voxels.
+fn coarse(model: &Model, extent: Aabb, voxel: f64) -> Option<Diagnostic> {
+    let choice = model.written_distance();
+    let (depth, span) = (choice.depth?, model.written_distance_span()?);
+    let (cell, fine) = (choice.smallest_cell(extent)?, choice.depth_for(extent, voxel));
+    // Boxes found for a check are a little larger.
+    (cell > 1.1 * voxel).then(|| {
+        let problem = format!(
+            "`{} = {depth}` has cells as large as {:.1} voxels: what is thinner is lost, and distances beside the surface may be \
+             those of another place",
+            choice.method,
+            cell / voxel
+        );
+        let help = format!("`{} = {fine}` has cells as small as voxels, and so has it without a number", choice.method);
+        Diagnostic::warning(span, problem).help(help)
+    })
 }
 
 /// Whether a shape is built for each frame.

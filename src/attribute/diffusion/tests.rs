@@ -100,7 +100,7 @@ fn plane(shape: impl Fn(DVec3) -> f64 + Send + Sync + 'static, half: f64) -> Arc
 
 /// Σₖ exp(−2k²·t)·(2 − 2·cos kα), the square between two places of a closed curve that are α of it apart.
 fn around(angle: f64, time: f64) -> f64 {
-    (1..30).map(|k| f64::from(k)).map(|k| libm::exp(-2.0 * k * k * time) * (2.0 - 2.0 * libm::cos(k * angle))).sum()
+    (1..30).map(f64::from).map(|k| libm::exp(-2.0 * k * k * time) * (2.0 - 2.0 * libm::cos(k * angle))).sum()
 }
 
 /// On an outline it is known by the share of the way around, inside by its mean over all directions, each weighted by how near

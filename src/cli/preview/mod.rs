@@ -47,7 +47,7 @@ Examples:
   hfvdb preview my.toml --terminal --frames 12       without any file
   hfvdb preview covid -o turn.apng --turntable 48    once around one frame
   hfvdb preview cubism -o inside.png --slice z=0     colours inside, lines of equal distance
-  hfvdb preview bat -o bat.exr --slice z=0           numbers: distance, F, R G B A, and attributes by name
+  hfvdb preview bat -o bat.exr --slice y=0           numbers: distance, F, R G B A, and attributes by name
   hfvdb preview cubism -o f.png --slice z=0 --slice-of f --frames 24    F far from the surface
   hfvdb preview bat -o d.png --slice y=0 --slice-of distance            distances, there too
   hfvdb preview 'out/cubism.####.vdb' -o cubism.apng files that are there, of any maker

@@ -2,6 +2,7 @@
 
 use super::{Method, USUAL, named};
 use crate::distance::octree::{Restore, Settings};
+use crate::field::Aabb;
 
 /// How often a root may be halved: once more than the region takes, and as the octree counts its cells.
 pub const DEPTHS: (u32, u32) = (3, 20);
@@ -35,11 +36,20 @@ impl Choice {
     /// The settings of a tree that are usual for a region, as far as nothing else was chosen.
     pub fn settings(self, usual: Settings) -> Settings {
         let usual = Settings { restore: self.restore, ..usual };
-        let Some(depth) = self.depth else { return usual };
-        let root = 4.0 * usual.region.size().max_element();
+        let Some(smallest_cell) = self.smallest_cell(usual.region) else { return usual };
         let Settings { levels, restore, memory_limit, .. } = usual;
-        let smallest_cell = root / f64::from(1_u32 << depth);
         Settings { levels, restore, memory_limit, ..Settings::new(usual.region, smallest_cell) }
+    }
+
+    /// The edge of the smallest cells that a chosen depth has around a region.
+    pub fn smallest_cell(self, region: Aabb) -> Option<f64> {
+        self.depth.map(|depth| root(region) / f64::from(1_u32 << depth))
+    }
+
+    /// The depth whose cells around a region are no larger than voxels of an edge, as far as there is one.
+    pub fn depth_for(self, region: Aabb, voxel: f64) -> u32 {
+        let halvings = (root(region) / voxel).log2().ceil();
+        (halvings as u32).clamp(DEPTHS.0, DEPTHS.1)
     }
 
     /// What tells it from all others.
@@ -49,6 +59,11 @@ impl Choice {
             Self { method, depth, restore } => format!("{method} {depth:?} {restore:?}"),
         }
     }
+}
+
+/// The edge of the root around a region.
+fn root(region: Aabb) -> f64 {
+    4.0 * region.size().max_element()
 }
 
 /// How a band is to be measured.
@@ -65,7 +80,6 @@ mod tests {
     use glam::DVec3;
 
     use super::*;
-    use crate::field::Aabb;
 
     /// Halvings of the root, whatever the voxels.
     #[test]
@@ -75,6 +89,8 @@ mod tests {
             let choice = Choice { depth: Some(depth), ..Choice::by("adf") };
             let settings = choice.settings(Settings::new(region, 0.01));
             assert_eq!(crate::distance::octree::root(&settings).map(|(_, found)| found), Ok(depth));
+            let cell = choice.smallest_cell(region).expect("a depth");
+            assert_eq!(choice.depth_for(region, 1.01 * cell), depth);
         }
     }
 

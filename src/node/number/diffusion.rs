@@ -49,6 +49,9 @@ fn diffusion(source: &mut dyn Sourcing<1>) -> Result<Paint<1>, Problem> {
             DiffusionError::Outside(_) => {
                 problem.help("places stand in the shape's own space, before scale, rotate and move")
             }
+            DiffusionError::Pieces(_) if aabb == aabb.without_z() => {
+                problem.help("make a shape of each piece, with the attribute, and take it from them by `parts`")
+            }
             DiffusionError::Pieces(_) => problem.help("`interior` takes several pieces, and hollows"),
             DiffusionError::Cancelled | DiffusionError::Surface(_) => problem,
         }

@@ -14,7 +14,7 @@ pub const NODE: Spec = Spec {
     ),
     parameters: &[radius("kelvin")],
     formula: "the greatest over the struts of r − |p − q|, q the nearest of the strut",
-    example: "kelvin = 1\nbounds = { box = 2.2, cut = true }",
+    example: "kelvin = 1\nbounds = { box = 2, cut = true }",
     is_endless: true,
     graded: Some(|build, grading| graded(build, grading, "kelvin", &truncated_octahedra())),
     build: |build| lattice(build, "kelvin", &truncated_octahedra()),
