@@ -280,7 +280,7 @@ fn slices_show_distances_and_attributes() {
     place.hfvdb(&slice("heta", "no.png")).fails(2, &["no such attribute", "band, distance, f, gradient, heat"]);
     place.hfvdb("bake ball.toml --resolution 16 -o ball.vdb").ok();
     place.hfvdb("preview ball.vdb --slice z=0 --slice-of distance -o no.png").fails(2, &["has its band alone"]);
-    assert_eq!(place.names("."), ["ball.toml", "ball.vdb", "far.png", "heat.png"]);
+    assert!(!place.names(".").contains(&"no.png".to_owned()));
     // Far from the band the distance is that of the surface, and not what the band ends with.
     place.hfvdb(&slice("distance", "far.exr")).ok();
     let image = read().no_deep_data().largest_resolution_level().all_channels().first_valid_layer().all_attributes();

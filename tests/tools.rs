@@ -120,7 +120,9 @@ fn slices_of_f_go_beyond_the_band() {
     }
     place.hfvdb("preview ball.toml --slice-of f -o f.png").fails(2, &["--slice"]);
     place.hfvdb("bake ball.toml -o ball.vdb --resolution 24").ok();
-    place.hfvdb("preview ball.vdb --slice z=0 --slice-of f -o f.png").fails(2, &["F of a scene"]);
+    place
+        .hfvdb("preview ball.vdb --slice z=0 --slice-of f -o f.png")
+        .fails(2, &["what a scene knows", "--slice-of band"]);
 }
 
 /// Of 4³ pores all are closed; where they meet and come to the surface none is.

@@ -209,7 +209,9 @@ pub fn run(arguments: &Arguments, global: &Global) -> Result<(), Failure> {
             return Err(Failure::usage("--vary changes a scene, not .vdb files"));
         }
         if arguments.slice_of != SliceOf::Band {
-            return Err(Failure::usage("--slice-of shows what a scene knows; a .vdb file has its band alone"));
+            return Err(Failure::usage(
+                "--slice-of shows what a scene knows; a .vdb file has its band alone: leave it out, or write --slice-of band",
+            ));
         }
         return source::of_files(arguments, &target, global, |source, progress| {
             show(arguments, &target, source, &interrupt, progress, global)
