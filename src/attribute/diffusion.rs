@@ -62,7 +62,7 @@ impl std::error::Error for DiffusionError {}
 pub struct Spreading<'a> {
     /// The solid, or the shape of the plane.
     pub solid: &'a dyn Field,
-    /// Its box, [`Aabb::without_z`] of a shape of the plane.
+    /// Its box, that of a shape of the plane by [`Aabb::is_of_plane`].
     pub aabb: Aabb,
     /// Where it starts; of several, the least distance counts.
     pub sources: &'a [DVec3],
@@ -99,7 +99,7 @@ impl Diffusion {
         let stopped = || if cancel.load(Ordering::Relaxed) { Err(DiffusionError::Cancelled) } else { Ok(()) };
         stopped()?;
         // What knows no z has no end along it.
-        let is_flat = *aabb == aabb.without_z();
+        let is_flat = aabb.is_of_plane();
         let (grid, boundary): (Grid, Box<dyn Boundary>) = if is_flat {
             let grid = planar::fitting(*solid, *aabb);
             let outline = Outline::new(&grid, *solid, *time)?;

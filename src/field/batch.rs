@@ -121,12 +121,12 @@ fn range(values: &[f32]) -> [f32; 2] {
 // One vector instruction each; what is no number is passed over where it comes first.
 
 #[inline(always)]
-fn lesser(a: f32, b: f32) -> f32 {
+pub(crate) fn lesser(a: f32, b: f32) -> f32 {
     if a < b { a } else { b }
 }
 
 #[inline(always)]
-fn greater(a: f32, b: f32) -> f32 {
+pub(crate) fn greater(a: f32, b: f32) -> f32 {
     if a > b { a } else { b }
 }
 

@@ -88,6 +88,14 @@ impl Aabb {
         Self { min: self.min.with_z(-FAR), max: self.max.with_z(FAR) }
     }
 
+    /// Whether it is that of a region of the plane, whatever that was scaled by.
+    pub fn is_of_plane(self) -> bool {
+        /// So many times as high as it is wide, nothing in space is.
+        const ENDLESS: f64 = 1e6;
+        let size = self.size();
+        size.z > ENDLESS * size.truncate().max_element()
+    }
+
     /// The longest side, of those that end.
     pub fn longest_side(self) -> f64 {
         let size = self.size();

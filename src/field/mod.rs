@@ -59,6 +59,7 @@ mod width;
 
 pub use balls::Balls;
 pub use batch::{BATCH, Gradients, Points};
+pub(crate) use batch::{greater, lesser};
 pub use bent::{Bent, Folded};
 pub use combine::{Blend, BlendBounds, Kernel, SetSystem};
 pub use copies::{Copies, CopyPlace};

@@ -11,7 +11,7 @@ use multiversion::multiversion;
 use parry3d_f64::partitioning::TraversalAction;
 
 use super::{MeshDistance, Nearest};
-use crate::field::{Aabb, Points};
+use crate::field::{Aabb, Points, greater, lesser};
 
 /// Triangles that a batch's list may have. With more, lists of its octants take less time.
 const MANY: usize = 256;
@@ -262,16 +262,6 @@ fn closest(
 #[inline(always)]
 fn may_be_within(square: f32, limit: f32) -> bool {
     (square <= limit) | square.is_nan()
-}
-
-#[inline(always)]
-fn lesser(a: f32, b: f32) -> f32 {
-    if a < b { a } else { b }
-}
-
-#[inline(always)]
-fn greater(a: f32, b: f32) -> f32 {
-    if a > b { a } else { b }
 }
 
 #[cfg(test)]

@@ -39,9 +39,6 @@ const AT_CREASES: f64 = 0.25;
 /// than the whole.
 const MOST_PARTS: usize = 4;
 
-/// A box so many times as high as it is wide is that of a shape of the plane, whatever it was scaled by.
-const ENDLESS: f64 = 1e6;
-
 /// Smallest cells of a distance object along its longest side, at most: more take memory without end, and a morph's
 /// in-betweens are smooth.
 pub(crate) const MOST_CELLS: f64 = 512.0;
@@ -262,10 +259,9 @@ impl Distances {
             return Ok(None);
         }
         // What is extruded, say, is of the plane, and its box has no end along z.
-        let is_endless = |size: DVec3| size.z > ENDLESS * size.truncate().max_element();
         let box_of_solid = |part: Node| {
             let aabb = box_of(&Expression::new(graph, part))?;
-            Ok::<_, extent::Error>((!(graph.is_flat(part) && is_endless(aabb.size()))).then_some(aabb))
+            Ok::<_, extent::Error>((!(graph.is_flat(part) && aabb.is_of_plane())).then_some(aabb))
         };
         let boxes = parts.iter().map(|(part, _)| box_of_solid(*part));
         let Ok(boxes) = boxes.collect::<Result<Vec<Option<Aabb>>, _>>() else { return Ok(None) };

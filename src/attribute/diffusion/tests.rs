@@ -148,6 +148,18 @@ fn on_the_plane_it_is_a_sum_of_cosines() {
     }
 }
 
+/// What is scaled in space has another box that does not end along z.
+#[test]
+fn a_scaled_shape_of_the_plane_is_one() {
+    let half = plane(|p| 0.5 - p.truncate().length(), 0.5);
+    let aabb = Aabb::new(DVec3::new(-0.5, -0.5, -5e14), DVec3::new(0.5, 0.5, 5e14));
+    let cancel = AtomicBool::new(false);
+    let spreading = Spreading { solid: &*half, aabb, sources: &[DVec3::X * 0.4995], time: 0.5, cancel: &cancel };
+    let found = Diffusion::new(&spreading).expect("distances");
+    let (is, exact) = (f64::from(found.at(DVec3::Y * 0.5)), (around(PI / 2.0, 0.5) / around(PI, 0.5)).sqrt());
+    assert!((is - exact).abs() < 0.02, "{is} {exact}");
+}
+
 #[test]
 fn an_outline_is_one_piece() {
     let ring = plane(|p| 0.4 - (p.truncate().length() - 0.6).abs(), 1.0);

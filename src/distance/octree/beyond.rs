@@ -15,10 +15,13 @@ use super::evaluate::Place;
 use super::patch::{self, Patch, PatchBounds};
 use crate::field::{Aabb, Interval};
 
+/// S above, as a share of the root's edge. Greater makes slopes steeper, smaller turns earlier to slope 1.
+pub(in crate::distance) const SATURATION: f64 = 1.0 / 32.0;
+
 /// What bounds need to know about the root's faces.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Border {
-    /// S above: a thirty-second of the root's edge. Greater makes slopes steeper, smaller turns earlier to slope 1.
+    /// S above, world units.
     saturation: f64,
     /// The greatest |∇F| on the faces.
     slope: f64,
@@ -164,7 +167,7 @@ impl DistanceObject {
 
     pub(super) fn measure_border(&self, places: &[Place], bounds: &[PatchBounds], slopes: &[f64]) -> Border {
         let mut border = Border {
-            saturation: f64::from(self.root_size()) * self.step / 32.0,
+            saturation: f64::from(self.root_size()) * self.step * SATURATION,
             greatest: f64::NEG_INFINITY,
             outward: f64::NEG_INFINITY,
             ..Border::default()

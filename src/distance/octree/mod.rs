@@ -11,7 +11,7 @@
 //! size of the cell, which grows with the distance to the surface, to an eighth of it; smallest cells across a crease of
 //! the surface round that.
 
-mod beyond;
+pub(super) mod beyond;
 mod bounds;
 mod bricks;
 pub(super) mod corners;

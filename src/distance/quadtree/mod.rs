@@ -16,10 +16,11 @@ mod tests;
 
 use std::collections::HashMap;
 
-use glam::{DVec2, DVec3, Vec2};
+use glam::{DVec2, DVec3};
 
 use self::patch::{Jet, Patch};
 use super::nearest::{ClosestPoint, Watch};
+use super::octree::beyond::SATURATION;
 use super::octree::corners::between;
 use super::octree::refine::{LARGEST_AT_SURFACE, SLOPE_REACH};
 use super::octree::samples::{Sample, Samples};
@@ -29,9 +30,6 @@ use crate::field::{Aabb, BATCH, Evaluator, Field, Gradients, Hint, Hints, Interv
 
 /// Marks a node that is a leaf; the rest is the leaf's number.
 const LEAF: u32 = 1 << 31;
-
-/// S of what goes on beyond the root, as a share of its edge, as the octree has it.
-const SATURATION: f64 = 1.0 / 32.0;
 
 /// A cell: its least corner and edge, in smallest cells.
 #[derive(Clone, Copy, Debug)]
@@ -467,8 +465,7 @@ impl Evaluator for QuadtreeEvaluator<'_> {
     fn gradients(&mut self, points: &Points, out: &mut Gradients) {
         for i in 0..points.len {
             let (value, gradient) = self.tree.value_and_gradient(points.position(i).truncate());
-            let Vec2 { x, y } = gradient.as_vec2();
-            (out.value[i], out.dx[i], out.dy[i], out.dz[i]) = (value as f32, x, y, 0.0);
+            out.set(i, (value, gradient.extend(0.0)));
         }
     }
 }

@@ -49,7 +49,7 @@ fn diffusion(source: &mut dyn Sourcing<1>) -> Result<Paint<1>, Problem> {
             DiffusionError::Outside(_) => {
                 problem.help("places stand in the shape's own space, before scale, rotate and move")
             }
-            DiffusionError::Pieces(_) if aabb == aabb.without_z() => {
+            DiffusionError::Pieces(_) if aabb.is_of_plane() => {
                 problem.help("make a shape of each piece, with the attribute, and take it from them by `parts`")
             }
             DiffusionError::Pieces(_) => problem.help("`interior` takes several pieces, and hollows"),
