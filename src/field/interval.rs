@@ -88,6 +88,11 @@ impl Aabb {
         Self { min: self.min.with_z(-FAR), max: self.max.with_z(FAR) }
     }
 
+    /// The box of a region of the xy plane at one z, of no height.
+    pub fn at_z(self, z: f64) -> Self {
+        Self { min: self.min.with_z(z), max: self.max.with_z(z) }
+    }
+
     /// Whether it is that of a region of the plane, whatever that was scaled by.
     pub fn is_of_plane(self) -> bool {
         /// So many times as high as it is wide, nothing in space is.

@@ -90,8 +90,11 @@ impl Way {
             }
             Carry::Anchors(pairs) => {
                 let then = [from.motion.at(start), to.motion.at(end)];
-                let own: Vec<[DVec3; 2]> =
-                    pairs.iter().map(|pair| [0, 1].map(|i| then[i].to_object(pair[i]))).collect();
+                let within_own = |i: usize, place: DVec3| {
+                    let own = then[i].to_object(place);
+                    if settings.plane.is_some() { own.with_z(0.0) } else { own }
+                };
+                let own: Vec<[DVec3; 2]> = pairs.iter().map(|pair| [0, 1].map(|i| within_own(i, pair[i]))).collect();
                 within(&own, objects)?;
                 let count = own.len() as f64;
                 let centres = [0, 1].map(|i| own.iter().map(|pair| pair[i]).sum::<DVec3>() / count);
@@ -171,7 +174,7 @@ fn turn_between(ends: &[End; 2], own: &DMat3, time: f64) -> DMat3 {
 }
 
 fn inertia(object: &MorphObject, side: Side) -> Result<Inertia, Error> {
-    Inertia::of(object.distance.as_ref()).ok_or(Error::Unbounded(side))
+    Inertia::of(object).ok_or(Error::Unbounded(side))
 }
 
 fn untold_axes(axes: [Axes; 2]) -> Vec<Untold> {
@@ -190,9 +193,8 @@ fn untold_axes(axes: [Axes; 2]) -> Vec<Untold> {
 fn within(anchors: &[[DVec3; 2]], objects: [&MorphObject; 2]) -> Result<(), Error> {
     for (place, pair) in anchors.iter().enumerate() {
         for (i, side) in [Side::From, Side::To].into_iter().enumerate() {
-            let distance = objects[i].distance.as_ref();
-            let own = distance.bounding_box().ok_or(Error::Unbounded(side))?;
-            let outside = -distance.reference(pair[i]);
+            let own = objects[i].own_box().ok_or(Error::Unbounded(side))?;
+            let outside = -objects[i].distance.reference(pair[i]);
             if outside.is_nan() || outside > OUTSIDE * 0.5 * own.size().length() {
                 return Err(Error::AnchorOutside { place, side });
             }
@@ -204,7 +206,7 @@ fn within(anchors: &[[DVec3; 2]], objects: [&MorphObject; 2]) -> Result<(), Erro
 /// The turn that anchors ask for, from where they lie about their middles in the world; `None` of one.
 fn turn_of(about: &[[DVec3; 2]], objects: [&MorphObject; 2]) -> Result<Option<DMat3>, Error> {
     let reach = |side: usize| about.iter().map(|pair| pair[side].length()).fold(0.0, f64::max);
-    let size = |side: usize| objects[side].distance.bounding_box().map_or(0.0, |own| own.size().length());
+    let size = |side: usize| objects[side].own_box().map_or(0.0, |own| own.size().length());
     match about {
         [] => Err(Error::Setting { name: "number of anchors", value: 0.0, least: 1.0, most: f64::INFINITY }),
         [_] => Ok(None),

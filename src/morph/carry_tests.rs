@@ -254,11 +254,11 @@ fn centres_and_axes_are_those_of_the_volume() {
         Exact::Block { centre: DVec3::new(-1.0, 0.0, 0.0), half: DVec3::splat(0.4) },
         Exact::Block { centre: DVec3::new(1.0, 0.0, 0.0), half: DVec3::splat(0.2) },
     ]);
-    let found = Inertia::of(&two).expect("bounded");
+    let found = Inertia::of(&still(Arc::new(two), YELLOW)).expect("bounded");
     let (large, small) = (0.8f64.powi(3), 0.4f64.powi(3));
     assert!((found.centre.x - (small - large) / (small + large)).abs() < 2e-3, "{}", found.centre);
     assert!(matches!(found.axes, Axes::One { axis, place: 0 } if axis.x.abs() > 1.0 - 1e-9));
-    let Axes::All(axes) = Inertia::of(brick(0.3, [0.3, 0.9, 0.5]).as_ref()).expect("bounded").axes else {
+    let Axes::All(axes) = Inertia::of(&still(brick(0.3, [0.3, 0.9, 0.5]), YELLOW)).expect("bounded").axes else {
         panic!("a brick has three axes")
     };
     let wanted = DMat3::from_cols(DVec3::Y, DVec3::Z, DVec3::X);

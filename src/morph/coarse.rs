@@ -15,24 +15,47 @@ const CELLS: f64 = 150_000.0;
 /// The most cells along one axis, for boxes that are nearly flat or nearly a line.
 const LONGEST: f64 = 768.0;
 
-/// Cubic cells in blocks of 8³, one batch each; a cell's place is `block·512 + x·64 + y·8 + z`.
+/// Cells in a block along each axis: one batch.
+const CUBE: IVec3 = IVec3::splat(BLOCK_EDGE);
+/// The same of a grid over the plane.
+const SQUARE: IVec3 = IVec3::new(32, 16, 1);
+
+/// Cubic cells in blocks of one batch each, or one layer of square ones over the plane z = 0; within a block a cell's place
+/// goes by x, y and z.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct CoarseGrid {
     least: [f64; 3],
     edge: f64,
     blocks: [i32; 3],
+    /// How far cells of the plane reach along z, world units.
+    depth: Option<f64>,
 }
 
 impl CoarseGrid {
-    /// Cells over a box, and a little more.
-    pub(super) fn over(aabb: Aabb) -> Self {
+    /// Cells over a box, and a little more; of so much depth over its part of the plane z = 0.
+    pub(super) fn over(aabb: Aabb, depth: Option<f64>) -> Self {
+        let aabb = if depth.is_some() { aabb.at_z(0.0) } else { aabb };
         let size = aabb.size();
         let longest = size.max_element();
         let filled = size.max(DVec3::splat(longest * 1e-3));
-        let edge = libm::cbrt(filled.element_product() / CELLS).max(longest / LONGEST);
-        let blocks = (size / (edge * f64::from(BLOCK_EDGE))).ceil().max(DVec3::ONE);
-        let half = blocks * (edge * f64::from(BLOCK_EDGE) * 0.5);
-        Self { least: (aabb.centre() - half).to_array(), edge, blocks: blocks.as_ivec3().to_array() }
+        let (edge, block) = match depth {
+            None => (libm::cbrt(filled.element_product() / CELLS), CUBE),
+            Some(_) => ((filled.x * filled.y / CELLS).sqrt(), SQUARE),
+        };
+        let edge = edge.max(longest / LONGEST);
+        let block = block.as_dvec3() * edge;
+        let blocks = (size / block).ceil().max(DVec3::ONE);
+        let half = blocks * block * 0.5;
+        Self { least: (aabb.centre() - half).to_array(), edge, blocks: blocks.as_ivec3().to_array(), depth }
+    }
+
+    /// How far cells of the plane reach along z, world units; `None` of cubes.
+    pub(super) fn depth(&self) -> Option<f64> {
+        self.depth
+    }
+
+    fn block_size(&self) -> IVec3 {
+        if self.depth.is_some() { SQUARE } else { CUBE }
     }
 
     /// All of it.
@@ -48,7 +71,7 @@ impl CoarseGrid {
 
     /// A cell's volume, cubic world units.
     pub fn cell_volume(&self) -> f64 {
-        self.edge * self.edge * self.edge
+        self.edge * self.edge * self.depth.unwrap_or(self.edge)
     }
 
     pub(super) fn block_count(&self) -> usize {
@@ -61,7 +84,7 @@ impl CoarseGrid {
 
     /// How many cells there are along each axis.
     pub(super) fn size(&self) -> IVec3 {
-        IVec3::from_array(self.blocks) * BLOCK_EDGE
+        IVec3::from_array(self.blocks) * self.block_size()
     }
 
     /// A place in the world, in cells from the middle of the first cell.
@@ -80,16 +103,17 @@ impl CoarseGrid {
     }
 
     fn voxel(&self, cell: usize) -> IVec3 {
-        let local = cell % BATCH;
-        let within = IVec3::new((local >> 6) as i32, (local >> 3 & 7) as i32, (local & 7) as i32);
-        self.block(cell / BATCH) * BLOCK_EDGE + within
+        let size = self.block_size();
+        self.block(cell / BATCH) * size + within(size, cell % BATCH)
     }
 
     /// Whether a cell lies on a face of the grid.
     pub(super) fn on_face(&self, cell: usize) -> bool {
         let voxel = self.voxel(cell);
         let last = self.size() - 1;
-        voxel.cmpeq(IVec3::ZERO).any() || voxel.cmpeq(last).any()
+        let faces = voxel.cmpeq(IVec3::ZERO) | voxel.cmpeq(last);
+        // In the plane nothing spreads along z.
+        faces.x || faces.y || (faces.z && self.depth.is_none())
     }
 
     /// A distance at the cells' middles, in units of D; `unit` is D.
@@ -138,26 +162,32 @@ impl CoarseGrid {
 
     /// The place of a voxel's cell.
     pub(super) fn cell(&self, voxel: IVec3) -> usize {
-        let (block, local) = (voxel / BLOCK_EDGE, voxel % BLOCK_EDGE);
+        let size = self.block_size();
+        let (block, local) = (voxel / size, voxel % size);
         let [_, ny, nz] = self.blocks;
         let block = (block.x * ny + block.y) * nz + block.z;
-        block as usize * BATCH + (local.x * 64 + local.y * 8 + local.z) as usize
+        block as usize * BATCH + ((local.x * size.y + local.y) * size.z + local.z) as usize
     }
 
     pub(super) fn block_points(&self, index: usize) -> (Points, Aabb) {
-        let half_block = self.edge * f64::from(BLOCK_EDGE) * 0.5;
-        let middle =
-            DVec3::from_array(self.least) + (self.block(index).as_dvec3() + 0.5) * (self.edge * f64::from(BLOCK_EDGE));
+        let size = self.block_size();
+        let half_block = size.as_dvec3() * self.edge * 0.5;
+        let middle = DVec3::from_array(self.least) + (self.block(index).as_dvec3() + 0.5) * (half_block * 2.0);
         let mut points = Points::new(middle);
-        let offset = |i: usize| ((i as f64 - 3.5) * self.edge) as f32;
+        let first = (size - 1).as_dvec3() * 0.5;
         for i in 0..BATCH {
-            points.x[i] = offset(i >> 6);
-            points.y[i] = offset((i >> 3) & 7);
-            points.z[i] = offset(i & 7);
+            let offset = (within(size, i).as_dvec3() - first) * self.edge;
+            (points.x[i], points.y[i], points.z[i]) = offset.as_vec3().into();
         }
         points.len = BATCH;
         (points, Aabb::new(middle - half_block, middle + half_block))
     }
+}
+
+/// Where in a block of a size a cell is.
+fn within(size: IVec3, cell: usize) -> IVec3 {
+    let [y, z] = [size.y, size.z].map(|size| size as usize);
+    IVec3::new((cell / (y * z)) as i32, (cell / z % y) as i32, (cell % z) as i32)
 }
 
 /// Both objects' distances at the cells' middles, in units of D, and the cosine between their gradients: all that

@@ -22,29 +22,36 @@ const STEPS: usize = 160;
 /// The frame, and whether both objects rest in it.
 #[derive(Clone)]
 pub(super) struct Common {
-    /// Where it stands over scene time, from its own space to the world; at the start of the span they are one.
+    /// Where it stands over scene time, from its own space to the world. At the start of the span they are one, or it stands
+    /// where the plane does that both objects lie in: it goes with that.
     pub motion: Motion,
     /// Whether both objects rest in it.
     pub rests: bool,
 }
 
 impl Common {
+    /// Whether it is the world, at all times.
+    pub(super) fn is_world(&self) -> bool {
+        self.motion.is_still() && self.motion.at(0.0) == Similarity::IDENTITY
+    }
+
     /// That of two objects as they move, carried along a way or not.
     pub(super) fn new(from: &MorphObject, to: &MorphObject, settings: &Settings, way: Option<&Arc<Way>>) -> Self {
+        let start = settings.plane.map_or(Similarity::IDENTITY, |plane| plane.placement);
         if let Some(way) = way.filter(|way| way.is_all()) {
-            return Self { motion: way.carried(Side::From, &Motion::default()), rests: true };
+            return Self { motion: way.carried(Side::From, &Motion::still(start)), rests: true };
         }
         let rests = from.motion.is_still() && to.motion.is_still();
-        Self { motion: common_motion(from, to, settings), rests }
+        Self { motion: common_motion(start, from, to, settings), rests }
     }
 }
 
-fn common_motion(from: &MorphObject, to: &MorphObject, settings: &Settings) -> Motion {
+fn common_motion(start: Similarity, from: &MorphObject, to: &MorphObject, settings: &Settings) -> Motion {
     if from.motion.is_still() && to.motion.is_still() {
-        return Motion::default();
+        return Motion::still(start);
     }
     let pair = Pair { objects: [from, to].map(Carried::new), settings: settings.clone() };
-    let mut placements = vec![Similarity::IDENTITY];
+    let mut placements = vec![start];
     for step in 0..STEPS {
         let next = pair.moved(placements[step], pair.time(step), pair.time(step + 1));
         placements.push(next);
@@ -64,8 +71,7 @@ struct Carried {
 
 impl Carried {
     fn new(object: &MorphObject) -> Self {
-        let centre = object.distance.bounding_box().map_or(DVec3::ZERO, |aabb| aabb.centre());
-        let centre = if centre.is_finite() { centre } else { DVec3::ZERO };
+        let centre = object.own_box().map_or(DVec3::ZERO, |aabb| aabb.centre());
         Self { motion: object.motion.clone(), centre }
     }
 }

@@ -3,8 +3,8 @@
 use glam::{DMat3, DVec3};
 
 use super::coarse::CoarseGrid;
+use super::object::MorphObject;
 use super::volume::object_fractions;
-use crate::distance::Distance;
 use crate::field::eigen_descending;
 
 /// How many times as far a solid reaches along an axis as along the next, so that the two are told apart. Less: how cells
@@ -47,11 +47,11 @@ pub(super) struct Inertia {
 impl Inertia {
     /// From a distance on a coarse grid over its box, by the fraction inside of each cell; the middle of the box and no
     /// axes where no cell has any. `None` where the box is not known.
-    pub(super) fn of(distance: &dyn Distance) -> Option<Self> {
-        let own = distance.bounding_box().filter(|own| own.min.is_finite() && own.max.is_finite())?;
-        let grid = CoarseGrid::over(own);
+    pub(super) fn of(object: &MorphObject) -> Option<Self> {
+        let own = object.own_box()?;
+        let grid = CoarseGrid::over(own, (own.size().z == 0.0).then_some(1.0));
         let unit = grid.edge();
-        let fractions = object_fractions(&grid, &grid.sampled(distance, unit), unit);
+        let fractions = object_fractions(&grid, &grid.sampled(object.distance.as_ref(), unit), unit);
         let cells = || fractions.iter().enumerate().filter(|(_, inside)| **inside > 0.0);
         let from = |cell: usize| grid.centre(cell) - own.centre();
         let (mut volume, mut first) = (0.0, DVec3::ZERO);

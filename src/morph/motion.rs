@@ -48,6 +48,22 @@ impl Similarity {
         self.rotation.transpose() * (position - self.translation) / self.scale
     }
 
+    /// The same within the plane z = 0, whatever it is moved along z; `None` where it turns z.
+    pub fn in_plane(&self) -> Option<Self> {
+        let Self { translation, .. } = *self;
+        (self.rotation.z_axis == DVec3::Z).then_some(Self { translation: translation.with_z(0.0), ..*self })
+    }
+
+    /// The same without its scale.
+    pub(super) fn rigid(&self) -> Self {
+        Self { scale: 1.0, ..*self }
+    }
+
+    /// Where it turns z to.
+    pub fn normal(&self) -> DVec3 {
+        self.rotation.z_axis
+    }
+
     /// How it turns.
     pub(super) fn rotation(&self) -> DMat3 {
         self.rotation

@@ -109,16 +109,17 @@ impl Morph {
         settings.check()?;
         let (objects, way, common) = carried([from, to], &settings)?;
         let over = |object: &MorphObject, side: Side| {
-            let own = object.distance.bounding_box().filter(|aabb| aabb.min.is_finite() && aabb.max.is_finite());
+            let own = object.own_box();
             let placement = |time: f64| object.motion.at(time).seen_from(&common.motion.at(time));
             Ok(box_over(own.ok_or(Error::Unbounded(side))?, &settings, common.rests, placement))
         };
         let boxes = [over(&objects[0], Side::From)?, over(&objects[1], Side::To)?];
         let both = boxes[0].union(boxes[1]);
         let unit = both.size().length() * 0.5;
+        let height = settings.plane.map(|plane| plane.height);
         let (mut margin, mut spreads) = (MARGINS[0], [0.0; 2]);
         while margin <= MARGINS[1] {
-            let grid = CoarseGrid::over(both.grown(margin * unit));
+            let grid = CoarseGrid::over(both.grown(margin * unit), height);
             let plan =
                 Plan { unit, grid, pace: Curve::line(), changes: Vec::new(), extent: [[0.0; 3]; 2], turn: Turn::Up };
             let mut morph = Self::planned(objects.clone(), settings.clone(), plan, way.clone(), common.clone());
@@ -190,8 +191,15 @@ impl Morph {
         }
     }
 
-    /// The frame's field in world units, at scene time τ. At the ends it is the object's own.
+    /// The frame's field in world units, at scene time τ. At the ends it is the object's own; shapes of the plane are
+    /// extruded.
     pub fn field(&self, time: f64) -> Arc<dyn Field> {
+        self.extruded(self.profile(time), time)
+    }
+
+    /// The same before it is extruded: where the objects are shapes of the plane, a field that does not know how far from it
+    /// a point is.
+    pub fn profile(&self, time: f64) -> Arc<dyn Field> {
         let own = |object: &MorphObject| -> Arc<dyn Field> {
             Arc::new(Moved::new(object.surface.clone(), object.motion.at(time)))
         };
@@ -368,10 +376,12 @@ impl Morph {
     /// Takes the delay, which stands in the world, onto the coarse grid, or onto one over all that it moves through.
     fn measure_delay(&mut self) -> Result<(), Error> {
         let Some(delay) = self.settings.mode.volume().and_then(|mode| mode.delay.as_ref()) else { return Ok(()) };
-        let grid = if self.common.motion.is_still() {
+        let grid = if self.common.is_world() {
             self.plan.grid.clone()
         } else {
-            CoarseGrid::over(box_over(self.plan.grid.aabb(), &self.settings, false, |time| self.common.motion.at(time)))
+            let moves_through =
+                box_over(self.plan.grid.aabb(), &self.settings, false, |time| self.common.motion.at(time));
+            CoarseGrid::over(moves_through, None)
         };
         self.delay = Some(Arc::new(DelayGrid::new(&grid, delay)?));
         Ok(())
@@ -473,7 +483,7 @@ impl Morph {
             );
         }
         let cell = self.plan.grid.cell_volume();
-        let extent = if self.common.motion.is_still() {
+        let extent = if self.common.is_world() {
             extent(&self.plan.grid, &fractions)
         } else {
             self.moving_extent(&progress, &scene, &fractions)
@@ -551,7 +561,11 @@ fn extent(grid: &CoarseGrid, steps: &[Vec<f32>]) -> Aabb {
         most.iter_mut().zip(fractions).for_each(|(most, fraction)| *most = most.max(*fraction));
     }
     most.iter().enumerate().filter(|(_, fraction)| **fraction > 0.0).fold(nothing, |all, (cell, fraction)| {
-        let (centre, reach) = (grid.centre(cell), (f64::from(*fraction) - 0.5) * grid.edge());
+        let (centre, inside) = (grid.centre(cell), f64::from(*fraction) - 0.5);
+        let mut reach = DVec3::splat(inside * grid.edge());
+        if let Some(depth) = grid.depth() {
+            reach.z = 0.5 * depth;
+        }
         all.union(Aabb::new(centre - reach, centre + reach))
     })
 }

@@ -76,8 +76,8 @@ impl Morph {
 
     /// The surface at scene time τ, in the world.
     fn surfels_at(&self, time: f64) -> Surfels {
-        let (grid, field, common) = (&self.plan().grid, self.field(time), self.common.motion.at(time));
-        if self.common.motion.is_still() {
+        let (grid, field, common) = (&self.plan().grid, self.profile(time), self.common.motion.at(time));
+        if self.common.is_world() {
             return Surfels::new(grid, field.as_ref());
         }
         let seen = Similarity::IDENTITY.seen_from(&common);

@@ -8,6 +8,7 @@ use super::error::{Error, within};
 use super::mode::Mode;
 use super::mode::volume::Volume;
 use super::over_time::OverTime;
+use super::plane::Plane;
 use crate::attribute::ColourSpace;
 
 /// How a morph runs.
@@ -35,6 +36,8 @@ pub struct Settings {
     pub beta: OverTime<f64>,
     /// Where the two colours are mixed.
     pub colour_space: ColourSpace,
+    /// The plane that both objects are shapes of; `None` of solids.
+    pub plane: Option<Plane>,
 }
 
 impl Default for Settings {
@@ -51,6 +54,7 @@ impl Default for Settings {
             alpha: 0.3.into(),
             beta: 0.5.into(),
             colour_space: ColourSpace::Auto,
+            plane: None,
         }
     }
 }

@@ -223,9 +223,9 @@ impl Morph {
         let placed = |object: &MorphObject| Arc::new(Moved::new(object.distance.clone(), object.motion.at(time)));
         let t = self.time_at(time);
         if t <= 0.0 {
-            placed(&self.from)
+            self.extruded(placed(&self.from), time)
         } else if t >= 1.0 {
-            placed(&self.to)
+            self.extruded(placed(&self.to), time)
         } else {
             self.field(time)
         }

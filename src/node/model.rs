@@ -303,6 +303,8 @@ pub struct Morph {
     pub cut: Option<ShapeId>,
     /// Which pieces of each frame stay.
     pub keep: Keep,
+    /// Whether both are shapes of the plane, which are blended in it and extruded then.
+    pub in_plane: bool,
     /// How the shape's way is found.
     pub mode: MorphMode,
     /// Whether t is re-timed so that every frame changes as much as the others.

@@ -7,7 +7,9 @@ use crate::distance::method::Request;
 use crate::distance::nearest::Watch;
 use crate::distance::octree;
 use crate::field::{Aabb, Field};
-use crate::morph::{self, Carry, Morph, MorphAttribute, MorphObject, Motion, Settings, Transfer, Volume};
+use crate::morph::{
+    self, Carry, Morph, MorphAttribute, MorphObject, Motion, Plane, Settings, Similarity, Transfer, Volume,
+};
 use crate::node::attributes::{Asked, TheColour};
 use crate::node::cache::Cache;
 use crate::node::extent::solid_box;
@@ -16,6 +18,7 @@ use crate::node::keeping::Solid;
 use crate::node::measured::{measured_or_kept, smallest_cell};
 use crate::node::model::ShapeId;
 use crate::node::painted::Paint;
+use crate::node::profile::{leaves_the_plane, lift_it};
 use crate::node::solid::Solids;
 use crate::text::problem::Problem;
 
@@ -69,6 +72,7 @@ impl Solids {
                 .choice("color_space")
                 .and_then(|name| ColourSpace::named(name))
                 .unwrap_or(ColourSpace::Auto),
+            plane: shape.is_flat.then(|| Plane::new(1.0, &Similarity::IDENTITY)),
             ..Settings::default()
         };
         let kept = self.keeping().and_then(|keeping| {
@@ -82,8 +86,14 @@ impl Solids {
 
     /// An operand where it stands, and its box.
     fn solid_of(&mut self, id: ShapeId) -> Result<(Arc<dyn Field>, Aabb), Problem> {
+        let model = self.model();
+        if model.shape(id).is_flat {
+            let help = || format!("turn it about z alone, or {} first", lift_it());
+            let leaves = || leaves_the_plane(model.shape(id)).help(help());
+            return self.in_plane(id, Stage::Placed)?.ok_or_else(leaves);
+        }
         let surface = self.field(id, Stage::Placed)?;
-        let solid = solid_box(&self.model(), id, surface.as_ref())?;
+        let solid = solid_box(&model, id, surface.as_ref())?;
         Ok((surface, solid))
     }
 
@@ -101,9 +111,13 @@ impl Solids {
         let settings = shape.distance.settings(octree::Settings::new(solid, cell));
         let request = Request { field: &surface, solid, detail: cell, settings };
         let watch = Watch { cancel: self.cancel(), progress: &|_| {} };
-        let kept = self.keeping().map(|keeping| (keeping, Solid::Stage(id, Stage::Placed), None));
-        let distance = measured_or_kept(shape.distance, &request, kept, &[cell], &watch)
-            .map_err(|error| Problem::new(shape.span, format!("`{}`: {error}", shape.name)))?;
+        let distance = if shape.is_flat {
+            shape.distance.method().measure_in_plane(&request, &watch).map(|measured| measured.distance)
+        } else {
+            let kept = self.keeping().map(|keeping| (keeping, Solid::Stage(id, Stage::Placed), None));
+            measured_or_kept(shape.distance, &request, kept, &[cell], &watch)
+        };
+        let distance = distance.map_err(|error| Problem::new(shape.span, format!("`{}`: {error}", shape.name)))?;
         let paint = self.paint(TheColour, id, Stage::Placed, voxel)?;
         let colour = paint.unwrap_or_else(|| Paint::solid(TheColour.absent())).attribute;
         Ok(MorphObject { surface, distance, colour, motion: Motion::default() })

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use glam::{DAffine3, DVec2, DVec3};
 
+use super::model::Shape;
 use super::spec::{Build, Imported, Spec};
 use super::table;
 use crate::field::{Aabb, Field, Joined, Node, Outline, Parts, SetSystem};
@@ -16,6 +17,11 @@ pub const LIFTING: &str = "`extrude`, `revolve` or `sweep`";
 /// What to do with a shape of the plane where a solid is needed.
 pub fn lift_it() -> String {
     format!("make it a solid with {LIFTING}")
+}
+
+/// What is wrong with a shape of the plane that is not turned about z alone.
+pub fn leaves_the_plane(shape: &Shape) -> Problem {
+    Problem::new(shape.span, format!("`{}`, a shape of the plane, leaves it", shape.name))
 }
 
 /// The row of `extrude`.

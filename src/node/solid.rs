@@ -289,9 +289,9 @@ impl Solids {
         Ok(Expression::new(&self.graph, node).keeping_values())
     }
 
-    /// A shape of the plane where it stands, and its box there, of no height; `None` of one that leaves the plane.
-    pub fn in_plane(&mut self, id: ShapeId) -> Result<Option<FieldInBox>, Problem> {
-        let node = self.node(id, Stage::Placed)?;
+    /// A shape of the plane, and its box there, of no height; `None` of one that leaves the plane.
+    pub fn in_plane(&mut self, id: ShapeId, stage: Stage) -> Result<Option<FieldInBox>, Problem> {
+        let node = self.node(id, stage)?;
         if !self.graph.is_flat(node) {
             return Ok(None);
         }
@@ -524,7 +524,7 @@ impl Solids {
     pub fn distance_around(&mut self, id: ShapeId, key: &str, span: Span) -> Result<Expression, Problem> {
         let model = self.model();
         // A shape of the plane has no end along z.
-        let flat = if model.shape(id).is_flat { self.in_plane(id).ok().flatten() } else { None };
+        let flat = if model.shape(id).is_flat { self.in_plane(id, Stage::Placed).ok().flatten() } else { None };
         let aabb = flat.map(|(_, aabb)| aabb).or(box_of(&self.values(id)?).ok());
         let size = aabb.map_or(1.0, |aabb| aabb.size().length().max(f64::MIN_POSITIVE));
         let shape = model.shape(id);

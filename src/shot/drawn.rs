@@ -9,10 +9,11 @@ use crate::distance::octree::{Report, Settings};
 use crate::distance::step::Stepped;
 use crate::field::{Aabb, Field};
 use crate::node::extent::box_of;
+use crate::node::id::Stage;
 use crate::node::measured::{BESIDE_SURFACE, measured_in_plane, smallest_cell};
 use crate::node::model::Content;
 use crate::shot::error::Error;
-use crate::shot::prepared::Prepared;
+use crate::shot::prepared::{Prepared, Ready};
 
 /// F of a shape of the plane, and its box, of no height.
 pub type InPlane = (Arc<dyn Field>, Aabb);
@@ -32,10 +33,20 @@ impl Prepared {
     /// # Errors
     /// What is wrong with the shape.
     pub fn in_plane(&self, frame: i64) -> Result<Option<InPlane>, Error> {
-        let Content::Shape(id) = self.model.content else { return Ok(None) };
-        let Some(flat) = self.model.shape(id).lifts else { return Ok(None) };
-        let mut solids = self.base.at(self.model.moment(frame as f64), &self.variation);
-        solids.in_plane(flat).map_err(|problem| self.model.error(problem))
+        match (&self.model.content, &self.content) {
+            (Content::Morph(morphs), Ready::Morph(planned)) => {
+                let is_bare = morphs[0].displace.is_none() && morphs[0].fill.is_none() && morphs[0].cut.is_none();
+                let time = self.model.shot.range.share(frame as f64);
+                let shown = &planned[self.shown(frame as f64)].morph;
+                Ok(is_bare.then(|| shown.in_plane(time)).flatten())
+            }
+            (Content::Shape(id), _) => {
+                let Some(flat) = self.model.shape(*id).lifts else { return Ok(None) };
+                let mut solids = self.base.at(self.model.moment(frame as f64), &self.variation);
+                solids.in_plane(flat, Stage::Placed).map_err(|problem| self.model.error(problem))
+            }
+            _ => Ok(None),
+        }
     }
 
     /// The distance of a frame in the plane, by what measures what is written.

@@ -11,6 +11,8 @@ mod morph_paint;
 mod morph_settings;
 mod morphing;
 mod movement;
+mod placed;
+mod plane;
 mod prepare;
 mod prepared;
 mod scenery;
@@ -42,6 +44,8 @@ mod morphed_tests;
 mod pairs_tests;
 #[cfg(test)]
 mod partition_tests;
+#[cfg(test)]
+mod plane_tests;
 #[cfg(test)]
 mod ready_tests;
 #[cfg(test)]

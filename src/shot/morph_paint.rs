@@ -117,7 +117,8 @@ impl Prepared {
 
     fn fields_of_parts(&self, planned: &Planned, frame: f64) -> Vec<Arc<dyn Field>> {
         let time = self.model.shot.range.share(frame);
-        planned.parts.iter().map(|part| part.morph.field(time)).collect()
+        // On what caps all that is extruded, all parts' fields are alike.
+        planned.parts.iter().map(|part| part.morph.profile(time)).collect()
     }
 
     /// An attribute of a morph's object as it is in a frame; `None` where it does not change over time.

@@ -37,6 +37,7 @@ pub(crate) fn settings(
         alpha: over_time(model, &morph.alpha)?,
         beta: over_time(model, &morph.beta)?,
         colour_space: ColourSpace::named(morph.colour_space).unwrap_or(ColourSpace::Auto),
+        plane: None,
     })
 }
 

@@ -4,10 +4,10 @@ use std::collections::BTreeSet;
 use std::sync::atomic::AtomicBool;
 use std::sync::{Arc, Mutex, PoisonError};
 
-use glam::DVec3;
 use rayon::prelude::*;
 
 use crate::attribute::Scalar;
+use crate::distance::Distance;
 use crate::distance::descent::Scope;
 use crate::distance::extent::{Effort, Estimate, estimate};
 use crate::distance::method::{Measured, Method, Request, Rough};
@@ -15,7 +15,7 @@ use crate::distance::nearest::Watch;
 use crate::distance::octree;
 use crate::field::{Aabb, Field};
 use crate::grid::{Lattice, VoxelSize};
-use crate::morph::{self, MorphObject, Motion, Side, Similarity};
+use crate::morph::{self, MorphObject, Motion, Side};
 
 use crate::node::argument::Arguments;
 use crate::node::attributes::{Asked, TheColour, TheScalar};
@@ -23,7 +23,7 @@ use crate::node::cache::{Cache, Claim};
 use crate::node::extent::{FindBox, box_of, no_box, solid_box};
 use crate::node::id::Stage;
 use crate::node::measured::smallest_cell;
-use crate::node::model::{Model, Morph, Pairs, Placement, Shape, ShapeId};
+use crate::node::model::{Model, Morph, Pairs, ShapeId};
 use crate::node::morphed::planned_or_kept;
 use crate::node::painted::Paint;
 use crate::node::solid::Solids;
@@ -32,14 +32,13 @@ use crate::shot::carry::{anchors_problem, carry};
 use crate::shot::delay::delay;
 use crate::shot::matching::matched;
 use crate::shot::morph_settings::settings;
+use crate::shot::placed::{motion, scale_is_uniform, stands, whole};
+use crate::shot::plane::{extruded, plane, profile, thick};
 use crate::shot::stop::Stop;
 use crate::text::diagnostic::{Diagnostic, Severity, clip};
 use crate::text::frames::sampled_frames;
 use crate::text::frames::{in_ranges, plain};
-use crate::text::moment::Moment;
-use crate::text::number::Number;
 use crate::text::problem::Problem;
-use crate::text::source::Span;
 
 /// One of the two objects before it is measured.
 #[derive(Clone)]
@@ -49,6 +48,8 @@ pub(crate) struct Object {
     field: Arc<dyn Field>,
     solid: Aabb,
     motion: Motion,
+    /// Whether it is a shape of the plane, with the field of one; the box is that of what is extruded.
+    is_flat: bool,
 }
 
 impl Object {
@@ -62,7 +63,8 @@ impl Object {
         let Some(voxel_size) = VoxelSize::new(edge) else { return Estimate::default() };
         let region = self.solid.grown((f64::from(half_width) + 2.0) * edge);
         let scope = Scope { lattice: Lattice { voxel_size }, half_width, region };
-        estimate(self.field.as_ref(), &scope, Effort::Careful)
+        let extruded = self.is_flat.then(|| extruded(&self.field, self.solid));
+        estimate(extruded.as_ref().unwrap_or(&self.field).as_ref(), &scope, Effort::Careful)
     }
 
     /// A voxel's edge in the object's own space: it may be made larger where it stands.
@@ -84,6 +86,8 @@ pub(crate) struct Pair {
     parts: Vec<[Object; 2]>,
     /// The box around both over the whole shot.
     pub both: Aabb,
+    /// How far the morph of shapes of the plane is extruded, in its own units.
+    height: Option<f64>,
 }
 
 impl Pair {
@@ -99,16 +103,17 @@ impl Pair {
     }
 }
 
-/// Finds the two objects, their motion and their boxes.
+/// Finds the two objects, their motion and their boxes. Those of the plane are extruded by `height`, in the morph's own units.
 pub(crate) fn pair(
     model: &Arc<Model>,
     solids: &mut Solids,
     variation: &Variation,
     morph: &Morph,
+    height: Option<f64>,
     find: FindBox,
 ) -> Result<Pair, Stop> {
-    let from = side(model, solids, variation, morph, morph.from, find)?;
-    let to = side(model, solids, variation, morph, morph.to, find)?;
+    let from = side(model, solids, variation, morph, morph.from, height, find)?;
+    let to = side(model, solids, variation, morph, morph.to, height, find)?;
     let scale = &morph.placement.scale[0];
     if model.varies(scale) {
         let problem = "`morph.scale` changes over time, and a morph is moved and turned only";
@@ -141,7 +146,7 @@ pub(crate) fn pair(
             parts.extend(pairs.into_iter().map(|[one, two]| [first[one].clone(), second[two].clone()]));
         }
     }
-    Ok(Pair { from, to, parts, both })
+    Ok(Pair { from, to, parts, both, height })
 }
 
 /// OpenVDB's morph knows one target, and one place to start from.
@@ -164,9 +169,15 @@ fn part(model: &Model, solids: &mut Solids, whole: &Object, id: ShapeId) -> Resu
         return Err(Problem::new(shape.span, problem).help("stretch its parts"));
     }
     // Between parts values are compared: they hold everywhere.
-    let field = Arc::new(solids.values(id)?);
-    let solid = solid_box(model, id, field.as_ref())?;
-    Ok(Object { id, stage: Stage::Placed, field, solid, motion: whole.motion.clone() })
+    let (field, solid): (Arc<dyn Field>, _) = if whole.is_flat {
+        let (field, Aabb { min, max }) = profile(model, solids, id, Stage::Placed)?;
+        (field, Aabb::new(min.with_z(whole.solid.min.z), max.with_z(whole.solid.max.z)))
+    } else {
+        let field = Arc::new(solids.values(id)?);
+        let solid = solid_box(model, id, field.as_ref())?;
+        (field, solid)
+    };
+    Ok(Object { id, stage: Stage::Placed, field, solid, motion: whole.motion.clone(), is_flat: whole.is_flat })
 }
 
 fn side(
@@ -175,6 +186,7 @@ fn side(
     variation: &Variation,
     morph: &Morph,
     id: ShapeId,
+    height: Option<f64>,
     find: FindBox,
 ) -> Result<Object, Problem> {
     let shape = model.shape(id);
@@ -189,68 +201,17 @@ fn side(
     }
     let uniform = scale_is_uniform(model, shape)?;
     let stage = if uniform { Stage::Own } else { Stage::Scaled };
+    let motion = motion(model, id, uniform, morph, variation.placed(id))?;
+    if let Some(height) = height {
+        let (field, aabb) = profile(model, solids, id, stage)?;
+        // The whole's scale stands still.
+        let whole = stands(&whole(morph), true, &model.moment(model.shot.range.first as f64))?;
+        let solid = thick(aabb, height * whole.scale(), &motion, model);
+        return Ok(Object { id, stage, field, solid, motion, is_flat: true });
+    }
     let field = solids.field(id, stage)?;
     let solid = find(field.as_ref()).map_err(|error| no_box(model, id, error))?;
-    let motion = motion(model, shape, uniform, morph, variation.placed(id))?;
-    Ok(Object { id, stage, field, solid, motion })
-}
-
-/// Whether a shape is scaled alike along x, y and z; the problem where it is not, and that changes.
-fn scale_is_uniform(model: &Model, shape: &Shape) -> Result<bool, Problem> {
-    let scale = &shape.placement.scale;
-    for frame in sampled_frames(model.shot.range) {
-        let moment = model.moment(frame);
-        let [x, y, z] = [scale[0].at(&moment)?, scale[1].at(&moment)?, scale[2].at(&moment)?];
-        if x != y || x != z {
-            if scale.iter().any(|number| model.varies(number)) {
-                let problem = format!("`{}` is stretched over time, and so cannot enter a morph", shape.name);
-                return Err(Problem::new(scale[0].span, problem).help("scale it by one number, alike along x, y and z"));
-            }
-            return Ok(false);
-        }
-    }
-    Ok(true)
-}
-
-/// Where a shape of a morph stands over scene time.
-fn motion(model: &Arc<Model>, shape: &Shape, scaled: bool, morph: &Morph, moves: bool) -> Result<Motion, Problem> {
-    let own = (shape.placement.clone(), shape.span, format!("`{}`", shape.name));
-    let whole = (morph.placement.clone(), morph.span, "the morph".to_owned());
-    let moves = moves || model.placement_varies(&morph.placement);
-    let placement = move |moment: &Moment| -> Result<Similarity, Problem> {
-        Ok(stands(&own, scaled, moment)?.moved(&stands(&whole, true, moment)?))
-    };
-    let range = model.shot.range;
-    if !moves {
-        return Ok(Motion::still(placement(&model.moment(range.first as f64))?));
-    }
-    // Every frame is tried now, so that errors come with their place; what lies between is held to the frames.
-    let placements: Vec<Similarity> = sampled_frames(model.shot.range)
-        .iter()
-        .map(|frame| placement(&model.moment(*frame)))
-        .collect::<Result<_, _>>()?;
-    let model = Arc::clone(model);
-    Ok(Motion::moving(move |time| {
-        let moment = model.moment(model.shot.frame_at(time));
-        placement(&moment).unwrap_or_else(|_| {
-            let nearest = (time.clamp(0.0, 1.0) * (placements.len() - 1) as f64).round() as usize;
-            placements[nearest]
-        })
-    }))
-}
-
-/// Where a placement puts what it is of; `scaled`: its scale is one number, and counts.
-fn stands(
-    (placement, span, what): &(Placement, Span, String),
-    scaled: bool,
-    moment: &Moment,
-) -> Result<Similarity, Problem> {
-    let vector = |numbers: &[Number; 3]| -> Result<DVec3, Problem> {
-        Ok(DVec3::new(numbers[0].at(moment)?, numbers[1].at(moment)?, numbers[2].at(moment)?))
-    };
-    let scale = if scaled { placement.scale[0].at(moment)? } else { 1.0 };
-    Similarity::new(scale, vector(&placement.rotate)?, vector(&placement.translate)?)
-        .ok_or_else(|| Problem::new(*span, format!("{what} cannot be placed: a number is out of range")))
+    Ok(Object { id, stage, field, solid, motion, is_flat: false })
 }
 
 /// How one of the two objects is painted.
@@ -320,6 +281,7 @@ pub(crate) fn plan(
 ) -> Result<Planned, Stop> {
     let before = measuring.done.len();
     let mut settings = settings(model, morph, delay(model, solids, morph, measuring.voxel)?)?;
+    settings.plane = pair.height.map(|height| plane(model, morph, height)).transpose()?;
     settings.carry = carry(morph, [&pair.from, &pair.to].map(|side| (side.solid, &side.motion)), settings.over);
     let kept = plan_key(model, morph, &pair, measuring);
     let mut planned = ready(model, solids, [&pair.from, &pair.to], measuring, |from, to| {
@@ -330,7 +292,7 @@ pub(crate) fn plan(
         let part = ready(model, solids, [from, to], measuring, |from, to| Ok(whole.of_parts(from, to)))?;
         planned.parts.push(part);
     }
-    planned.bytes = measuring.done[before..].iter().map(|(_, _, side)| side.measured.bytes).sum();
+    planned.bytes = measuring.done[before..].iter().map(|(_, _, side)| side.bytes).sum();
     Ok(planned)
 }
 
@@ -413,7 +375,9 @@ fn make_alike(morphs: Vec<&mut Planned>) {
 /// An object's distance and colour.
 #[derive(Clone)]
 pub(crate) struct MeasuredSide {
-    measured: Measured,
+    distance: Arc<dyn Distance>,
+    /// Memory that the distance holds.
+    bytes: u64,
     paint: Option<Paint<3>>,
 }
 
@@ -421,7 +385,7 @@ impl MeasuredSide {
     fn object(self, side: &Object) -> MorphObject {
         MorphObject {
             surface: Arc::clone(&side.field),
-            distance: self.measured.distance,
+            distance: self.distance,
             colour: self.paint.unwrap_or_else(|| Paint::solid(TheColour.absent())).attribute,
             motion: side.motion.clone(),
         }
@@ -458,31 +422,40 @@ fn measured(
         distance(model, side, measuring, &Watch { cancel: measuring.cancel, progress: &progress })
     };
     let measure = |(which, (side, claim)): (usize, (&Object, &mut Option<Claim>))| match claim.take() {
-        Some(Claim::Known(known)) => Ok(method(model, side, measuring).restored(known, &side.field)),
+        Some(Claim::Known(known)) => Ok(distance_of(method(model, side, measuring).restored(known, &side.field))),
         Some(Claim::Open(task)) => {
             let measured = measure((which, side))?;
             task.done(&measured);
-            Ok(measured)
+            Ok(distance_of(measured))
         }
-        None => measure((which, side)),
+        None if side.is_flat => distance_in_plane(model, side, measuring),
+        None => Ok(distance_of(measure((which, side))?)),
     };
     let all = open.iter().map(|(side, _)| *side).zip(&mut claims);
-    let distances: Result<Vec<Measured>, Stop> = if fit_at_once(&open, measuring) {
+    let distances: Result<Vec<WithBytes>, Stop> = if fit_at_once(&open, measuring) {
         // Of two that go wrong the first is told, whichever ends first.
         let all: Vec<_> = all.enumerate().collect();
-        let all: Vec<Result<Measured, Stop>> = all.into_par_iter().map(measure).collect();
+        let all: Vec<Result<WithBytes, Stop>> = all.into_par_iter().map(measure).collect();
         all.into_iter().collect()
     } else {
         all.enumerate().map(measure).collect()
     };
-    for ((side, paint), measured) in open.into_iter().zip(distances?) {
+    for ((side, paint), (distance, bytes)) in open.into_iter().zip(distances?) {
         let (id, stage) = side.what();
-        measuring.done.push((id, stage, MeasuredSide { measured, paint }));
+        measuring.done.push((id, stage, MeasuredSide { distance, bytes, paint }));
     }
     Ok(sides.map(|side| measuring.known(side).cloned().unwrap_or_else(|| unreachable!("it was measured"))))
 }
 
-/// What the cache, where there is one, knows of objects.
+/// A distance, and the memory that it holds.
+type WithBytes = (Arc<dyn Distance>, u64);
+
+fn distance_of(measured: Measured) -> WithBytes {
+    (measured.distance, measured.bytes)
+}
+
+/// What the cache, where there is one, knows of objects. Measuring shapes of the plane takes so little time that they are not
+/// kept.
 fn claims<'c, P>(
     model: &Model,
     open: &[(&Object, P)],
@@ -498,7 +471,8 @@ fn claims<'c, P>(
         let part = [&part[..], model.shape(side.id).distance.key().as_bytes()].concat();
         Some((cache.key(&part, &numbers), place))
     };
-    let mut keys: Vec<([u8; 32], usize)> = open.iter().enumerate().filter_map(key).collect();
+    let solids = open.iter().enumerate().filter(|(_, (side, _))| !side.is_flat);
+    let mut keys: Vec<([u8; 32], usize)> = solids.filter_map(key).collect();
     keys.sort_unstable();
     for (key, place) in keys {
         let waiting = || {
@@ -521,13 +495,28 @@ const USUAL_BYTES_A_VOXEL: f64 = 300.0;
 /// Whether objects may be measured at the same time: together they must not take more memory than one may.
 fn fit_at_once<P>(open: &[(&Object, P)], measuring: &Measuring<'_>) -> bool {
     let Some(limit) = measuring.memory_limit.filter(|_| open.len() > 1) else { return true };
-    let voxels: f64 = open.iter().map(|(side, _)| side.band(side.cell(measuring.voxel), 3.0).voxels).sum();
+    let solids = open.iter().filter(|(side, _)| !side.is_flat);
+    let voxels: f64 = solids.map(|(side, _)| side.band(side.cell(measuring.voxel), 3.0).voxels).sum();
     BYTES_A_VOXEL * voxels <= limit as f64
 }
 
 /// How one is measured.
 fn method(model: &Model, side: &Object, measuring: &Measuring<'_>) -> &'static dyn Method {
     if measuring.roughly { &Rough } else { model.shape(side.id).distance.method() }
+}
+
+/// The distances of one of the plane, measured there.
+fn distance_in_plane(model: &Model, side: &Object, measuring: &Measuring<'_>) -> Result<WithBytes, Stop> {
+    let (shape, cell) = (model.shape(side.id), side.cell(measuring.voxel));
+    let settings = shape.distance.settings(octree::Settings::new(side.solid, cell));
+    let request = Request { field: &side.field, solid: side.solid, detail: cell, settings };
+    let watch = Watch { cancel: measuring.cancel, progress: &|_| {} };
+    let measured = shape.distance.method().measure_in_plane(&request, &watch).map_err(|error| {
+        let is_of_choice = matches!(error, octree::BuildError::SolidsOnly { .. });
+        let span = if is_of_choice { shape.distance_span } else { shape.span };
+        Stop::of_measuring(&error, |what| Problem::new(span, format!("`{}`: {what}", shape.name)))
+    })?;
+    Ok((measured.distance, measured.report.bytes as u64))
 }
 
 /// The distances of one.

@@ -26,6 +26,7 @@ use crate::shot::carry::untold;
 use crate::shot::error::Error;
 use crate::shot::level_sets::LevelSets;
 use crate::shot::morphing::{Measuring, Pair, alike, empty_frames, extent_over_shot, found_pairs, pair, plan};
+use crate::shot::plane::height;
 use crate::shot::prepared::{Prepared, Ready};
 use crate::shot::scenery::scenery;
 use crate::shot::stop::{Stop, stop_if, unless_cancelled};
@@ -176,8 +177,9 @@ fn examine(model: &Arc<Model>, options: &PrepareOptions<'_>) -> Result<Diagnosti
             warnings.extend(coarse(model, extent, about.voxel_size.get()));
         }
         Content::Morph(morphs) => {
+            let height = height(model, &mut solids, morphs)?;
             for morph in morphs {
-                let pair = pair(model, &mut solids, &variation, morph, box_about)?;
+                let pair = pair(model, &mut solids, &variation, morph, height, box_about)?;
                 let about = lattice(model, options, pair.both)?;
                 admit(model, morph, &pair, numbers_of(model, morphs), &about, options)?;
             }
@@ -308,8 +310,9 @@ fn ready_morphs(
     options: &PrepareOptions<'_>,
     precision: Precision,
 ) -> Result<(Ready, Aabb, Lattice), Stop> {
-    let pairs =
-        morphs.iter().map(|morph| pair(model, solids, variation, morph, box_of)).collect::<Result<Vec<_>, _>>()?;
+    let height = height(model, solids, morphs)?;
+    let pairs = morphs.iter().map(|morph| pair(model, solids, variation, morph, height, box_of));
+    let pairs = pairs.collect::<Result<Vec<_>, _>>()?;
     let both = pairs.iter().map(|pair| pair.both).reduce(Aabb::union).expect("a chain has a morph");
     // The in-betweens' box is known only once the objects are measured; about a voxel is enough for that.
     let about = lattice(model, options, both)?;

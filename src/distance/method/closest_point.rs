@@ -39,7 +39,7 @@ impl Method for ClosestPoint {
         let Request { field, solid, settings, .. } = request;
         let finest = solid.size().truncate().max_element() / FINEST;
         let feet = OutlineFeet::new(field.as_ref(), solid, settings.smallest_cell.max(finest), watch)?;
-        let tree = Quadtree::build(&feet, settings, watch)?;
+        let tree = Quadtree::build(&feet, *solid, settings, watch)?;
         Ok(MeasuredInPlane { report: *tree.report(), distance: Arc::new(tree) })
     }
 }

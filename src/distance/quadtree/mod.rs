@@ -80,15 +80,22 @@ pub struct Quadtree {
     leaves: Vec<(Cell, Patch)>,
     restore: Restore,
     report: Report,
+    /// The box around all that is inside.
+    shape: Aabb,
 }
 
 impl Quadtree {
-    /// Measures distances in the plane z = 0 by closest points of a field that does not know z. The region's z is of no
-    /// account.
+    /// Measures distances in the plane z = 0 by closest points of a field that does not know z, and that is nowhere positive
+    /// outside of a box. Z is of no account.
     ///
     /// # Errors
     /// Those of an octree's building.
-    pub fn build(oracle: &dyn ClosestPoint, settings: &Settings, watch: &Watch<'_>) -> Result<Self, BuildError> {
+    pub fn build(
+        oracle: &dyn ClosestPoint,
+        shape: Aabb,
+        settings: &Settings,
+        watch: &Watch<'_>,
+    ) -> Result<Self, BuildError> {
         let [min, max] = [settings.region.min, settings.region.max].map(|corner| corner.with_z(0.0));
         let settings = &Settings { region: Aabb::new(min, max), ..*settings };
         let (origin, depth) = root(settings)?;
@@ -118,6 +125,7 @@ impl Quadtree {
             nodes,
             leaves: Vec::new(),
             restore: settings.restore,
+            shape: shape.without_z(),
             report: Report {
                 cells: leaves.len(),
                 corners: jets.jets.len(),
@@ -411,7 +419,7 @@ impl Jets {
 
 impl Field for Quadtree {
     fn bounding_box(&self) -> Option<Aabb> {
-        None
+        Some(self.shape)
     }
 
     fn jumps(&self) -> bool {

@@ -12,7 +12,7 @@ fn region(reach: f64) -> Aabb {
 
 fn built(oracle: &dyn ClosestPoint, settings: &Settings) -> Quadtree {
     let cancel = AtomicBool::new(false);
-    Quadtree::build(oracle, settings, &Watch { cancel: &cancel, progress: &|_| {} }).expect("a tree")
+    Quadtree::build(oracle, settings.region, settings, &Watch { cancel: &cancel, progress: &|_| {} }).expect("a tree")
 }
 
 /// A foot by value and gradient.
@@ -192,9 +192,12 @@ fn it_is_refused_like_an_octree() {
     let watch = Watch { cancel: &cancel, progress: &|_| {} };
     let settings = Settings::new(region(1.0), 1.0 / 64.0);
     let short = Settings { memory_limit: 1000, ..settings };
-    assert!(matches!(Quadtree::build(&By(rectangle), &short, &watch), Err(BuildError::Memory { limit: 1000, .. })));
+    assert!(matches!(
+        Quadtree::build(&By(rectangle), settings.region, &short, &watch),
+        Err(BuildError::Memory { limit: 1000, .. })
+    ));
     let none = By(|_| (1.0, DVec2::X));
-    assert_eq!(Quadtree::build(&none, &settings, &watch).err(), Some(BuildError::NoSurface));
+    assert_eq!(Quadtree::build(&none, settings.region, &settings, &watch).err(), Some(BuildError::NoSurface));
     cancel.store(true, std::sync::atomic::Ordering::Relaxed);
-    assert_eq!(Quadtree::build(&By(rectangle), &settings, &watch).err(), Some(BuildError::Cancelled));
+    assert_eq!(Quadtree::build(&By(rectangle), settings.region, &settings, &watch).err(), Some(BuildError::Cancelled));
 }

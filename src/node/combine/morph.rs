@@ -59,9 +59,10 @@ pub const NODE: Spec = Spec {
     build: |build| {
         let (morph, mix) = (build.morph()?, build.number("mix")?);
         let graph = build.graph();
-        let node = graph.field(morph.field(mix));
+        let node = graph.field(morph.profile(mix));
         // The box is that of the coarse grid: to within a cell.
-        Ok(graph.bounded(node, morph.extent().grown(morph.plan().grid.edge())))
+        let aabb = morph.extent().grown(morph.plan().grid.edge());
+        Ok(graph.bounded(node, if morph.is_of_plane() { aabb.without_z() } else { aabb }))
     },
     ..Spec::PLAIN
 };

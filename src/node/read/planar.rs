@@ -5,11 +5,14 @@ use super::links::Node;
 use crate::node::argument::{Argument, Arguments};
 use crate::node::model::{Content, Shape, ShapeId};
 use crate::node::profile;
-use crate::node::spec::{Carries, Plane, Spec};
+use crate::node::spec::{Plane, Spec};
 use crate::text::diagnostic::{Diagnostic, clip};
 use crate::text::key::{Absent, Kind};
 use crate::text::number::Number;
 use crate::text::source::Span;
+
+/// What becomes of a morph between shapes of the plane.
+const FLAT_MORPH: &str = "a morph of shapes of the plane is extruded by an eighth of their longest side";
 
 impl Building<'_, '_> {
     /// Which shapes are of the plane: those that are by themselves, and set operations and blends of such.
@@ -17,11 +20,8 @@ impl Building<'_, '_> {
         let is = |spec: &Spec, plane: Plane| spec.plane == plane;
         let mut flat: Vec<bool> =
             self.shapes.iter().map(|shape| shape.as_ref().is_some_and(|shape| is(shape.spec, Plane::Flat))).collect();
-        // What a morph measures, it measures in space.
         let joins = |shape: &Shape| {
-            matches!(shape.spec.key.kind, Kind::Shapes(_) | Kind::TwoShapes)
-                && is(shape.spec, Plane::Solid)
-                && shape.spec.carries != Carries::Morph
+            matches!(shape.spec.key.kind, Kind::Shapes(_) | Kind::TwoShapes) && is(shape.spec, Plane::Solid)
         };
         // A shape is told after its operands; each round tells one level more.
         loop {
@@ -106,8 +106,20 @@ impl Building<'_, '_> {
         match content {
             Content::Shape(id) => Content::Shape(self.lift(id, &flat)),
             Content::Morph(mut morphs) => {
+                let mut shapes = morphs.iter().flat_map(|morph| [morph.from, morph.to]);
+                // OpenVDB's morph is one of level sets.
+                let in_plane = shapes.all(|id| flat.get(id.0) == Some(&true)) && !morphs[0].mode.spec.by_level_sets;
+                if in_plane {
+                    self.reader.say(Diagnostic::warning(morphs[0].span, FLAT_MORPH).help(format!(
+                        "{} say what the shapes are to be; `extrude` of a shape made by `morph` says how high",
+                        profile::LIFTING
+                    )));
+                }
                 for morph in &mut morphs {
-                    (morph.from, morph.to) = (self.lift(morph.from, &flat), self.lift(morph.to, &flat));
+                    morph.in_plane = in_plane;
+                    if !in_plane {
+                        (morph.from, morph.to) = (self.lift(morph.from, &flat), self.lift(morph.to, &flat));
+                    }
                 }
                 Content::Morph(morphs)
             }
