@@ -56,6 +56,7 @@ picture "$folder"/aitch-{diffusion,interior}.vdb --view front --size 300 --outpu
 picture red-blue --frames 7 --vary alpha=0.05,0.3,3 --vary beta=0.15,0.5,0.85 --output "$images/red-blue.png"
 field() { picture bat --size 320 "$@"; }
 outline() { field --set output.shape=outline --slice z=0 "$@"; }
+picture star-inside --set output.shape=outline --slice z=0 --slice-of way --size 320 --output "$images/star-inside.png"
 outline --slice-of f --output "$images/field-frep.png"
 outline --slice-of distance --output "$images/field-sdf.png"
 outline --set 'output.distance={ adf = 8 }' --slice-of distance --output "$images/field-adf.png"

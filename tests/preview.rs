@@ -286,7 +286,7 @@ fn slices_show_distances_and_attributes() {
     let image = read().no_deep_data().largest_resolution_level().all_channels().first_valid_layer().all_attributes();
     let image = image.from_file(place.path("far.exr")).expect("an EXR");
     let channels = &image.layer_data.channel_data.list;
-    let distance = channels.iter().find(|channel| channel.name.to_string() == "distance").expect("distances");
+    let distance = channels.iter().find(|channel| channel.name.to_string() == "distance.V").expect("distances");
     let distance: Vec<f32> = distance.sample_data.values_as_f32().collect();
     let pixel = 2.0 * 1.24 / 60.0;
     // The corner of the picture sees the ellipse at about its own height.
@@ -322,7 +322,7 @@ fn slices_are_numbers_in_an_exr() {
         let found = channels.iter().find(|channel| channel.name.to_string() == name);
         found.unwrap_or_else(|| panic!("no {name}")).sample_data.values_as_f32().collect::<Vec<f32>>()
     };
-    let [distance, f, red, inside, heat] = ["distance", "F", "R", "A", "heat"].map(channel);
+    let [distance, f, red, inside, heat] = ["distance.V", "F.V", "R", "A", "heat.V"].map(channel);
     // The picture is a little larger than the disc.
     let pixel = 2.0 * 1.24 / 50.0;
     for i in 0..50 * 50 {
@@ -360,7 +360,7 @@ fn slices_of_files_have_their_other_grids() {
     let image = image.from_file(place.path("ball.exr")).expect("an EXR");
     let channels = &image.layer_data.channel_data.list;
     let names: Vec<String> = channels.iter().map(|channel| channel.name.to_string()).collect();
-    assert_eq!(names, ["A", "B", "G", "R", "density", "distance", "heat", "vel.x", "vel.y", "vel.z"]);
+    assert_eq!(names, ["A", "B", "G", "R", "density.V", "distance.V", "heat.V", "vel.x", "vel.y", "vel.z"]);
     let channel = |name: &str| {
         let found = channels.iter().find(|channel| channel.name.to_string() == name).unwrap();
         found.sample_data.values_as_f32().collect::<Vec<f32>>()
@@ -372,7 +372,7 @@ fn slices_of_files_have_their_other_grids() {
         .filter_map(|number| number.parse().ok())
         .collect();
     let [_, x, y, _, pixel] = numbers[..] else { panic!("{comment}") };
-    for (name, at) in [("density", None), ("heat", None), ("vel.x", Some(0)), ("vel.z", Some(2))] {
+    for (name, at) in [("density.V", None), ("heat.V", None), ("vel.x", Some(0)), ("vel.z", Some(2))] {
         let grid = stored.grids.iter().find(|grid| name.starts_with(&grid.name)).unwrap();
         let values = channel(name);
         let mut known = 0;

@@ -99,6 +99,9 @@ pub fn empty(prepared: &Prepared) -> Computed {
 /// One voxel in so many that are too fast is worth a warning: a few are wherever pieces meet or vanish.
 const NOTED: u64 = 1000;
 
+/// What is thinner than this share of a voxel is no wall, but where faces meet at next to no angle.
+const RUNS_OUT: f64 = 1e-3;
+
 /// Pieces that are left out and that are crumbs have less of the volume.
 const NOTED_SHARE: f64 = 0.02;
 
@@ -115,13 +118,15 @@ pub(super) fn warnings(computed: &Computed) -> Vec<String> {
     if let Some(Thin { at, .. }) = report.thin.first() {
         let sizes = report.thin.iter().map(|thin| thin.size).filter(|&size| size > 0.0);
         let thinnest = sizes.fold(f64::INFINITY, f64::min);
-        let enough = if thinnest < f64::INFINITY {
-            format!("voxels of {}", rounded(thinnest, OF_THIN))
+        let enough = if thinnest == f64::INFINITY {
+            "they need smaller voxels to hold".into()
+        } else if thinnest < RUNS_OUT * computed.band.lattice.voxel_size.get() {
+            "some run out to nothing, and no voxels hold these".into()
         } else {
-            "smaller voxels".into()
+            format!("they need voxels of {} to hold", rounded(thinnest, OF_THIN))
         };
         warnings.push(format!(
-            "features thinner than a voxel at {}, one near ({:.4}, {:.4}, {:.4}); they need {enough} to hold",
+            "features thinner than a voxel at {}, one near ({:.4}, {:.4}, {:.4}); {enough}",
             voxels(report.thin.iter().map(|thin| u64::from(thin.voxels)).sum()),
             at.x,
             at.y,

@@ -16,12 +16,15 @@ use crate::distance::octree::BuildError;
 /// Arguments of `hfvdb accuracy`.
 #[derive(Args)]
 #[command(after_help = "\
-Columns, one number a resolution each: mean and greatest error of the distance in voxels, mean of | |∇d| − 1 |, the order of
-convergence that fits the mean errors, voxels on the wrong side, seconds (of the first method the whole band, of the
-others what comes on top of that; in the plane, of each, all of it).
+Columns, one number a resolution each: mean and greatest error of the distance in voxels, mean
+of | |∇d| − 1 |, the order of convergence that fits the mean errors, voxels on the wrong side,
+seconds (of the first method the whole band, of the others what comes on top of that; in the
+plane, of each, all of it).
 
-A second table judges `interior` and `conformal`, at as many cells of their lattice (16 to 256): errors of the way along the
-inside in cells, and of a weight.
+A second table judges `interior` and `conformal`, at as many cells of their lattice (16 to 256):
+errors of the way along the inside in cells, and of a weight.
+
+At 128 it takes minutes, most of them for what is judged along the inside.
 
 Examples:
   hfvdb accuracy                          at 32, 64 and 128 voxels along the longest side
@@ -29,7 +32,7 @@ Examples:
   hfvdb --json accuracy                   for programs")]
 pub struct Arguments {
     /// Voxels along the longest side of each shape, from 8 to 512, several with commas between them
-    #[arg(long, value_name = "N", value_delimiter = ',', default_values_t = [32, 64, 128],
+    #[arg(long, value_name = "N", value_delimiter = ',', default_value = "32,64,128",
         value_parser = clap::value_parser!(u32).range(8..=512))]
     resolution: Vec<u32>,
 }

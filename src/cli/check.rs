@@ -228,10 +228,12 @@ fn of_scene(arguments: &Arguments, global: &Global) -> Result<(), Failure> {
     if global.verbose && model.written_distance().method == ADF && estimate.memory <= limit {
         progress.stage("measuring distances");
         if let Some(shape) = prepared.in_plane(shot.first)? {
-            trees.push(("quadtree in the plane", prepared.distance_in_plane(shot.first, &shape)?.report));
+            let report = prepared.distance_in_plane(shot.first, &shape)?.report;
+            trees.extend(report.map(|report| ("quadtree in the plane", report)));
         }
         let content = prepared.frame(shot.first)?;
-        trees.push(("octree", prepared.distance(shot.first, &content.field, limit.0)?.report));
+        let report = prepared.distance(shot.first, &content.field, limit.0)?.report;
+        trees.extend(report.map(|report| ("octree", report)));
     }
     drop(progress);
     let voxel_size = prepared.lattice.voxel_size.get();

@@ -86,7 +86,7 @@ pub fn run(
                 "file_bytes": probe.file.0,
                 "total_bytes": total.0,
                 "frame_seconds": probe.frame_seconds(),
-                "seconds": seconds,
+                "seconds": prepared.is_made_alone(frame).then_some(seconds),
             },
             "memory_limit_bytes": output.max_memory.0,
             "free_disk_bytes": free.map(|free| free.0),
@@ -104,10 +104,15 @@ pub fn run(
             format!("frame {frame}, baked in memory")
         };
         let room = free.map(|free| format!(" ({free} free on the disk)")).unwrap_or_default();
+        let beside = if prepared.is_made_alone(frame) {
+            ""
+        } else {
+            " and that of OpenVDB's own morph, which makes each frame from the one before and may take many times as long"
+        };
         let _ = writeln!(
             text,
             "{} frames to bake, {} to keep\nfrom {how}: {:.2e} voxels a frame, {} of memory (limit {}), {} a file\n\
-             in all about {}{room} and {seconds:.0} s on this machine, without the disk's time",
+             in all about {}{room} and {seconds:.0} s on this machine, without the disk's time{beside}",
             to_do.len(),
             plan.len() - to_do.len(),
             probe.active_voxels,

@@ -12,6 +12,7 @@ pub mod method;
 pub mod nearest;
 pub mod octree;
 pub mod outline;
+pub mod outlined;
 pub mod polish;
 pub mod quadtree;
 mod sampled;

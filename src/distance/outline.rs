@@ -8,6 +8,8 @@
 //! **Guaranteed:** the side is that of F. **Within tolerance:** the distance, to a hundredth of a lattice cell. **Not guaranteed:**
 //! what is thinner than a cell may be missed; corners that are not found are cut where they are a 32nd of a cell wide.
 
+use std::sync::Arc;
+
 use glam::{DVec2, DVec3};
 
 use super::Foot;
@@ -41,10 +43,21 @@ const TOO_NEAR: f64 = 1e-3;
 /// settled beside it.
 const IS_ZERO: f64 = 1e-4;
 
+/// Cells along the longest side of a region, at most: pieces miss by the square of a cell.
+const FINEST: f64 = 2048.0;
+
+/// An outline in short straight pieces.
+#[derive(Clone)]
+pub struct Pieces {
+    pieces: Arc<Joined<Struts>>,
+    /// The edge of a lattice cell.
+    cell: f64,
+}
+
 /// Closest points on an outline.
 pub struct OutlineFeet<'a> {
     field: &'a dyn Field,
-    pieces: Joined<Struts>,
+    pieces: Arc<Joined<Struts>>,
     /// The edge of a lattice cell.
     cell: f64,
 }
@@ -90,13 +103,16 @@ struct Passage {
 }
 
 impl<'a> OutlineFeet<'a> {
-    /// Finds the outline in a region, whose z is of no account, on a lattice of cells of an edge.
+    /// Finds the outline in a region, whose z is of no account, on a lattice of cells of an edge, of which no more than 2,048
+    /// go along its longest side.
     ///
     /// # Errors
     /// [`BuildError::NoSurface`] where there is none, [`BuildError::Cancelled`].
     pub fn new(field: &'a dyn Field, region: &Aabb, cell: f64, watch: &Watch<'_>) -> Result<Self, BuildError> {
         let mut work = Work { evaluator: field.evaluator(), at: Gradients::new(), values: [0.0; BATCH] };
-        let size = (region.size().truncate().max_element() / cell).ceil() + 4.0;
+        let longest = region.size().truncate().max_element();
+        let cell = cell.max(longest / FINEST);
+        let size = (longest / cell).ceil() + 4.0;
         let edge = cell * f64::from((size as u32).next_power_of_two());
         // Off all round numbers, which edges of shapes have: there F is 0, and its sign is rounding.
         let at = region.centre().truncate() - 0.5 * edge + cell * DVec2::new(0.123_4, 0.271_8);
@@ -114,7 +130,17 @@ impl<'a> OutlineFeet<'a> {
         }
         let strut = |[from, to]: [DVec2; 2]| Strut::new(from.extend(0.0), to.extend(0.0), [0.0; 2]);
         let pieces = Joined::new(Struts::new(pieces.into_iter().map(strut).collect()).flattened());
-        Ok(Self { field, pieces, cell })
+        Ok(Self { field, pieces: Arc::new(pieces), cell })
+    }
+
+    /// On an outline of the same field that was found before.
+    pub fn of(field: &'a dyn Field, Pieces { pieces, cell }: &Pieces) -> Self {
+        Self { field, pieces: Arc::clone(pieces), cell: *cell }
+    }
+
+    /// What was found.
+    pub fn into_pieces(self) -> Pieces {
+        Pieces { pieces: self.pieces, cell: self.cell }
     }
 }
 

@@ -46,7 +46,7 @@ impl Keep {
 }
 
 /// Measures the band of what is kept of a field, as [`measure`](super::band::measure) does. Where nothing is dropped
-/// that is all it does; else the blocks around what is dropped are measured once more.
+/// that is all it does; else the blocks around what is dropped are measured once more, and counted again.
 pub fn measure_kept<T, V>(
     field: &dyn Field,
     settings: &Settings,
@@ -61,33 +61,43 @@ where
     if keep == Keep::ALL {
         return Ok(measured);
     }
-    let (mut all, mut left_out, mut pieces) = (0.0, 0.0, 0);
-    let dropped = voxels_of_pieces(&measured.band, |rank, volume| {
-        let drops = keep.drops(rank, volume);
-        all += volume;
-        if drops {
-            left_out += volume;
-            pieces += 1;
+    let (mut whole, mut left_out, mut pieces) = (0.0, 0.0, 0);
+    let mut dropped = Vec::new();
+    // Whether two voxels that touch along an edge are one piece hangs on the distances beside them, and so on what else is
+    // there: without some pieces another may fall apart.
+    loop {
+        let mut all = 0.0;
+        let found = voxels_of_pieces(&measured.band, |rank, volume| {
+            let drops = keep.drops(rank, volume);
+            all += volume;
+            if drops {
+                left_out += volume;
+                pieces += 1;
+            }
+            drops
+        });
+        if found.is_empty() {
+            return Ok(measured);
         }
-        drops
-    });
-    if dropped.is_empty() {
-        return Ok(measured);
+        if dropped.is_empty() {
+            whole = all;
+        }
+        dropped.extend_from_slice(&found);
+        let without = Without::new(field, settings.lattice, &dropped);
+        // A voxel is no farther than the half width from its foot, nor this from the voxels of the piece it is on than
+        // `FAR`.
+        let rings = ((f64::from(settings.half_width) + FAR) / f64::from(BLOCK_EDGE)).ceil() as i32;
+        let near = blocks_around(found.iter().map(|(origin, _)| origin), rings);
+        let changed: FxHashSet<IVec3> = blocks.iter().copied().filter(|origin| near.contains(origin)).collect();
+        // The blocks beside those offer their feet.
+        let seen = blocks_around(&changed, 1);
+        let beside: Vec<IVec3> = blocks.iter().copied().filter(|origin| seen.contains(origin)).collect();
+        let again = measure_blocks(&without, &Settings { progress: &|_| {}, ..*settings }, &visitor, &beside, CHUNK)?;
+        // A tile is inside one piece.
+        measured.replace(again, &changed, |tile| without.voxels.contains_key(&tile.origin));
+        measured.report.cut_voxels = cut_voxels(&measured.band, &settings.scope());
+        measured.report.dropped = Dropped { pieces, share: left_out / whole };
     }
-    let without = Without::new(field, settings.lattice, &dropped);
-    // A voxel is no farther than the half width from its foot, nor this from the voxels of the piece it is on than `FAR`.
-    let rings = ((f64::from(settings.half_width) + FAR) / f64::from(BLOCK_EDGE)).ceil() as i32;
-    let near = blocks_around(without.voxels.keys(), rings);
-    let changed: FxHashSet<IVec3> = blocks.iter().copied().filter(|origin| near.contains(origin)).collect();
-    // The blocks beside those offer their feet.
-    let seen = blocks_around(&changed, 1);
-    let blocks: Vec<IVec3> = blocks.into_iter().filter(|origin| seen.contains(origin)).collect();
-    let again = measure_blocks(&without, &Settings { progress: &|_| {}, ..*settings }, &visitor, &blocks, CHUNK)?;
-    // A tile is inside one piece.
-    measured.replace(again, &changed, |tile| without.voxels.contains_key(&tile.origin));
-    measured.report.cut_voxels = cut_voxels(&measured.band, &settings.scope());
-    measured.report.dropped = Dropped { pieces, share: left_out / all };
-    Ok(measured)
 }
 
 /// The blocks no more than so many blocks away from some.

@@ -12,6 +12,7 @@ use crate::distance::extent;
 use crate::distance::method::{Choice, MeasuredInPlane, Request};
 use crate::distance::nearest::Watch;
 use crate::distance::octree::{self, BuildError};
+use crate::distance::outlined::Outlined;
 use crate::field::{Aabb, Expression, Field, Graph, Interval, Node, Side};
 
 use crate::node::cache::Claim;
@@ -333,6 +334,17 @@ pub(crate) fn box_in_plane(graph: &mut Graph, shape: Node) -> Result<Aabb, exten
     let solid = graph.corner(shape, caps);
     let Aabb { min, max } = box_of(&Expression::new(graph, solid))?;
     Ok(Aabb::new(min.with_z(0.0), max.with_z(0.0)))
+}
+
+/// The distance of a shape of the plane in a box of no height by the closest points themselves, for pictures of it.
+pub(crate) fn outlined(
+    field: &Arc<dyn Field>,
+    shape: Aabb,
+    voxel: f64,
+    cancel: &AtomicBool,
+) -> Result<Arc<dyn Field>, BuildError> {
+    let outlined = Outlined::new(field, &shape, AT_CREASES * voxel, &Watch { cancel, progress: &|_| {} })?;
+    Ok(Arc::new(outlined))
 }
 
 /// The distance of a shape of the plane in a box of no height, as [`measured`] has that of a solid.

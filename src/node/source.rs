@@ -39,6 +39,8 @@ pub struct Source<const N: usize> {
     pub is_volume: bool,
     /// Whether it follows the inside of the shape, so that it changes with that.
     pub is_conformal: bool,
+    /// Whether it goes by coordinates in 32 bits, which are coarse far from the origin.
+    pub goes_by_coordinates: bool,
     /// The attribute at a moment.
     pub build: fn(&mut dyn Sourcing<N>) -> Result<Paint<N>, Problem>,
 }
@@ -53,6 +55,7 @@ impl<const N: usize> Source<N> {
         check: |_, _| None,
         is_volume: false,
         is_conformal: false,
+        goes_by_coordinates: false,
         build: |source| Ok(Paint::solid(source.absent())),
     };
 

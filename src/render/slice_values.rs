@@ -140,8 +140,9 @@ pub(super) fn scalar_at(scalar: &Scalar, positions: &[DVec3]) -> Vec<f32> {
 }
 
 impl SliceValues {
-    /// The bytes of an EXR file of one part: `R`, `G`, `B` and `A` of the inside in 16 bits; `distance`, `F` and the scalars
-    /// by their names in 32. Where the picture stands in the world is the comment.
+    /// The bytes of an EXR file of one part: `R`, `G`, `B` and `A` of the inside in 16 bits; `distance.V`, `F.V` and the scalars
+    /// by their names in 32, each a layer of its own, as compositors list them. Where the picture stands in the world is the
+    /// comment.
     ///
     /// # Errors
     /// [`PictureError::Size`] and [`PictureError::Exr`].
@@ -151,11 +152,13 @@ impl SliceValues {
         for (name, values) in [("R", red), ("G", green), ("B", blue), ("A", &self.inside)] {
             channels.push((name.into(), Values::Half(values)));
         }
-        channels.push(("distance".into(), Values::Full(&self.distance)));
-        channels.extend(self.f.as_ref().map(|values| ("F".into(), Values::Full(values))));
+        channels.push(("distance.V".into(), Values::Full(&self.distance)));
+        channels.extend(self.f.as_ref().map(|values| ("F.V".into(), Values::Full(values))));
         for (name, values) in &self.scalars {
-            let is_taken = channels.iter().any(|(taken, _)| taken == name);
-            let name = if is_taken { format!("attribute.{name}") } else { name.clone() };
+            // Parts of vectors have names of theirs.
+            let name = if name.contains('.') { name.clone() } else { format!("{name}.V") };
+            let is_taken = channels.iter().any(|(taken, _)| *taken == name);
+            let name = if is_taken { format!("attribute.{name}") } else { name };
             channels.push((name, Values::Full(values)));
         }
         encode([self.size, self.size], channels, Some(&self.place))
@@ -201,7 +204,7 @@ mod tests {
         let image = image.all_attributes().from_buffered(std::io::Cursor::new(values.encode_exr().unwrap())).unwrap();
         let layer = &image.layer_data[0];
         let names: Vec<String> = layer.channel_data.list.iter().map(|channel| channel.name.to_string()).collect();
-        assert_eq!(names, ["A", "B", "F", "G", "R", "distance", "heat", "z"]);
+        assert_eq!(names, ["A", "B", "F.V", "G", "R", "distance.V", "heat.V", "z.V"]);
         let comment = layer.attributes.comments.as_ref().unwrap().to_string();
         assert!(comment.starts_with("z = 0.6; the middle of the first pixel is at ("), "{comment}");
     }

@@ -3,14 +3,14 @@
 
 use std::sync::Arc;
 
-use crate::distance::method::Request;
+use crate::distance::method::{Choice, Request};
 use crate::distance::nearest::Watch;
 use crate::distance::octree::{Report, Settings};
 use crate::distance::step::Stepped;
 use crate::field::{Aabb, Field};
 use crate::node::extent::box_of;
 use crate::node::id::Stage;
-use crate::node::measured::{BESIDE_SURFACE, measured_in_plane, smallest_cell};
+use crate::node::measured::{BESIDE_SURFACE, measured_in_plane, outlined, smallest_cell};
 use crate::node::model::Content;
 use crate::shot::error::Error;
 use crate::shot::prepared::{Prepared, Ready};
@@ -23,8 +23,8 @@ pub type InPlane = (Arc<dyn Field>, Aabb);
 pub struct Drawn {
     /// The distance, world units, positive inside, with the smooth step that the scene asks for.
     pub distance: Arc<dyn Field>,
-    /// The tree that restores it.
-    pub report: Report,
+    /// The tree that restores it; `None` where closest points are sought anew for each place.
+    pub report: Option<Report>,
 }
 
 impl Prepared {
@@ -56,9 +56,14 @@ impl Prepared {
     pub fn distance_in_plane(&self, frame: i64, (field, aabb): &InPlane) -> Result<Drawn, Error> {
         // As good at the outline as what is measured for a band.
         let (choice, voxel) = (self.model.written_distance(), self.lattice.voxel_size.get());
+        let not_measured = |error| self.not_measured(frame, &error);
+        if choice == Choice::USUAL {
+            let outlined = outlined(field, *aabb, voxel, &self.cancel).map_err(not_measured)?;
+            return Ok(self.stepped(outlined, None));
+        }
         let measured = measured_in_plane(choice, field, *aabb, BESIDE_SURFACE, voxel, &self.cancel);
-        let measured = measured.map_err(|error| self.not_measured(frame, &error))?;
-        Ok(self.stepped(measured.distance, measured.report))
+        let measured = measured.map_err(not_measured)?;
+        Ok(self.stepped(measured.distance, Some(measured.report)))
     }
 
     /// The distance to a frame's surface, by what measures what is written. Building it takes at most so many bytes.
@@ -73,10 +78,10 @@ impl Prepared {
         let request = Request { field, solid, detail: cell, settings: choice.settings(settings) };
         let measured = choice.method().measure(&request, &Watch { cancel: &self.cancel, progress: &|_| {} });
         let measured = measured.map_err(|error| self.not_measured(frame, &error))?;
-        Ok(self.stepped(measured.distance, *measured.object.report()))
+        Ok(self.stepped(measured.distance, Some(*measured.object.report())))
     }
 
-    fn stepped(&self, distance: Arc<dyn Field>, report: Report) -> Drawn {
+    fn stepped(&self, distance: Arc<dyn Field>, report: Option<Report>) -> Drawn {
         let step = self.model.written_step().map(|s| s * self.lattice.voxel_size.get());
         let distance = match step {
             Some(s) => Arc::new(Stepped { distance, s }),

@@ -178,8 +178,11 @@ fn a_slice_draws_the_plane() {
         (worst, drawn.report)
     };
     let (usual, coarse, linear) = (error("'adf'"), error("{ adf = 6 }"), error("{ adf = 6, restore = 'linear' }"));
+    let exact = error("'closest-point'");
+    assert!(exact.0 < 1e-4 && exact.1.is_none(), "{exact:?}");
+    let trees = [coarse.1, linear.1].map(|report| report.expect("a tree"));
     assert!(usual.0 < 0.03 && coarse.0 > usual.0 && linear.0 > coarse.0, "{usual:?} {coarse:?} {linear:?}");
-    assert!(coarse.1.depth == 6 && coarse.1.hanging > 0 && coarse.1.cells == linear.1.cells, "{coarse:?}");
+    assert!(trees[0].depth == 6 && trees[0].hanging > 0 && trees[0].cells == trees[1].cells, "{trees:?}");
     assert!(prepared("[shape.a]\nsphere = 1\n").in_plane(1).expect("a frame").is_none());
 }
 

@@ -5,6 +5,7 @@ mod carry;
 mod delay;
 mod drawn;
 mod error;
+mod far;
 mod level_sets;
 mod matching;
 mod morph_paint;
@@ -31,7 +32,11 @@ mod distance_tests;
 #[cfg(test)]
 mod distance_trees;
 #[cfg(test)]
+mod far_tests;
+#[cfg(test)]
 mod frame_tests;
+#[cfg(test)]
+mod keep_tests;
 #[cfg(test)]
 mod level_set_tests;
 #[cfg(test)]

@@ -24,6 +24,7 @@ use crate::node::solid::Solids;
 use crate::node::variation::Variation;
 use crate::shot::carry::untold;
 use crate::shot::error::Error;
+use crate::shot::far::far_out;
 use crate::shot::level_sets::LevelSets;
 use crate::shot::morphing::{Measuring, Pair, alike, empty_frames, extent_over_shot, found_pairs, pair, plan};
 use crate::shot::plane::height;
@@ -197,6 +198,7 @@ fn prepare(model: &Arc<Model>, options: &PrepareOptions<'_>, precision: Precisio
     };
     warnings.extend(assets.warnings());
     warnings.extend(coarse(model, extent, lattice.voxel_size.get()));
+    warnings.extend(far_out(model, &mut solids, &parts, lattice.voxel_size.get()));
     warnings.extend(solids.insides.take_warnings());
     if let (Content::Morph(morphs), Ready::Morph(planned)) = (&model.content, &content) {
         warnings.extend(empty_frames(model, morphs, planned));

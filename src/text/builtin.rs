@@ -17,7 +17,7 @@ const SCENES: &[BuiltIn] = &[
     BuiltIn {
         name: "cube-to-heart",
         text: include_str!("../../scenes/cube-to-heart.toml"),
-        line: "a cube becomes a heart; variants rgb, linear and paper",
+        line: "a cube becomes a heart",
     },
     BuiltIn {
         name: "three-ways",
@@ -66,6 +66,11 @@ const SCENES: &[BuiltIn] = &[
         line: "a flat treble clef of circles",
     },
     BuiltIn {
+        name: "star-inside",
+        text: include_str!("../../scenes/star-inside.toml"),
+        line: "a flat star, coloured by how far heat spreads inside",
+    },
+    BuiltIn {
         name: "snowflake",
         text: include_str!("../../scenes/snowflake.toml"),
         line: "a flat snowflake, six times the same arm",
@@ -79,23 +84,15 @@ const SCENES: &[BuiltIn] = &[
     BuiltIn {
         name: "heart-slabs",
         text: include_str!("../../scenes/heart-slabs.toml"),
-        line: "a heart filled with walls, cut open; variant sphere",
+        line: "a heart filled with walls, cut open",
     },
-    BuiltIn {
-        name: "marble",
-        text: include_str!("../../scenes/marble.toml"),
-        line: "a heart of marble; variant torus",
-    },
+    BuiltIn { name: "marble", text: include_str!("../../scenes/marble.toml"), line: "a heart of marble" },
     BuiltIn {
         name: "wood-morph",
         text: include_str!("../../scenes/wood-morph.toml"),
         line: "a heart of four woods becomes a wooden ring",
     },
-    BuiltIn {
-        name: "aitch",
-        text: include_str!("../../scenes/aitch.toml"),
-        line: "a wooden H, rings by distance; variants axis, diffusion, interior",
-    },
+    BuiltIn { name: "aitch", text: include_str!("../../scenes/aitch.toml"), line: "a wooden H, rings by distance" },
     BuiltIn {
         name: "covid",
         text: include_str!("../../scenes/covid.toml"),
@@ -172,9 +169,16 @@ pub fn builtin_text(name: &str) -> Option<&'static str> {
     SCENES.iter().find(|scene| scene.name == name).map(|scene| scene.text)
 }
 
-/// What a built-in scene shows, in one line.
-pub fn builtin_line(name: &str) -> Option<&'static str> {
-    SCENES.iter().find(|scene| scene.name == name).map(|scene| scene.line)
+/// What a built-in scene shows, in one line, and what variants it has.
+pub fn builtin_line(name: &str) -> Option<String> {
+    let BuiltIn { text, line, .. } = SCENES.iter().find(|scene| scene.name == name)?;
+    let variant = |line: &'static str| Some(line.strip_prefix("[variant.")?.split_once(']')?.0);
+    let variants: Vec<&str> = text.lines().filter_map(variant).filter(|name| !name.contains('.')).collect();
+    Some(match variants.as_slice() {
+        [] => (*line).to_owned(),
+        [one] => format!("{line}; variant {one}"),
+        all => format!("{line}; variants {}", all.join(", ")),
+    })
 }
 
 /// A file that built-in scenes name.

@@ -13,10 +13,6 @@ use crate::distance::quadtree::Quadtree;
 /// The share that finding seeds has in the time that measuring takes.
 const SEEDING: f64 = 0.1;
 
-/// Cells along the longest side of a shape of the plane, at most, by which its outline is found: its pieces miss by the square of
-/// a cell.
-const FINEST: f64 = 2048.0;
-
 /// The method of closest points.
 pub struct ClosestPoint;
 
@@ -37,8 +33,7 @@ impl Method for ClosestPoint {
 
     fn measure_in_plane(&self, request: &Request<'_>, watch: &Watch<'_>) -> Result<MeasuredInPlane, BuildError> {
         let Request { field, solid, settings, .. } = request;
-        let finest = solid.size().truncate().max_element() / FINEST;
-        let feet = OutlineFeet::new(field.as_ref(), solid, settings.smallest_cell.max(finest), watch)?;
+        let feet = OutlineFeet::new(field.as_ref(), solid, settings.smallest_cell, watch)?;
         let tree = Quadtree::build(&feet, *solid, settings, watch)?;
         Ok(MeasuredInPlane { report: *tree.report(), distance: Arc::new(tree) })
     }

@@ -16,5 +16,6 @@ pub const NODE: Source<3> = Source {
     parameters: &[COLOURS, SPACE, EASE],
     example: "{ angle = \"z\", colors = [\"#1d3557\", \"#f1faee\", \"#e63946\"] }",
     build: |source| colour(source, "angle", angle),
+    goes_by_coordinates: true,
     ..Source::PLAIN
 };

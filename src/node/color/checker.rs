@@ -35,6 +35,7 @@ pub const NODE: Source<3> = Source {
         let cubes = CubeLattice { edge, solid: source.solid()?, tolerance };
         Ok(Paint::shared(Arc::new(Checker { cubes, colours: [first, second] })))
     },
+    goes_by_coordinates: true,
     ..Source::PLAIN
 };
 

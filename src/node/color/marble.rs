@@ -14,5 +14,6 @@ pub const NODE: Source<3> = Source {
     formula: "½ − ½·cos 2π(d·p/a + w·(2n(p/g) − 1)), n a sum of octaves",
     example: "{ marble = 0.5, warp = 1.5, colors = [\"#f4f1ea\", \"#d9d3c7\", \"#4a4e57\"] }",
     build: |source| colour(source, "marble", marble),
+    goes_by_coordinates: true,
     ..Source::PLAIN
 };

@@ -16,5 +16,6 @@ pub const NODE: Source<3> = Source {
     ],
     example: "{ radius = 1, colors = [\"#1d3557\", \"#f1faee\", \"#e63946\"] }",
     build: |source| colour(source, "radius", radius),
+    goes_by_coordinates: true,
     ..Source::PLAIN
 };

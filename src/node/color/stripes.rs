@@ -16,5 +16,6 @@ pub const NODE: Source<3> = Source {
         let mix = Mixer::between(ColourSpace::Rgb, first, first);
         striped(source, "stripes", colours, mix)
     },
+    goes_by_coordinates: true,
     ..Source::PLAIN
 };

@@ -9,5 +9,6 @@ pub const NODE: Source<3> = Source {
     parameters: &[DIRECTION, COLOURS, SPACE, EASE],
     example: "{ waves = 0.3, colors = [\"#1d3557\", \"#f1faee\", \"#e63946\"] }",
     build: |source| colour(source, "waves", waves),
+    goes_by_coordinates: true,
     ..Source::PLAIN
 };

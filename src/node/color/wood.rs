@@ -14,5 +14,6 @@ pub const NODE: Source<3> = Source {
     formula: "fract(√(x² + y²)/a + w·(2·n(p/g) − 1)), n value noise; back to 0 over the last of each ring",
     example: "{ wood = 0.25, colors = [\"#6b3f1d\", \"#c98f56\", \"#e2b77f\"] }",
     build: |source| colour(source, "wood", wood),
+    goes_by_coordinates: true,
     ..Source::PLAIN
 };

@@ -16,5 +16,6 @@ pub const NODE: Source<1> = Source {
     parameters: &[BETWEEN],
     example: "{ angle = \"z\" }",
     build: |source| number(source, "angle", angle),
+    goes_by_coordinates: true,
     ..Source::PLAIN
 };

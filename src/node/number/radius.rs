@@ -14,5 +14,6 @@ pub const NODE: Source<1> = Source {
     ],
     example: "{ radius = 1 }",
     build: |source| number(source, "radius", radius),
+    goes_by_coordinates: true,
     ..Source::PLAIN
 };

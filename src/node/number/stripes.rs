@@ -16,5 +16,6 @@ pub const NODE: Source<1> = Source {
         let values: Vec<[f32; 1]> = values.into_iter().map(|value| [value]).collect();
         striped(source, "stripes", values, Straight)
     },
+    goes_by_coordinates: true,
     ..Source::PLAIN
 };

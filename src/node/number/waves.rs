@@ -9,5 +9,6 @@ pub const NODE: Source<1> = Source {
     parameters: &[DIRECTION, BETWEEN],
     example: "{ waves = 0.3 }",
     build: |source| number(source, "waves", waves),
+    goes_by_coordinates: true,
     ..Source::PLAIN
 };
