@@ -88,7 +88,15 @@ impl Solids {
         let distance = self.step_distance(
             (id, step),
             levels,
-            &Purpose { solid: Solid::Step(id, step), shape, key, span: shape.span, voxel, choice: shape.distance },
+            &Purpose {
+                solid: Solid::Step(id, step),
+                shape,
+                key,
+                span: shape.span,
+                voxel,
+                around: None,
+                choice: shape.distance,
+            },
         )?;
         let body = Body::new(field, Arc::new(distance), solid, along, self.cancel())
             .map_err(|error| problem(&model, body_key, None, None, &error))?;
@@ -109,7 +117,7 @@ impl Solids {
         };
         let levels = Interval::new(-all.size().length(), 0.0);
         let (solid, voxel) = (Solid::Stage(id, Stage::Placed), Some(body.edge()));
-        let purpose = Purpose { solid, shape, key, span: shape.span, voxel, choice: shape.distance };
+        let purpose = Purpose { solid, shape, key, span: shape.span, voxel, around: None, choice: shape.distance };
         Ok(Arc::new(self.distance_values(id, levels, &purpose)?))
     }
 }

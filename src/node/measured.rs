@@ -144,6 +144,8 @@ pub(crate) struct Purpose<'a> {
     pub span: Span,
     /// A voxel's edge, where it is not to hang on the voxels of the whole.
     pub voxel: Option<f64>,
+    /// How far from the box of the solid it is asked for; `None`: as far as its levels are.
+    pub around: Option<f64>,
     /// What the distance is measured by.
     pub choice: Choice,
 }
@@ -191,8 +193,8 @@ pub(crate) struct Distances {
     cancel: Arc<AtomicBool>,
     /// Where they are kept for other runs.
     keeping: Option<Keeping>,
-    /// Those found so far, by their solids, levels, voxels and methods.
-    known: HashMap<(Node, [u64; 3], Choice), Node>,
+    /// Those found so far, by their solids, levels, voxels, how far around, and methods.
+    known: HashMap<(Node, [u64; 4], Choice), Node>,
 }
 
 impl Distances {
@@ -228,8 +230,8 @@ impl Distances {
         if let Some(distance) = told(graph, solid, levels, purpose.choice) {
             return Ok(distance);
         }
-        let levels_and_voxel = [levels.lo, levels.hi, purpose.voxel.unwrap_or(0.0)].map(f64::to_bits);
-        let key = (solid, levels_and_voxel, purpose.choice);
+        let (voxel, around) = (purpose.voxel.unwrap_or(0.0), purpose.around.unwrap_or(f64::INFINITY));
+        let key = (solid, [levels.lo, levels.hi, voxel, around].map(f64::to_bits), purpose.choice);
         if let Some(known) = self.known.get(&key) {
             return Ok(*known);
         }
@@ -298,7 +300,15 @@ impl Distances {
         // No solid has more voxels than the whole that is baked, but where it is scaled.
         let voxel = purpose.voxel.unwrap_or(reach(aabb, levels).size().max_element() / self.resolution);
         let kept = self.keeping.as_ref().map(|keeping| (keeping, purpose.solid, part.map(|(place, _)| place)));
-        let measured = measured(purpose.choice, &field, aabb, levels, voxel, kept, &self.cancel);
+        let mut request = request(purpose.choice, &field, aabb, levels, voxel);
+        let mut numbers = vec![levels.lo, levels.hi, voxel];
+        // Other methods measure in all of the region, and a chosen depth is that of a cube around it.
+        if let Some(around) = purpose.around.filter(|_| purpose.choice == Choice::USUAL) {
+            request.settings.region = aabb.grown(around);
+            numbers.push(around);
+        }
+        let watch = Watch { cancel: &self.cancel, progress: &|_| {} };
+        let measured = measured_or_kept(purpose.choice, &request, kept, &numbers, &watch);
         let measured = measured.map_err(|error| purpose.failed(&error))?;
         let node = graph.field(measured);
         let node = graph.bounded(node, aabb);

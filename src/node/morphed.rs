@@ -161,8 +161,9 @@ impl Solids {
         let (_, first) = self.solid_of(*one)?;
         let (_, second) = self.solid_of(*two)?;
         let unit = first.union(second).size().length() / 2.0;
-        let mut distance =
-            |id: ShapeId| -> Result<Arc<dyn Field>, Problem> { Ok(Arc::new(self.distance_around(id, "mix", span)?)) };
+        let mut distance = |id: ShapeId| -> Result<Arc<dyn Field>, Problem> {
+            Ok(Arc::new(self.distance_around(id, "mix", span, None)?))
+        };
         let (first, second) = (distance(*one)?, distance(*two)?);
         let [from, to] = paints.map(|paint| paint.attribute);
         let transfer = Transfer { time: mix, alpha, beta: 0.5 };

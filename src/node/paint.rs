@@ -8,12 +8,12 @@ use glam::DAffine3;
 
 use crate::attribute::{Attribute, CellIndex, FieldValue, Part, Parts, Rule, Scalar, ScalarField};
 use crate::distance::octree::BuildError;
-use crate::field::{Expression, Field, Graph, Interval};
+use crate::field::{Aabb, Expression, Field, Graph, Interval};
 use crate::mesh::NumberOf;
 use crate::node::argument::{Arguments, Component};
 use crate::node::attributes::{Asked, TheScalar};
 use crate::node::depth::Depth;
-use crate::node::extent::{box_of, solid_box};
+use crate::node::extent::{box_about, box_of, solid_box};
 use crate::node::id::Stage;
 use crate::node::keeping::Solid;
 use crate::node::measured::Purpose;
@@ -190,7 +190,7 @@ impl Solids {
                 let model = self.model();
                 let shape = model.shape(id);
                 let (span, choice, solid) = (shape.span, shape.distance, Solid::Stage(id, Stage::Placed));
-                let purpose = Purpose { solid, shape, key: "seam", span, voxel: None, choice };
+                let purpose = Purpose { solid, shape, key: "seam", span, voxel: None, around: None, choice };
                 self.distance_values(id, Interval::new(-seam / 2.0, seam / 2.0), &purpose)?
             }
             _ => plain,
@@ -198,18 +198,20 @@ impl Solids {
         Ok(Arc::new(field))
     }
 
-    /// A number or formula as a field; `id`: the shape whose formula it is, if it may read others; `values`: further ones that
-    /// it may name.
+    /// A number or formula as a field; `of`: the shape whose formula it is, if it may read others, and the box that it is asked
+    /// for in, if there is one; `values`: further ones that it may name.
     pub fn component(
         &mut self,
-        id: Option<ShapeId>,
+        of: Option<(ShapeId, Option<Aabb>)>,
         component: &Component,
         values: Vec<(String, Arc<dyn Field>)>,
     ) -> Result<Arc<dyn Field>, Problem> {
         let mut graph = Graph::new();
-        let node = match (component, id) {
+        let node = match (component, of) {
             (Component::Number(number), _) => graph.constant(self.number(number)?),
-            (Component::Formula(formula), Some(id)) => self.reading(id, formula, values)?.node(&mut graph),
+            (Component::Formula(formula), Some((id, asked))) => {
+                self.reading(id, formula, values, asked)?.node(&mut graph)
+            }
             (Component::Formula(formula), None) => formula.node_of(&mut graph, self.moment(), &[]),
         };
         Ok(Arc::new(Expression::new(&graph, node).keeping_values()))
@@ -260,12 +262,16 @@ impl<const N: usize, W: Asked<N>> Sourcing<N> for Painting<'_, W> {
 
     fn component(&mut self, component: &Component) -> Result<Arc<dyn Field>, Problem> {
         let mut values: Vec<(String, Arc<dyn Field>)> = Vec::new();
+        let mut asked = None;
         if let Component::Formula(formula) = component {
             for name in formula.given() {
                 values.push((name.to_owned(), self.named(name)?));
             }
+            if formula.distances().next().is_some() {
+                asked = box_about(self.solid()?.as_ref()).ok();
+            }
         }
-        self.solids.component(Some(self.id), component, values)
+        self.solids.component(Some((self.id, asked)), component, values)
     }
 
     fn solid(&mut self) -> Result<Arc<dyn Field>, Problem> {

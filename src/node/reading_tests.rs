@@ -46,6 +46,27 @@ fn what_is_no_distance_is_measured() {
     }
 }
 
+/// Measured around the shape that reads it, it goes on beyond.
+#[test]
+fn what_is_measured_around_its_reader_goes_on_beyond() {
+    for (reader, scale) in [("sphere = 0.3", 1.0), ("box = [2.4, 0.2, 0.2]", 1.0), ("sphere = 0.3", 2.0)] {
+        let text = format!(
+            "[shape.s]\n{reader}\nattribute.far = \"dist('pill')\"\n{}",
+            PARTS.replace("[1, 0.5, 0.5]", &format!("[1, 0.5, 0.5]\nscale = {scale}"))
+        );
+        let (mut solids, id) = solids(&text);
+        let paint = solids.paint(TheScalar("far"), id, Stage::Placed, 0.01).expect("no problem").expect("a scalar");
+        let (mut points, mut out) = (Points::new(DVec3::ZERO), [[0.0]; BATCH]);
+        let all = [(0.1, 0.4), (0.2, 0.3), (0.3, 0.2), (0.45, 0.05), (2.0, -1.5), (5.0, -4.5)];
+        all.iter().for_each(|(y, _)| points.push((DVec3::Y * scale * y).as_vec3()));
+        paint.attribute.sampler().sample(&points, &mut out);
+        for ([out], (_, wanted)) in out.into_iter().zip(all) {
+            let (found, wanted) = (f64::from(out), scale * wanted);
+            assert!((found - wanted).abs() < 2e-3 * scale.max(wanted.abs()), "{found} is not {wanted}, {reader}");
+        }
+    }
+}
+
 #[test]
 fn what_is_read_decides_what_changes_and_what_is_a_cycle() {
     let moving = model(

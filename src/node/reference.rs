@@ -99,7 +99,9 @@ a shape's formula wherever the shape is looked for, in its `bounds` and around t
 Keep arguments in range, as in `sqrt(max(x, 0))`. Functions that jump make a surface where they do.
 
 `dist('ball')` in a formula of a shape's space is the distance of another shape where it stands, positive inside, measured
-first where that shape's F is none; `attr('rib')` is an attribute of the shape itself, see [below](#names-in-formulas-let-attributes).
+first where that shape's F is none (for a colour or attribute, in and around the box of its own shape and that shape's; further
+away it is right to a few hundredths); `attr('rib')` is an attribute of the shape itself, see
+[below](#names-in-formulas-let-attributes).
 
 | function | what it gives |
 |---|---|

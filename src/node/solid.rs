@@ -511,7 +511,10 @@ impl Solids {
         let own = self.node(id, Stage::Own)?;
         let levels = Interval::new(levels.lo / scale.x, levels.hi / scale.x);
         let voxel = purpose.voxel.map(|voxel| voxel / scale.x);
-        let purpose = Purpose { solid: of(Stage::Own), voxel, ..*purpose };
+        // The box of what is turned is another.
+        let is_turned = self.vector(&shape.placement.rotate)? != DVec3::ZERO;
+        let around = purpose.around.filter(|_| !is_turned).map(|around| around / scale.x);
+        let purpose = Purpose { solid: of(Stage::Own), voxel, around, ..*purpose };
         let distance = self.distances.of(&mut self.graph, own, levels, &purpose)?;
         let map = self.placement(&shape.placement, Stage::Placed)?;
         self.transformed(distance, &map, shape)
@@ -519,9 +522,15 @@ impl Solids {
 }
 
 impl Solids {
-    /// The distance of a shape where it stands, as far on both sides as the shape is large; beyond, the measured distance
-    /// goes on. `key` needs it, at `span` of the scene.
-    pub fn distance_around(&mut self, id: ShapeId, key: &str, span: Span) -> Result<Expression, Problem> {
+    /// The distance of a shape where it stands, as far on both sides as the shape is large and around the box that it is asked
+    /// for in, if there is one; beyond, the measured distance goes on. `key` needs it, at `span` of the scene.
+    pub fn distance_around(
+        &mut self,
+        id: ShapeId,
+        key: &str,
+        span: Span,
+        asked: Option<Aabb>,
+    ) -> Result<Expression, Problem> {
         let model = self.model();
         // A shape of the plane has no end along z.
         let flat = if model.shape(id).is_flat { self.in_plane(id, Stage::Placed).ok().flatten() } else { None };
@@ -529,26 +538,40 @@ impl Solids {
         let size = aabb.map_or(1.0, |aabb| aabb.size().length().max(f64::MIN_POSITIVE));
         let shape = model.shape(id);
         let solid = Solid::Stage(id, Stage::Placed);
-        let purpose = Purpose { solid, shape, key, span, voxel: None, choice: shape.distance };
+        let around = asked.zip(aabb).map(|(asked, aabb)| around(aabb, asked, size));
+        let purpose = Purpose { solid, shape, key, span, voxel: None, around, choice: shape.distance };
         self.distance_values(id, Interval::new(-size, size), &purpose)
     }
 
-    /// A formula of a shape at the moment, with further values that it reads by their names in it.
+    /// A formula of a shape at the moment, with further values that it reads by their names in it. `asked` is the box that it is
+    /// asked for in, or a little beyond, if there is one.
     pub fn reading(
         &mut self,
         id: ShapeId,
         formula: &Formula,
         values: Vec<(String, Arc<dyn Field>)>,
+        asked: Option<Aabb>,
     ) -> Result<Reading, Problem> {
         let model = self.model();
         let mut distances = values;
         for (name, shape) in formula.distances() {
             let other = model.shape(id).reads[shape];
-            let distance = self.distance_around(other, "dist", formula.span())?;
+            let distance = self.distance_around(other, "dist", formula.span(), asked)?;
             distances.push((name.to_owned(), Arc::new(distance)));
         }
         Ok(Reading::new(formula.clone(), self.moment().clone(), distances))
     }
+}
+
+/// How far around the box of a shape of some size its distance is measured where a box is asked for: the size or a part of it by
+/// halves, so that many who ask share one. What is asked for a little beyond the box, as in a band, is within.
+fn around(aabb: Aabb, asked: Aabb, size: f64) -> f64 {
+    let beyond = (aabb.min - asked.min).max(asked.max - aabb.max).max_element().max(0.0) + size / 32.0;
+    let mut around = size;
+    while around / 2.0 >= beyond {
+        around /= 2.0;
+    }
+    around
 }
 
 /// One step of a shape while it is built.
@@ -579,7 +602,7 @@ impl<'b> Making<'b> {
             Some(Argument::Scalar(name)) => name.span,
             _ => self.shape.span,
         };
-        Purpose { solid, shape: self.shape, key, span, voxel: None, choice: self.shape.distance }
+        Purpose { solid, shape: self.shape, key, span, voxel: None, around: None, choice: self.shape.distance }
     }
 }
 
@@ -605,7 +628,7 @@ impl Build for Making<'_> {
     }
 
     fn reading(&mut self, formula: &Formula) -> Result<Reading, Problem> {
-        self.solids.reading(self.id, formula, Vec::new())
+        self.solids.reading(self.id, formula, Vec::new(), None)
     }
 
     fn inner(&mut self) -> Result<Node, Problem> {

@@ -79,7 +79,8 @@ pub(in crate::distance) const BYTES_A_CELL: usize =
 /// How a [`DistanceObject`] is built.
 #[derive(Clone, Copy, Debug)]
 pub struct Settings {
-    /// Where distances are measured with certainty; the root cell is a cube around it of at least four times its edge.
+    /// Where distances are measured with certainty: cells grow with the way to it, too. It holds the surface; the root cell is
+    /// a cube around it of at least four times its edge.
     /// Beyond the root the field goes on with the border's values and slopes.
     pub region: Aabb,
     /// The edge of the smallest cells, in world units: about a voxel. Corners of cells stand at integer multiples
@@ -98,8 +99,8 @@ pub struct Settings {
     /// How far a cell between the two may miss the distance in its middle before it is taken to lie across the medial axis,
     /// in world units. More leaves lumps, less splits what is smooth.
     pub tolerance_across: f64,
-    /// The distances whose level sets are asked for, positive inside: patches are right there, and cells grow with the
-    /// distance to them. 0 is the surface itself.
+    /// The distances whose level sets are asked for, positive inside: patches are right there in the region, and cells grow
+    /// with the distance to them. 0 is the surface itself.
     pub levels: Interval,
     /// What cells are between their corners. Which cells there are does not depend on it.
     pub restore: Restore,

@@ -9,6 +9,7 @@ use super::samples::{Sample, Samples};
 use super::tree::{Cell, CellPoints, NONE, Tree, halves_of, point_at};
 use super::{BuildError, Settings};
 use crate::distance::nearest::Watch;
+use crate::field::Aabb;
 
 /// Edges of a surface cell, in smallest cells, above which it is split unseen. Greater, and a bump can hide between
 /// the points tried; smaller, and flat faces cost more cells than they need.
@@ -80,9 +81,17 @@ fn miss_at(patch: &Patch, halves: [u32; 3], sample: &Sample) -> f64 {
     (jet[0] - sample.value).abs().max(turn * patch.edge * SLOPE_REACH)
 }
 
-/// Whether a cell is large beside the distance of its middle to the levels, so that its patch must be right.
-fn is_near(cell: &Cell, middle: f64, settings: &Settings) -> bool {
-    f64::from(cell.size) * settings.smallest_cell > settings.ratio * settings.beyond_levels(middle)
+/// How far the middle of a cell, which has that distance, is from where distances are asked for: from the levels, or from the
+/// region where that is further.
+fn away(cell: &Cell, distance: f64, samples: &Samples, settings: &Settings) -> f64 {
+    let middle = samples.position(cell.point([1; 3]));
+    let Aabb { min, max } = settings.region;
+    settings.beyond_levels(distance).max(middle.distance(middle.clamp(min, max)))
+}
+
+/// Whether a cell is large beside how far it is away, so that its patch must be right.
+fn is_near(cell: &Cell, away: f64, settings: &Settings) -> bool {
+    f64::from(cell.size) * settings.smallest_cell > settings.ratio * away
 }
 
 /// What is to be done with a cell whose corners and middle have samples.
@@ -96,12 +105,18 @@ enum Verdict {
     Across,
 }
 
-/// `middle` is the sample there; `around` is where cells across the medial axis are split.
-fn judged(cell: &Cell, patch: impl Fn() -> Patch, middle: &Sample, settings: &Settings, around: [DVec3; 2]) -> Verdict {
+/// `middle` is the sample there and how far that is away; `around` is where cells across the medial axis are split.
+fn judged(
+    cell: &Cell,
+    patch: impl Fn() -> Patch,
+    (middle, away): (&Sample, f64),
+    settings: &Settings,
+    around: [DVec3; 2],
+) -> Verdict {
     let edge = f64::from(cell.size) * settings.smallest_cell;
-    if is_near(cell, middle.value, settings) {
+    if is_near(cell, away, settings) {
         Verdict::Near
-    } else if edge > settings.ratio_across * settings.beyond_levels(middle.value)
+    } else if edge > settings.ratio_across * away
         && is_within(cell, around)
         && miss_at(&patch(), [1; 3], middle) > settings.tolerance_across
     {
@@ -153,6 +168,7 @@ pub fn refine(
         let edge = f64::from(size) * settings.smallest_cell;
         let judge = |(&node, cell): (&u32, &Cell)| {
             let middle = samples.get(cell.point([1; 3]));
+            let middle = (middle, away(cell, middle.value, samples, settings));
             let verdict = judged(cell, || lone_patch_of(tree, node, samples, edge), middle, settings, around);
             (verdict != Verdict::Small).then_some((node, *cell, verdict))
         };
@@ -165,7 +181,8 @@ pub fn refine(
         let try_out = |(node, cell, verdict): &(u32, Cell, Verdict)| {
             let points = sampled_middles(cell, samples);
             // The surface may pass through a cell whose middle is nearer to it than a corner.
-            let at_surface = settings.beyond_levels(samples.numbered(points[point_at([1; 3])]).value) <= 0.87 * edge;
+            let middle = samples.numbered(points[point_at([1; 3])]);
+            let at_surface = away(cell, middle.value, samples, settings) <= 0.87 * edge;
             let splits = *verdict == Verdict::Across
                 || (at_surface && size > LARGEST_AT_SURFACE)
                 || miss(&lone_patch_of(tree, *node, samples, edge), &points, samples) > settings.tolerance;
@@ -219,7 +236,7 @@ pub fn refine_again(
                 return false;
             }
             let patch = patch(leaf, cell);
-            is_near(cell, patch.jet([0.5; 3])[0], settings)
+            is_near(cell, away(cell, patch.jet([0.5; 3])[0], samples, settings), settings)
                 && miss(&patch, &sampled_middles(cell, samples), samples) > 2.0 * settings.tolerance
         })
         .map(|(_, &node)| node)

@@ -119,6 +119,11 @@ impl<'a> Samples<'a> {
         (position - self.origin) / self.step
     }
 
+    /// Where a point of the lattice is in the world.
+    pub fn position(&self, place: [u32; 3]) -> DVec3 {
+        self.origin + DVec3::from(place.map(f64::from)) * self.step
+    }
+
     /// Bytes held.
     pub fn bytes(&self) -> usize {
         self.taken.capacity() * size_of::<Sample>() + self.keys.capacity() * 8 + self.index.capacity() * BYTES_IN_TABLE
