@@ -40,6 +40,8 @@ pub enum Error {
     AnchorsInLine,
     /// Neither object holds any volume that the coarse grid can see.
     Empty,
+    /// The grid over all of the objects' way is so coarse that it holds neither: so few cells are across the longer of them.
+    Far(f64),
     /// The in-betweens reach too far outside both objects to be measured.
     Spreads {
         /// The scene time τ at which they first do.
@@ -92,6 +94,11 @@ impl fmt::Display for Error {
             Self::Empty => {
                 write!(f, "neither of the morph's objects holds any volume; check their formulas, sizes and places")
             }
+            Self::Far(cells) => write!(
+                f,
+                "the objects go so far that only {cells:.1} cells of the grid over their way are across them, too few for their \
+                 volumes; `carry = \"centroid\"` measures them one within the other"
+            ),
             Self::Spreads { t, .. } => write!(
                 f,
                 "the in-betweens spread far outside both objects, first at t = {t:.3}; use a smaller \

@@ -16,12 +16,11 @@ impl Morph {
         self.settings.plane.is_some()
     }
 
-    /// What it shows at scene time τ within the plane z = 0 of the world, and its box there, of no height; `None` of solids, and
-    /// where that is not the plane of its objects.
+    /// What it shows at scene time τ within its plane, and its box at z = 0, of no height; `None` of solids, and where the plane
+    /// is turned against that.
     pub fn in_plane(&self, time: f64) -> Option<(Arc<dyn Field>, Aabb)> {
         let plane = self.settings.plane?;
-        let stands = self.common.motion.at(time);
-        if stands.in_plane() != Some(stands) {
+        if self.common.motion.at(time).normal().abs() != DVec3::Z {
             return None;
         }
         let aabb = self.box_extruded(&plane, time)?;

@@ -32,6 +32,8 @@ use crate::field::{Aabb, BATCH, Field, Interval, Points};
 const STEPS: usize = 40;
 /// Steps at which a moving object's box is taken, and the coarse grid's where it moves.
 const BOX_STEPS: usize = 160;
+/// Cells of the coarse grid across the longer object, at least. Fewer miss a tenth of the volume of one that moves.
+const LEAST_ACROSS: f64 = 6.0;
 /// The coarse grid's margin around both objects, in units of D: first tried, and the most tried before giving up.
 const MARGINS: [f64; 2] = [0.15, 2.5];
 
@@ -120,6 +122,14 @@ impl Morph {
         let (mut margin, mut spreads) = (MARGINS[0], [0.0; 2]);
         while margin <= MARGINS[1] {
             let grid = CoarseGrid::over(both.grown(margin * unit), height);
+            let across = objects.iter().map(|object| {
+                let longest = object.own_box().map_or(0.0, Aabb::longest_side);
+                longest * object.motion.at(settings.over[0]).scale() / grid.edge()
+            });
+            let across = across.fold(0.0, f64::max);
+            if across < LEAST_ACROSS {
+                return Err(Error::Far(across));
+            }
             let plan =
                 Plan { unit, grid, pace: Curve::line(), changes: Vec::new(), extent: [[0.0; 3]; 2], turn: Turn::Up };
             let mut morph = Self::planned(objects.clone(), settings.clone(), plan, way.clone(), common.clone());

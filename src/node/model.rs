@@ -305,6 +305,8 @@ pub struct Morph {
     pub keep: Keep,
     /// Whether both are shapes of the plane, which are blended in it and extruded then.
     pub in_plane: bool,
+    /// How high they are extruded, where the scene says so.
+    pub height: Option<f64>,
     /// How the shape's way is found.
     pub mode: MorphMode,
     /// Whether t is re-timed so that every frame changes as much as the others.

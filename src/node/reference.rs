@@ -69,8 +69,8 @@ length in [nodes.md](nodes.md), outside of unions of such shapes, and inside wha
 solids of them, and `lathe` turns a polygon. Set operations and blends of shapes of the plane are of the plane; among solids
 such a shape is an error. Move, turn and scale it within the plane. Baked by itself it is extruded by an eighth of its longer
 side, with a warning. A `[morph]` between shapes of the plane goes on in the plane, as the papers' do, with their distances there,
-and is extruded by an eighth of their longest side; its `rotate` and `move` turn and move the solid. `extrude` of a shape made
-by `morph` has a height of its own. In `mode = \"openvdb\"` both shapes are extruded first.
+and is extruded by its `height`; its `rotate` and `move` turn and move the solid. A shape made by `morph` of two such is of the
+plane, too. What waits by `delay` goes by x and y. In `mode = \"openvdb\"` both shapes are extruded first.
 
 **Output.** hfvdb bakes the `[morph]` if there is one, otherwise `output.shape`, otherwise the only shape that no other
 shape uses.

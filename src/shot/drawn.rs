@@ -7,11 +7,12 @@ use crate::distance::method::{Choice, Request};
 use crate::distance::nearest::Watch;
 use crate::distance::octree::{Report, Settings};
 use crate::distance::step::Stepped;
+use crate::distance::without::Keep;
 use crate::field::{Aabb, Field};
 use crate::node::extent::box_of;
 use crate::node::id::Stage;
 use crate::node::measured::{BESIDE_SURFACE, measured_in_plane, outlined, smallest_cell};
-use crate::node::model::Content;
+use crate::node::model::{Content, Morph};
 use crate::shot::error::Error;
 use crate::shot::prepared::{Prepared, Ready};
 
@@ -35,7 +36,8 @@ impl Prepared {
     pub fn in_plane(&self, frame: i64) -> Result<Option<InPlane>, Error> {
         match (&self.model.content, &self.content) {
             (Content::Morph(morphs), Ready::Morph(planned)) => {
-                let is_bare = morphs[0].displace.is_none() && morphs[0].fill.is_none() && morphs[0].cut.is_none();
+                let Morph { displace, fill, cut, keep, .. } = &morphs[0];
+                let is_bare = displace.is_none() && fill.is_none() && cut.is_none() && *keep == Keep::ALL;
                 let time = self.model.shot.range.share(frame as f64);
                 let shown = &planned[self.shown(frame as f64)].morph;
                 Ok(is_bare.then(|| shown.in_plane(time)).flatten())

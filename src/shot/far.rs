@@ -24,11 +24,17 @@ pub(crate) fn far_out(model: &Model, solids: &mut Solids, parts: &[ShapeId], vox
 
 fn of_shape(model: &Model, solids: &mut Solids, id: ShapeId, voxel: f64) -> Option<Diagnostic> {
     let shape = model.shape(id);
-    let colour = shape.colour.iter().find_map(by_coordinates);
-    let span = colour.or_else(|| shape.scalars.values().find_map(by_coordinates))?;
+    if shape.colour.is_none() && shape.scalars.is_empty() {
+        return None;
+    }
     let own = solids.field(id, Stage::Own).ok()?.bounding_box()?;
     let farthest = own.min.abs().max(own.max.abs());
-    let farthest = DVec3::select(farthest.cmplt(DVec3::splat(ENDLESS)), farthest, DVec3::ZERO).max_element();
+    let farthest = DVec3::select(farthest.cmplt(DVec3::splat(ENDLESS)), farthest, DVec3::ZERO);
+    let read = |farthest: DVec3| {
+        let colour = shape.colour.iter().find_map(|given| by_coordinates(given, farthest));
+        colour.or_else(|| shape.scalars.values().find_map(|given| by_coordinates(given, farthest)))
+    };
+    let (span, farthest) = read(farthest)?;
     let scale = shape.placement.scale[0].as_constant().unwrap_or(1.0).abs();
     let nearest = farthest as f32;
     let spacing = f64::from(nearest.next_up() - nearest);
@@ -46,7 +52,13 @@ fn of_shape(model: &Model, solids: &mut Solids, id: ShapeId, voxel: f64) -> Opti
     Some(Diagnostic::warning(span, problem).help(help))
 }
 
-/// Where an attribute stands that goes by coordinates.
-fn by_coordinates<const N: usize>(given: &Given<N>) -> Option<Span> {
-    (given.source.goes_by_coordinates || given.arguments.has_components()).then_some(given.span)
+/// Where an attribute stands that goes by coordinates, and the greatest of those that it goes by.
+fn by_coordinates<const N: usize>(given: &Given<N>, farthest: DVec3) -> Option<(Span, f64)> {
+    if given.source.goes_by_coordinates {
+        return Some((given.span, farthest.max_element()));
+    }
+    let axis = |name: &str| ["x", "y", "z"].iter().position(|axis| *axis == name);
+    let axes = given.arguments.formulas().flat_map(|formula| formula.names().filter_map(axis));
+    let most = axes.map(|axis| farthest[axis]).reduce(f64::max)?;
+    Some((given.span, most))
 }

@@ -20,6 +20,12 @@ fn coordinates_that_are_too_large_for_patterns_are_told() {
     );
     let formula = said(&whole("1e6", "attribute.q = 'sin(25*x)'"));
     assert!(formula.contains("`u` reaches 1000001 units"), "{formula}");
+    let ramp = "color = { ramp = [[0, 'red'], [1, 'blue']], by = 'x' }";
+    assert!(said(&whole("1e6", ramp)).contains("`u` reaches 1000001 units"));
+    // What goes by other coordinates, by time or by a distance, is as fine as ever.
+    for fine in ["['y+0.5', 0.5, 0.5]", "['t', 0.5, 0.5]", "[\"dist('a')\", 0.5, 0.5]"] {
+        assert_eq!(said(&whole("1e6", &format!("color = {fine}"))), "", "{fine}");
+    }
     assert_eq!(said(&whole("1e6", "color = 'red'")), "");
     assert_eq!(said(&whole("1e6", "attribute.q = { noise = 0.25 }")), "");
     assert_eq!(said(&whole("1e3", wood)), "");

@@ -15,11 +15,14 @@ use crate::shot::placed::{leaves, scale_is_uniform, stands, whole};
 /// How high the longer side of the longest shape is.
 const SHARE: f64 = 1.0 / 8.0;
 
-/// How far the morphs of a chain are extruded, in their own units: an eighth of the longest side of its shapes, as large as
-/// they get. `None` of solids.
+/// How far the morphs of a chain are extruded, in their own units: as the scene says, or an eighth of the longest side of its
+/// shapes, as large as they get. `None` of solids.
 pub(crate) fn height(model: &Model, solids: &mut Solids, morphs: &[Morph]) -> Result<Option<f64>, Problem> {
     if !morphs[0].in_plane {
         return Ok(None);
+    }
+    if morphs[0].height.is_some() {
+        return Ok(morphs[0].height);
     }
     let mut longest: f64 = 0.0;
     for id in morphs.iter().flat_map(|morph| [morph.from, morph.to]) {

@@ -53,6 +53,11 @@ fn a_morph_of_the_plane_turns_in_space() {
         assert_near(&scene, frame, exact);
     }
     assert!(scene.in_plane(2).expect("a frame").is_none());
+    let moved = prepared(&format!("{CIRCLES}[morph]\nfrom = 'a'\nto = 'b'\nmove = [0, 0, 3]\nheight = 0.3\n"));
+    assert!(moved.in_plane(2).expect("a frame").is_some() && (moved.extent.size().z - 0.3).abs() < 1e-9);
+    // What `keep` leaves out is not drawn.
+    let kept = prepared(&format!("{CIRCLES}[morph]\nfrom = 'a'\nto = 'b'\nkeep = 'largest'\n"));
+    assert!(kept.in_plane(2).expect("a frame").is_none());
     // Discs that only turn and move change as if they lay still.
     let [still, moving] = [("", "['2*t', 0, 0]"), (whole, "['2*t', 0, 0]")].map(|(whole, _)| {
         let scene = prepared(&format!("{CIRCLES}[morph]\nfrom = 'a'\nto = 'b'\n{whole}"));
@@ -141,6 +146,12 @@ fn what_a_morph_of_the_plane_cannot_do_is_told() {
     assert!(method.contains("`fim` measures solids only"), "{method}");
     let warned = prepared(&format!("{SHAPES}[morph]\nfrom = 'a'\nto = 'b'\n")).model().warnings.to_string();
     assert!(warned.contains("extruded by an eighth of their longest side"), "{warned}");
+    let solid =
+        "frames = '1-3'\n[shape.a]\nsphere = 1\n[shape.b]\nbox = 1\n[morph]\nfrom = 'a'\nto = 'b'\nheight = 1\n";
+    wrong(solid, "6:2 `morph.height` is of morphs of shapes of the plane, in all modes but `openvdb`");
+    let far = "frames = '0-4'\n[shape.a]\ncircle = 1\n[shape.b]\ncircle = 1\nmove = ['500*t', 0, 0]\n[output]\nvoxel_size = 0.1\n";
+    let far = refused(&format!("{far}[morph]\nfrom = 'a'\nto = 'b'\n"));
+    assert!(far.contains("the objects go so far that only 2.7 cells") && far.contains("`carry = \"centroid\"`"), "{far}");
     // OpenVDB's morph is one of level sets: both are extruded first.
     let sets = prepared(&format!("{SHAPES}[morph]\nfrom = 'a'\nto = 'b'\nmode = 'openvdb'\n"));
     assert!(sets.model().warnings.to_string().contains("`a` is a shape of the plane: it is extruded"));

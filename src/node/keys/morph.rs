@@ -152,6 +152,14 @@ pub const MORPH: &[Key] = &[
         Text("all"),
         "Which pieces of a frame stay, of the first and the last one too. `largest`: none but the one of most volume, so no crumbs, and of letters one; `min_piece` leaves out crumbs alone.",
     ),
+    Key::new(
+        "height",
+        Kind::Constant,
+        Words("an eighth of the longest side"),
+        "How high a morph of shapes of the plane is extruded, from its bottom to its top; of shapes of the plane alone.",
+    )
+    .limit(Limit::Positive)
+    .unit("units"),
     Key::new("min_piece", Kind::Constant, Number(0.0), "Pieces of less volume, in cubic units, are left out; the largest always stays.")
         .limit(Limit::NotNegative),
 ];

@@ -53,6 +53,7 @@ impl<'r, 'a> Building<'r, 'a> {
             even_pace: fields.choice("pace") == Some("even"),
             mode,
             in_plane: false,
+            height: fields.constant("height"),
             carry: MorphCarry::Left,
             carry_ease,
             arc: fields.value("arc").and_then(|value| self.fixed_vector("morph.arc", value)).unwrap_or_default(),

@@ -109,11 +109,20 @@ impl Building<'_, '_> {
                 let mut shapes = morphs.iter().flat_map(|morph| [morph.from, morph.to]);
                 // OpenVDB's morph is one of level sets.
                 let in_plane = shapes.all(|id| flat.get(id.0) == Some(&true)) && !morphs[0].mode.spec.by_level_sets;
-                if in_plane {
-                    self.reader.say(Diagnostic::warning(morphs[0].span, FLAT_MORPH).help(format!(
-                        "{} say what the shapes are to be; `extrude` of a shape made by `morph` says how high",
-                        profile::LIFTING
-                    )));
+                let span = morphs[0].span;
+                match (in_plane, morphs[0].height) {
+                    (true, None) => self.reader.say(
+                        Diagnostic::warning(span, FLAT_MORPH)
+                            .help(format!("`height` beside says how far; {} make solids to morph", profile::LIFTING)),
+                    ),
+                    (false, Some(_)) => self.reader.say(
+                        Diagnostic::error(
+                            span,
+                            "`morph.height` is of morphs of shapes of the plane, in all modes but `openvdb`",
+                        )
+                        .help(format!("leave it out: {} have heights of their own", profile::LIFTING)),
+                    ),
+                    _ => {}
                 }
                 for morph in &mut morphs {
                     morph.in_plane = in_plane;
