@@ -342,8 +342,7 @@ pub(crate) fn box_in_plane(graph: &mut Graph, shape: Node) -> Result<Aabb, exten
     let height = graph.known_box(shape).map_or(1.0, Aabb::longest_side);
     let caps = graph.slab(DVec3::Z, if height > 0.0 { height } else { 1.0 });
     let solid = graph.corner(shape, caps);
-    let Aabb { min, max } = box_of(&Expression::new(graph, solid))?;
-    Ok(Aabb::new(min.with_z(0.0), max.with_z(0.0)))
+    Ok(box_of(&Expression::new(graph, solid))?.at_z(0.0))
 }
 
 /// The distance of a shape of the plane in a box of no height by the closest points themselves, for pictures of it.

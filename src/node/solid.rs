@@ -534,7 +534,10 @@ impl Solids {
         let model = self.model();
         // A shape of the plane has no end along z.
         let flat = if model.shape(id).is_flat { self.in_plane(id, Stage::Placed).ok().flatten() } else { None };
-        let aabb = flat.map(|(_, aabb)| aabb).or(box_of(&self.values(id)?).ok());
+        let aabb = match flat {
+            Some((_, aabb)) => Some(aabb),
+            None => box_of(&self.values(id)?).ok(),
+        };
         let size = aabb.map_or(1.0, |aabb| aabb.size().length().max(f64::MIN_POSITIVE));
         let shape = model.shape(id);
         let solid = Solid::Stage(id, Stage::Placed);

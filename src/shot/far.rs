@@ -24,16 +24,15 @@ pub(crate) fn far_out(model: &Model, solids: &mut Solids, parts: &[ShapeId], vox
 
 fn of_shape(model: &Model, solids: &mut Solids, id: ShapeId, voxel: f64) -> Option<Diagnostic> {
     let shape = model.shape(id);
-    if shape.colour.is_none() && shape.scalars.is_empty() {
-        return None;
-    }
-    let own = solids.field(id, Stage::Own).ok()?.bounding_box()?;
-    let farthest = own.min.abs().max(own.max.abs());
-    let farthest = DVec3::select(farthest.cmplt(DVec3::splat(ENDLESS)), farthest, DVec3::ZERO);
     let read = |farthest: DVec3| {
         let colour = shape.colour.iter().find_map(|given| by_coordinates(given, farthest));
         colour.or_else(|| shape.scalars.values().find_map(|given| by_coordinates(given, farthest)))
     };
+    // Most shapes read none, and need not be built for it.
+    read(DVec3::ZERO)?;
+    let own = solids.field(id, Stage::Own).ok()?.bounding_box()?;
+    let farthest = own.min.abs().max(own.max.abs());
+    let farthest = DVec3::select(farthest.cmplt(DVec3::splat(ENDLESS)), farthest, DVec3::ZERO);
     let (span, farthest) = read(farthest)?;
     let scale = shape.placement.scale[0].as_constant().unwrap_or(1.0).abs();
     let nearest = farthest as f32;

@@ -151,7 +151,10 @@ fn what_a_morph_of_the_plane_cannot_do_is_told() {
     wrong(solid, "6:2 `morph.height` is of morphs of shapes of the plane, in all modes but `openvdb`");
     let far = "frames = '0-4'\n[shape.a]\ncircle = 1\n[shape.b]\ncircle = 1\nmove = ['500*t', 0, 0]\n[output]\nvoxel_size = 0.1\n";
     let far = refused(&format!("{far}[morph]\nfrom = 'a'\nto = 'b'\n"));
-    assert!(far.contains("the objects go so far that only 2.7 cells") && far.contains("`carry = \"centroid\"`"), "{far}");
+    assert!(
+        far.contains("the objects go so far that only 2.7 cells") && far.contains("`carry = \"centroid\"`"),
+        "{far}"
+    );
     // OpenVDB's morph is one of level sets: both are extruded first.
     let sets = prepared(&format!("{SHAPES}[morph]\nfrom = 'a'\nto = 'b'\nmode = 'openvdb'\n"));
     assert!(sets.model().warnings.to_string().contains("`a` is a shape of the plane: it is extruded"));

@@ -261,9 +261,8 @@ impl Prepared {
         let Ok(solid) = box_of(whole.as_ref()) else { return Ok(whole) };
         let Some(displacement) = self.displacement(solid, by, planned, frame)? else { return Ok(whole) };
         let time = self.model.shot.range.share(frame);
-        let Content::Morph(morphs) = &self.model.content else { return Ok(whole) };
         let end = match planned.morph.stage(time) {
-            _ if self.roughly || morphs[0].in_plane => None,
+            _ if self.roughly || planned.morph.is_of_plane() => None,
             _ if self.by_openvdb(frame as i64).is_some() => None,
             Stage::From => Some(&planned.from),
             Stage::To => Some(&planned.to),
